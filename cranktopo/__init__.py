@@ -1,0 +1,1 @@
+"""Topology and shape optimisation workbench for crankshaft webs."""

@@ -1,0 +1,114 @@
+"""Entry point: lazy commands, one error funnel, documented exit codes."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from typing import Any
+
+import click
+
+from cranktopo.errors import CranktopoError, ExitCode, suggest
+
+# Command -> module that holds a click command of the same name. Modules load only when called for, so
+# that `--help` stays fast.
+COMMANDS = {
+    "optimise": "Optimise the web's density under bending and torsion; write a run with STL.",
+}
+
+_EPILOG = (
+    "Exit codes: 0 done; 1 internal error; 2 wrong use; 3 invalid design or input; 4 solver failure; "
+    "5 not converged, best result saved; 6 a requested criterion not met; 7 an optional tool is missing; "
+    "130 interrupted, checkpoint saved."
+)
+
+
+class LazyGroup(click.Group):
+    """A click group that imports a command's module when the command is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the commands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of that name, imported now."""
+        if cmd_name not in COMMANDS:
+            return None
+        module = importlib.import_module(f"cranktopo.cli.{cmd_name}")
+        command: click.Command = module.command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does, with a suggestion for a misspelt command."""
+        name = args[0]
+        if name not in COMMANDS and not name.startswith("-"):
+            raise click.UsageError(f"No such command '{name}'. {suggest(name, list(COMMANDS))}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The command list, from the table above and not from the modules."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=LazyGroup, epilog=_EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="cranktopo")
+def cli() -> None:
+    """Topology and shape optimisation of crankshaft webs.
+
+    A DESIGN is a TOML file or the name of a built-in design; without one, mikron-iiic is used.
+    """
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the command line and return its exit code (also the console script).
+
+    Args:
+        args: arguments without the program name; the process's own by default.
+    """
+    arguments = sys.argv[1:] if args is None else args
+    code = _run(arguments)
+    if args is None:
+        sys.exit(code)
+    return code
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        result: Any = cli.main(arguments, prog_name="cranktopo", standalone_mode=False)
+        return int(result) if isinstance(result, int) else ExitCode.DONE
+    except CranktopoError as error:
+        return _report(error, arguments)
+    except click.UsageError as error:
+        where = error.ctx.command_path if error.ctx else "cranktopo"
+        hint = f"See '{where} --help'."
+        return _report(CranktopoError(error.format_message(), hint=hint, code=ExitCode.USAGE), arguments)
+    except click.ClickException as error:
+        return _report(CranktopoError(error.format_message(), code=ExitCode.USAGE), arguments)
+    except (click.Abort, KeyboardInterrupt):
+        return _report(CranktopoError("interrupted.", code=ExitCode.INTERRUPTED), arguments)
+    except BrokenPipeError:
+        return ExitCode.DONE
+    except Exception as error:
+        return _internal(error, arguments)
+
+
+def _report(error: CranktopoError, arguments: list[str]) -> int:
+    if "--json" in arguments:
+        click.echo(json.dumps(error.as_json()))
+    click.echo(f"error: {error}", err=True)
+    return int(error.code)
+
+
+def _internal(error: Exception, arguments: list[str]) -> int:
+    import tempfile
+    import traceback
+
+    with tempfile.NamedTemporaryFile("w", prefix="cranktopo-crash-", suffix=".log", delete=False) as log:
+        traceback.print_exception(error, file=log)
+    message = f"internal error: {type(error).__name__}: {error}."
+    hint = f"This is a defect of cranktopo; the details are in {log.name}."
+    return _report(CranktopoError(message, hint=hint, code=ExitCode.INTERNAL), arguments)

@@ -1,0 +1,1 @@
+"""Structured grid of the half throw: masks, partial-volume cells, symmetry."""

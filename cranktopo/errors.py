@@ -1,0 +1,62 @@
+"""The one error type that a user sees: what is wrong, where, and what to do next."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from enum import IntEnum
+from typing import Any
+
+
+class ExitCode(IntEnum):
+    """Process exit codes, documented in the README and `cranktopo --help`."""
+
+    DONE = 0
+    INTERNAL = 1
+    USAGE = 2
+    INVALID_INPUT = 3
+    SOLVER = 4
+    NOT_CONVERGED = 5
+    CRITERION_NOT_MET = 6
+    MISSING_TOOL = 7
+    INTERRUPTED = 130
+
+
+class CranktopoError(Exception):
+    """A mistake or limit that the user can act on.
+
+    Args:
+        message: what is wrong, with the key path and the value.
+        hint: what to do next, one sentence.
+        code: exit code of the process.
+    """
+
+    def __init__(self, message: str, *, hint: str = "", code: ExitCode = ExitCode.INVALID_INPUT) -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+        self.code = code
+
+    def __str__(self) -> str:
+        return f"{self.message} {self.hint}".strip()
+
+    def as_json(self) -> dict[str, Any]:
+        """The error as the object that `--json` prints."""
+        return {"error": {"code": int(self.code), "message": self.message, "hint": self.hint}}
+
+
+def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoError:
+    """An invalid-input error in the house style: key path, value, allowed range, next step.
+
+    Args:
+        key: dotted path of the key, e.g. `throw.main_journal.bore_diameter_mm`.
+        value: the offending value.
+        allowed: the allowed range, e.g. `must be > 0 and < 42 mm`.
+        hint: what to do next.
+    """
+    return CranktopoError(f"{key} = {value!r}: {allowed}.", hint=hint)
+
+
+def suggest(word: str, valid: list[str]) -> str:
+    """A did-you-mean sentence for a misspelt word, listing all choices when nothing is near."""
+    near = get_close_matches(word, valid, n=1, cutoff=0.5)
+    return f"Did you mean '{near[0]}'?" if near else f"Valid: {', '.join(sorted(valid))}."

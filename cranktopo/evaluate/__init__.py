@@ -1,0 +1,1 @@
+"""Body-fitted evaluation: the independent judge."""

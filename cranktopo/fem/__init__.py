@@ -1,0 +1,1 @@
+"""Matrix-free finite elements on the structured grid, in JAX."""

@@ -1,0 +1,15 @@
+"""The frame that every module shares.
+
+Origin on the crank axis in the mid-main-journal plane. Crank axis z, throw direction +y (the crankpin
+axis is x = 0, y = throw radius), x lateral. Arrays over a grid are indexed [ix, iy, iz]; vectors carry
+the component (x, y, z) as their first axis. The half throw reaches from the mid-main-journal plane
+z = 0 to the mid-crankpin plane z = pitch / 2.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+X, Y, Z = 0, 1, 2
+
+Parity = Literal["symmetric", "antisymmetric"]

@@ -1,0 +1,1 @@
+"""Crank kinematics, gas and inertia forces, load cases."""

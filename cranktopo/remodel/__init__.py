@@ -1,0 +1,1 @@
+"""Parametric web model and its exact solid."""

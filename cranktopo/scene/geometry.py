@@ -1,0 +1,164 @@
+"""Scene tables that describe the throw, the web and the design envelope."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, PrivateAttr
+
+from cranktopo.scene.base import Finite, NonNegative, Positive, Table
+
+
+class Journal(Table):
+    """A main journal or crankpin: a cylinder with an axial bore (0 = solid) and a fillet (0 = sharp)."""
+
+    outer_diameter_mm: Positive
+    bore_diameter_mm: NonNegative = 0.0
+    length_mm: Positive
+    fillet_mm: NonNegative = 0.0
+
+    @property
+    def radius_mm(self) -> float:
+        """Outer radius, mm."""
+        return self.outer_diameter_mm / 2
+
+    @property
+    def bore_radius_mm(self) -> float:
+        """Bore radius, mm (0 = solid)."""
+        return self.bore_diameter_mm / 2
+
+
+class Throw(Table):
+    """Crank throw: radius and its two journals."""
+
+    radius_mm: Positive
+    main_journal: Journal
+    crankpin: Journal
+
+
+class CylinderPocket(Table):
+    """Cylindrical pocket with its axis parallel to the crank axis."""
+
+    shape: Literal["cylinder"]
+    face: Literal["through", "journal", "pin"] = "through"
+    x_mm: Finite = 0.0
+    y_mm: Finite
+    diameter_mm: Positive
+    depth_mm: Positive | None = None
+
+
+class SidePocket(Table):
+    """Slot cut from both lateral faces, symmetric in x."""
+
+    shape: Literal["side"]
+    y_mm: Finite
+    length_mm: Positive
+    height_mm: Positive
+    depth_mm: Positive
+
+
+class BoxPocket(Table):
+    """Box-shaped pocket cut from one web face."""
+
+    shape: Literal["box"]
+    face: Literal["journal", "pin"]
+    x_mm: Finite = 0.0
+    y_mm: Finite
+    size_x_mm: Positive
+    size_y_mm: Positive
+    depth_mm: Positive
+
+
+Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
+
+
+class _WebBase(Table):
+    thickness_mm: Positive
+    pocket: tuple[Pocket, ...] = ()
+
+
+class ObroundWeb(_WebBase):
+    """Slot-shaped web: both round ends centred on the axes."""
+
+    outline: Literal["obround"]
+    width_mm: Positive
+
+
+class RectangleWeb(_WebBase):
+    """Rectangular web reaching `overhang_mm` beyond each axis."""
+
+    outline: Literal["rectangle"]
+    width_mm: Positive
+    overhang_mm: Positive
+    corner_radius_mm: NonNegative = 0.0
+
+
+class EllipseWeb(_WebBase):
+    """Elliptical web centred half-way between the axes."""
+
+    outline: Literal["ellipse"]
+    semi_axis_throw_mm: Positive
+    semi_axis_lateral_mm: Positive
+
+
+class TaperedWeb(_WebBase):
+    """Convex hull of a circle on the crank axis and a circle on the pin axis."""
+
+    outline: Literal["tapered"]
+    main_radius_mm: Positive
+    pin_radius_mm: Positive
+
+
+class ProfileWeb(_WebBase):
+    """Half-widths at stations along the throw direction, joined by a smooth curve."""
+
+    outline: Literal["profile"]
+    stations_mm: tuple[Finite, ...] = Field(min_length=3)
+    half_widths_mm: tuple[NonNegative, ...] = Field(min_length=3)
+
+
+Web = Annotated[
+    ObroundWeb | RectangleWeb | EllipseWeb | TaperedWeb | ProfileWeb, Field(discriminator="outline")
+]
+
+
+class _EnvelopeBase(Table):
+    bearing_clearance_mm: NonNegative = 0.0
+    rod_clearance_mm: NonNegative = 0.0
+
+
+class BoxEnvelope(_EnvelopeBase):
+    """Design space: the web slab inside a box, symmetric in x."""
+
+    shape: Literal["box"]
+    half_width_mm: Positive
+    y_min_mm: Finite
+    y_max_mm: Finite
+
+
+class CylinderEnvelope(_EnvelopeBase):
+    """Design space: the web slab inside a cylinder around the crank axis."""
+
+    shape: Literal["cylinder"]
+    radius_mm: Positive
+
+
+class OutlineEnvelope(_EnvelopeBase):
+    """Design space: the web slab inside a closed polygon of (x, y) points."""
+
+    shape: Literal["outline"]
+    points_mm: tuple[tuple[Finite, Finite], ...] = Field(min_length=3)
+
+
+class StlEnvelope(_EnvelopeBase):
+    """Design space: the web slab inside a closed surface mesh, mm, in the frame of `cranktopo.frames`."""
+
+    shape: Literal["stl"]
+    file: str
+    _folder: Path = PrivateAttr(default=Path())
+
+
+Envelope = Annotated[
+    BoxEnvelope | CylinderEnvelope | OutlineEnvelope | StlEnvelope, Field(discriminator="shape")
+]

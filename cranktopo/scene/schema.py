@@ -1,0 +1,152 @@
+"""The scene: everything a user writes about one crank throw, validated and immutable."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from cranktopo.errors import invalid, suggest
+from cranktopo.scene.base import Finite, Fraction, NonNegative, Positive, Table
+from cranktopo.scene.geometry import Envelope, Throw, Web
+
+EffectState = Literal["auto", "on", "off"]
+
+
+@cache
+def material_library() -> dict[str, dict[str, Any]]:
+    """The material library shipped with the package, by name."""
+    return tomllib.loads((files("cranktopo.scene") / "materials.toml").read_text(encoding="utf-8"))
+
+
+class Material(Table):
+    """Linear elastic material; a known `name` fills in every value that is not given."""
+
+    name: str = "custom"
+    E_GPa: Positive
+    poisson: float = Field(ge=0, lt=0.5)
+    density_kg_m3: Positive
+    yield_MPa: Positive | None = None
+    ultimate_MPa: Positive | None = None
+    fatigue_tension_MPa: Positive | None = None
+    fatigue_bending_MPa: Positive | None = None
+    source: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_library(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "name" not in data:
+            return data
+        entry = material_library().get(data["name"])
+        if entry is None and not {"E_GPa", "poisson", "density_kg_m3"} <= data.keys():
+            names = list(material_library())
+            raise invalid(
+                "material.name",
+                data["name"],
+                "not in the library, and E_GPa, poisson, density_kg_m3 are not all given",
+                suggest(str(data["name"]), names),
+            )
+        return {**(entry or {}), **data}
+
+
+class Supports(Table):
+    """How the rigid mid-journal sections are held, per load case."""
+
+    torsion: Literal["free", "held", "spring"] = "free"
+    bending: Literal["pinned", "clamped", "spring"] = "pinned"
+    bearing_spring_N_per_mm: Positive | None = None
+
+
+class Gas(Table):
+    """Cylinder pressure: peak and its angle."""
+
+    peak_pressure_MPa: Positive
+    peak_angle_deg: Finite
+    ambient_pressure_MPa: Positive = 0.101325
+
+
+class Masses(Table):
+    """Moving masses of one cylinder."""
+
+    piston_group_kg: NonNegative = 0.0
+    rod_reciprocating_kg: NonNegative = 0.0
+    rod_rotating_kg: NonNegative = 0.0
+
+
+class Engine(Table):
+    """The engine that loads the throw."""
+
+    bore_mm: Positive
+    rod_length_mm: Positive
+    speed_rpm: NonNegative
+    gas: Gas | None = None
+    masses: Masses = Masses()
+    max_gas_force_N: Positive | None = None
+    max_torque_Nm: Positive | None = None
+
+
+class Effects(Table):
+    """State of each effect, and the relative change below which `auto` leaves an effect out."""
+
+    threshold: float = Field(default=0.02, gt=0, lt=1)
+    bending: EffectState = "auto"
+    torsion: EffectState = "auto"
+    tangential: EffectState = "auto"
+    reciprocating_inertia: EffectState = "auto"
+    rotating_rod_mass: EffectState = "auto"
+    centrifugal: EffectState = "auto"
+    bearing_compliance: EffectState = "auto"
+    fillets: EffectState = "auto"
+    bores: EffectState = "auto"
+    lateral_symmetry: EffectState = "auto"
+    manufacturing_constraint: EffectState = "auto"
+    fatigue: EffectState = "auto"
+
+
+class Weights(Table):
+    """Weight of each load case in the objective."""
+
+    bending: NonNegative = 0.5
+    torsion: NonNegative = 0.5
+    tangential: NonNegative = 0.5
+    centrifugal: NonNegative = 0.0
+
+
+class Optimise(Table):
+    """Settings of the density optimisation."""
+
+    volume_fraction: Fraction = 0.3
+    resolution_mm: Positive = 1.5
+    filter_radius_mm: Positive | None = None
+    max_iterations: int = Field(default=150, ge=1, le=10000)
+    weights: Weights = Weights()
+
+
+class Scene(Table):
+    """One throw, its loads, its design space and the settings of each stage."""
+
+    schema_version: Literal[1] = 1
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")
+    description: str = ""
+    throw: Throw
+    web: Web
+    material: Material
+    supports: Supports = Supports()
+    engine: Engine | None = None
+    envelope: Envelope | None = None
+    effects: Effects = Effects()
+    optimise: Optimise = Optimise()
+
+    @property
+    def pitch_mm(self) -> float:
+        """Distance between neighbouring mid-main-journal planes, mm."""
+        return self.throw.main_journal.length_mm + self.throw.crankpin.length_mm + 2 * self.web.thickness_mm
+
+    @property
+    def web_z_mm(self) -> tuple[float, float]:
+        """Axial range (journal face, pin face) of the web of the half throw, mm."""
+        start = self.throw.main_journal.length_mm / 2
+        return start, start + self.web.thickness_mm
