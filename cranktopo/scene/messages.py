@@ -21,7 +21,8 @@ def explain(error: ValidationError, source: str) -> CranktopoError:
         source: file shown in front of the key path.
     """
     details = error.errors(include_url=False)
-    first = details[0]
+    # A misspelt key also shows up as the right key missing: name the misspelling.
+    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
     more = f" ({len(details) - 1} more)" if len(details) > 1 else ""
     path = ".".join(str(part) for part in _key_path(first["loc"]))
     message, hint = _describe(first, path)
@@ -64,8 +65,7 @@ def _valid_keys(loc: tuple[int | str, ...]) -> list[str]:
     annotation: Any = Scene
     for part in loc:
         annotation = _member(annotation, str(part)) if _is_tag(annotation, part) else _child(annotation, part)
-    models = [m for m in _models(annotation)]
-    return sorted({name for model in models for name in model.model_fields})
+    return sorted({name for model in _models(annotation) for name in model.model_fields})
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
