@@ -25,7 +25,7 @@ from cranktopo.domain.outline import (
     web_outline,
 )
 from cranktopo.errors import invalid
-from cranktopo.scene.geometry import Journal
+from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.schema import Scene
 
 Extent = Literal["quarter", "half", "full"]
@@ -100,6 +100,7 @@ def build_domain(
     resolution_mm: float,
     target: Literal["envelope", "web"] = "envelope",
     extent: Extent | None = None,
+    grid: Grid | None = None,
 ) -> Domain:
     """Grid and cell fractions of a scene.
 
@@ -108,6 +109,7 @@ def build_domain(
         resolution_mm: largest cell edge, mm.
         target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
         extent: part of the throw; by default the quarter when the geometry is symmetric in x, else the half.
+        grid: a grid to fill instead of planning one, e.g. the envelope's for the original web.
 
     Raises:
         CranktopoError: no envelope, or an envelope that does not touch a journal.
@@ -115,7 +117,7 @@ def build_domain(
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = _layers(scene, target)
-    grid = _grid(scene, resolution_mm, target, extent)
+    grid = grid or _grid(scene, resolution_mm, target, extent)
     planes = {
         kind: _fractions(grid, [(layer.z, getattr(layer, kind)) for layer in layers])
         for kind in ("fixed", "design", "pin", "web")
@@ -241,18 +243,20 @@ def _without(outline: Shape, holes: Sequence[Shape]) -> Shape:
     return inside
 
 
-def _envelope(scene: Scene):  # type: ignore[no-untyped-def]
+def _envelope(scene: Scene) -> Envelope:
     if scene.envelope is None:
         raise invalid("envelope", None, "an optimisation needs a design envelope", "Add an [envelope] table.")
     return scene.envelope
 
 
 def _grid(scene: Scene, resolution_mm: float, target: Literal["envelope", "web"], extent: Extent) -> Grid:
-    bounds = envelope_bounds_mm(_envelope(scene)) if target == "envelope" else web_bounds_mm(scene)
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
     reach = max(main, pin)
-    x_range = (min(bounds[0], -reach), max(bounds[1], reach))
-    y_range = (min(bounds[2], -main), max(bounds[3], r + pin))
+    bounds = [(-reach, reach, -main, r + pin), web_bounds_mm(scene)]
+    if target == "envelope":
+        bounds.append(envelope_bounds_mm(_envelope(scene)))
+    x_range = (min(b[0] for b in bounds), max(b[1] for b in bounds))
+    y_range = (min(b[2] for b in bounds), max(b[3] for b in bounds))
     if extent == "quarter":
         x_range = (0.0, x_range[1])
     half = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -99,7 +100,9 @@ def _cycle(
     return field + smooth(residual - product(field))
 
 
-def _chebyshev(product, inverse, largest, residual: jax.Array) -> jax.Array:  # type: ignore[no-untyped-def]
+def _chebyshev(
+    product: Callable[[jax.Array], jax.Array], inverse: jax.Array, largest: jax.Array, residual: jax.Array
+) -> jax.Array:
     """Two Chebyshev steps from a zero guess (Adams et al., Parallel multigrid smoothing, JCP 188, 2003)."""
     centre = largest * (1 + 1 / SPREAD) / 2
     width = largest * (1 - 1 / SPREAD) / 2

@@ -1,0 +1,180 @@
+"""The optimisation as init / step: pure functions from state to state."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.build import Domain
+from cranktopo.fem.model import ThrowModel, build_model
+from cranktopo.fem.response import compliance_gradients, compliances, solve
+from cranktopo.loads.cases import LoadCase
+from cranktopo.optimise.criteria import update
+from cranktopo.optimise.material import (
+    Interpolation,
+    build_interpolation,
+    greyness,
+    physical_density,
+    relative_moduli,
+    volume_fraction,
+)
+from cranktopo.optimise.state import Record, State
+from cranktopo.scene.schema import Scene
+
+Array = NDArray[np.float64]
+
+# Projection continuation: beta doubles when a stage's objective has settled or its iterations are spent.
+BETA_FIRST, BETA_LAST = 1.0, 16.0
+STAGE_ITERATIONS = 12
+# A stage has settled, and the last one converged, when the objective changes by less over the window.
+STAGE_PLATEAU, FINAL_PLATEAU = 5e-3, 1e-3
+WINDOW = 3
+FEASIBILITY = 1e-3
+GREYNESS_LIMIT = 0.15
+MOVE = 0.2
+TOLERANCE = 1e-5
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Everything constant during an optimisation.
+
+    Attributes:
+        model: the discrete throw.
+        chain: density-to-modulus chain.
+        weights: objective weight per load case.
+        target: volume fraction of the design space.
+        max_iterations: limit on designs evaluated.
+    """
+
+    model: ThrowModel
+    chain: Interpolation
+    weights: tuple[float, ...]
+    target: float
+    max_iterations: int
+
+
+def build_problem(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Problem:
+    """The optimisation problem of a scene on a domain; call inside `double_precision()`.
+
+    Args:
+        scene: settings, material, supports.
+        domain: cells with a design space.
+        cases: load cases of the objective.
+    """
+    settings = scene.optimise
+    radius = settings.filter_radius_mm or default_filter_radius_mm(domain)
+    weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
+    return Problem(
+        model=build_model(scene, domain, cases),
+        chain=build_interpolation(domain, radius),
+        weights=tuple(weights[case.kind] for case in cases),
+        target=settings.volume_fraction,
+        max_iterations=settings.max_iterations,
+    )
+
+
+def default_filter_radius_mm(domain: Domain) -> float:
+    """Filter radius when the scene gives none: 2.5 cells, and never below 3 mm."""
+    return max(3.0, 2.5 * max(float(step.max()) for step in domain.grid.steps_mm))
+
+
+def init(problem: Problem) -> State:
+    """The uniform start design."""
+    x = np.full(problem.chain.design.shape, problem.target)
+    return State(x=x, displacements=np.zeros(problem.model.forces.shape), beta=BETA_FIRST)
+
+
+def step(problem: Problem, state: State) -> State:
+    """Evaluate the state's design, record it and update the design.
+
+    Args:
+        problem: the constants.
+        state: a running state.
+
+    Returns:
+        The next state; converged or stopped ones keep the design that was evaluated last.
+
+    Raises:
+        CranktopoError: the linear solve failed.
+    """
+    started = time.perf_counter()
+    model = problem.model
+    beta = jnp.asarray(state.beta)
+    x = jnp.asarray(state.x)
+    moduli, volume, grey = _design(problem.chain, x, beta)
+    solution = solve(model, moduli, guess=jnp.asarray(state.displacements), tolerance=TOLERANCE)
+    values = tuple(float(c) for c in compliances(model, solution.displacements))
+    initial = state.initial_N_mm or values
+    factors = jnp.asarray([w / c for w, c in zip(problem.weights, initial, strict=True)])
+    factors = factors / sum(problem.weights)
+    by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, solution.displacements))
+    new_x = np.asarray(_update(problem.chain, x, beta, by_moduli, jnp.asarray(problem.target), jnp.asarray(MOVE)))
+    record = Record(
+        iteration=len(state.history) + 1,
+        beta=state.beta,
+        objective=float(jnp.dot(factors, jnp.asarray(values))),
+        compliance_N_mm=values,
+        volume_fraction=float(volume),
+        greyness=float(grey),
+        change=float(np.abs(new_x - state.x).max()),
+        cg_iterations=int(solution.iterations),
+        seconds=time.perf_counter() - started,
+    )
+    advanced = replace(
+        state,
+        displacements=np.asarray(solution.displacements),
+        initial_N_mm=initial,
+        history=(*state.history, record),
+    )
+    return _advance(problem, advanced, new_x)
+
+
+def final_density(problem: Problem, state: State) -> Array:
+    """Physical density (nx, ny, nw) of the state's design."""
+    return np.asarray(physical_density(problem.chain, jnp.asarray(state.x), state.beta))
+
+
+def _advance(problem: Problem, state: State, new_x: Array) -> State:
+    """Decide what follows an evaluated design: stop, sharpen the projection, or take the new design."""
+    in_stage = len(state.history) - state.stage_start
+    last = state.history[-1]
+    feasible = abs(last.volume_fraction - problem.target) <= FEASIBILITY
+    if state.beta >= BETA_LAST and feasible and last.greyness <= GREYNESS_LIMIT:
+        if in_stage > WINDOW and _plateau(state, in_stage) < FINAL_PLATEAU:
+            return replace(
+                state,
+                status="converged",
+                reason=(
+                    f"objective changed by less than {FINAL_PLATEAU:g} over {WINDOW} iterations, volume within "
+                    f"{FEASIBILITY:g}, greyness {last.greyness:.3f} at or below {GREYNESS_LIMIT:g}"
+                ),
+            )
+    if len(state.history) >= problem.max_iterations:
+        reason = f"iteration limit {problem.max_iterations} reached before the objective settled"
+        return replace(state, status="stopped", reason=reason)
+    settled = in_stage > WINDOW and _plateau(state, in_stage) < STAGE_PLATEAU
+    if state.beta < BETA_LAST and (settled or in_stage >= STAGE_ITERATIONS):
+        return replace(state, x=new_x, beta=state.beta * 2, stage_start=len(state.history))
+    return replace(state, x=new_x)
+
+
+def _plateau(state: State, in_stage: int) -> float:
+    """Relative spread of the objective over the last window of the current stage."""
+    recent = [row.objective for row in state.history[-min(WINDOW + 1, in_stage) :]]
+    return (max(recent) - min(recent)) / abs(recent[-1])
+
+
+@jax.jit
+def _design(chain: Interpolation, x: jax.Array, beta: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    density = physical_density(chain, x, beta)
+    return relative_moduli(chain, density), volume_fraction(chain, density), greyness(chain, density)
+
+
+_update = jax.jit(update)
