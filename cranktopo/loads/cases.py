@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import Literal
-
+from cranktopo.loads.load_case import LoadCase, LoadKind
+from cranktopo.loads.states import extreme_states
 from cranktopo.scene import Scene
 
-LoadKind = Literal["bending", "torsion", "tangential", "centrifugal"]
+__all__ = ["DEFAULT_EFFECTS", "LoadCase", "LoadKind", "load_cases"]
+
+DEFAULT_EFFECTS = frozenset({"bending", "torsion", "reciprocating_inertia", "rotating_rod_mass"})
 
 
-@dataclass(frozen=True)
-class LoadCase:
-    """One load case of a throw; forces are those of the full throw.
+def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[LoadCase, ...]:
+    """The load cases of a scene.
 
-    Attributes:
-        name: unique name, used as key in metrics.
-        kind: which load and which mirror symmetry about the mid-pin plane.
-        radial_N: force on the crankpin along -y (compression of the rod), N.
-        tangential_N: force on the crankpin along x, N.
-        torque_Nm: torque at the two mid-journal planes, equal and opposite, N m.
-        speed_rpm: speed for body forces, rpm.
-        source: where the numbers come from, one sentence.
+    Args:
+        scene: the scene; without an engine the cases carry unit loads (1000 N, 1 N m).
+        enabled: names of the effects that are on; bending, torsion and the inertia of piston and rod when
+            not given.
+
+    Returns:
+        One case per kind that is enabled, in the order bending, torsion, tangential, centrifugal, named
+        after its kind.
+
+    Raises:
+        CranktopoError: gas data that cannot be used.
     """
-
-    name: str
-    kind: LoadKind
-    radial_N: float = 0.0
-    tangential_N: float = 0.0
-    torque_Nm: float = 0.0
-    speed_rpm: float = 0.0
-    source: str = ""
+    effects = DEFAULT_EFFECTS if enabled is None else enabled
+    states = extreme_states(scene, effects)
+    return tuple(state.case for state in states if not state.redundant and state.case.kind in effects)

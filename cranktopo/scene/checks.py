@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.errors import invalid
+from cranktopo.scene.checks_engine import check_engine, check_supports
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
 
@@ -16,8 +17,8 @@ def check_scene(scene: Scene) -> None:
     _check_journal("throw.main_journal", scene.throw.main_journal)
     _check_journal("throw.crankpin", scene.throw.crankpin)
     _check_bores_apart(scene)
-    _check_engine(scene)
-    _check_supports(scene)
+    check_engine(scene)
+    check_supports(scene)
     _check_profile(scene)
     _check_envelope(scene)
 
@@ -41,33 +42,11 @@ def _check_journal(key: str, journal: Journal) -> None:
 def _check_bores_apart(scene: Scene) -> None:
     """Main and pin bores both run through the web: they must not meet there."""
     main, pin, radius = scene.throw.main_journal, scene.throw.crankpin, scene.throw.radius_mm
-    if (
-        main.bore_diameter_mm
-        and pin.bore_diameter_mm
-        and main.bore_radius_mm + pin.bore_radius_mm >= radius
-    ):
+    if main.bore_diameter_mm and pin.bore_diameter_mm and main.bore_radius_mm + pin.bore_radius_mm >= radius:
         raise invalid(
             "throw.crankpin.bore_diameter_mm",
             pin.bore_diameter_mm,
             f"pin and main bores meet in the web; their radii must add up to less than {radius:g} mm",
-        )
-
-
-def _check_engine(scene: Scene) -> None:
-    engine = scene.engine
-    if engine is not None and engine.rod_length_mm <= scene.throw.radius_mm:
-        raise invalid(
-            "engine.rod_length_mm",
-            engine.rod_length_mm,
-            f"must be longer than throw.radius_mm = {scene.throw.radius_mm:g} mm",
-        )
-
-
-def _check_supports(scene: Scene) -> None:
-    supports = scene.supports
-    if "spring" in (supports.torsion, supports.bending) and supports.bearing_spring_N_per_mm is None:
-        raise invalid(
-            "supports.bearing_spring_N_per_mm", None, "must be > 0 N/mm when a support is 'spring'"
         )
 
 

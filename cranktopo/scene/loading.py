@@ -43,12 +43,13 @@ def resolve_design(design: str) -> Path:
     raise CranktopoError(f"design '{design}': {what}.", hint=suggest(design, builtin_designs()))
 
 
-def parse_scene(text: str, source: str = "scene") -> Scene:
+def parse_scene(text: str, source: str = "scene", folder: Path | None = None) -> Scene:
     """A validated scene from TOML text.
 
     Args:
         text: the TOML document.
         source: name shown in messages.
+        folder: folder that relative file names in the scene refer to; the current one by default.
 
     Raises:
         CranktopoError: malformed TOML, unknown key, value outside its range, inconsistent geometry.
@@ -57,7 +58,17 @@ def parse_scene(text: str, source: str = "scene") -> Scene:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise CranktopoError(f"{source}: not valid TOML: {error}.", hint="Fix that line.") from None
-    return scene_from_dict(data, source)
+    return scene_from_dict(_with_resolved_files(data, folder or Path.cwd()), source)
+
+
+def _with_resolved_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The data with the indicator file's name made absolute; data of a wrong type is left for validation."""
+    engine = data.get("engine")
+    gas = engine.get("gas") if isinstance(engine, dict) else None
+    if not isinstance(gas, dict) or not isinstance(gas.get("indicator_csv"), str):
+        return data
+    file = str((folder / gas["indicator_csv"]).resolve())
+    return {**data, "engine": {**data["engine"], "gas": {**gas, "indicator_csv": file}}}
 
 
 def scene_from_dict(data: dict[str, Any], source: str = "scene") -> Scene:
@@ -77,4 +88,4 @@ def load_scene(design: str) -> Scene:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise CranktopoError(f"design '{design}': cannot be read: {error}.") from None
-    return parse_scene(text, str(path))
+    return parse_scene(text, str(path), path.resolve().parent)

@@ -39,7 +39,9 @@ def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         context = detail.get("ctx", {})
         tag = str(context.get("discriminator", "")).strip("'")
-        valid = [word.strip(" '") for word in str(context.get("expected_tags", "")).split(",") if word.strip()]
+        valid = [
+            word.strip(" '") for word in str(context.get("expected_tags", "")).split(",") if word.strip()
+        ]
         value = context.get("tag")
         return f"{path}.{tag} = {value!r}: unknown choice", suggest(str(value), valid) if valid else (
             f"Give {tag}."

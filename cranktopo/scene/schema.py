@@ -10,8 +10,10 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from cranktopo.errors import invalid, suggest
-from cranktopo.scene.base import Finite, Fraction, NonNegative, Positive, Table
+from cranktopo.scene.base import Fraction, NonNegative, Positive, Table
+from cranktopo.scene.engine import Engine
 from cranktopo.scene.geometry import Envelope, Throw, Web
+from cranktopo.scene.supports import Supports
 
 EffectState = Literal["auto", "on", "off"]
 
@@ -50,42 +52,6 @@ class Material(Table):
                 suggest(str(data["name"]), names),
             )
         return {**(entry or {}), **data}
-
-
-class Supports(Table):
-    """How the rigid mid-journal sections are held, per load case."""
-
-    torsion: Literal["free", "held", "spring"] = "free"
-    bending: Literal["pinned", "clamped", "spring"] = "pinned"
-    bearing_spring_N_per_mm: Positive | None = None
-
-
-class Gas(Table):
-    """Cylinder pressure: peak and its angle."""
-
-    peak_pressure_MPa: Positive
-    peak_angle_deg: Finite
-    ambient_pressure_MPa: Positive = 0.101325
-
-
-class Masses(Table):
-    """Moving masses of one cylinder."""
-
-    piston_group_kg: NonNegative = 0.0
-    rod_reciprocating_kg: NonNegative = 0.0
-    rod_rotating_kg: NonNegative = 0.0
-
-
-class Engine(Table):
-    """The engine that loads the throw."""
-
-    bore_mm: Positive
-    rod_length_mm: Positive
-    speed_rpm: NonNegative
-    gas: Gas | None = None
-    masses: Masses = Masses()
-    max_gas_force_N: Positive | None = None
-    max_torque_Nm: Positive | None = None
 
 
 class Effects(Table):

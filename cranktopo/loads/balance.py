@@ -1,0 +1,112 @@
+"""Mass, unbalance and inertia of a throw in closed form, and the counterweight that it needs.
+
+Journals, bores and fillets are exact; the web is integrated over strips of its outline. A fillet that
+reaches beyond the web's edge is counted whole.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.scene import Scene
+from cranktopo.scene.geometry import Journal
+from cranktopo.scene.web_section import Moments, web_moments
+
+KG_PER_MM3 = 1e-9  # times a density in kg/m3
+
+
+@dataclass(frozen=True)
+class ThrowBalance:
+    """Mass properties of the throw between its two mid-journal planes, and its balance with the rod.
+
+    Attributes:
+        mass_kg: mass of the throw, kg.
+        web_kg: mass of one web, kg.
+        journal_kg: mass of the main journal (both halves), kg.
+        crankpin_kg: mass of the crankpin between the web faces, kg.
+        throw_unbalance_kg_mm: mass times y of the throw's centre of mass, kg mm.
+        lateral_unbalance_kg_mm: mass times x of the throw's centre of mass, kg mm.
+        rotating_unbalance_kg_mm: with the rotating mass of the rod on the pin, kg mm.
+        inertia_kg_mm2: inertia of the throw about the crank axis, kg mm2.
+        rod_inertia_kg_mm2: what the rotating mass of the rod adds to it, kg mm2.
+    """
+
+    mass_kg: float
+    web_kg: float
+    journal_kg: float
+    crankpin_kg: float
+    throw_unbalance_kg_mm: float
+    lateral_unbalance_kg_mm: float
+    rotating_unbalance_kg_mm: float
+    inertia_kg_mm2: float
+    rod_inertia_kg_mm2: float
+
+    @property
+    def counterweight_kg_mm(self) -> float:
+        """Mass times radius of the counterweights of both webs that balance the rotating masses, kg mm."""
+        return self.rotating_unbalance_kg_mm
+
+    def as_json(self) -> dict[str, float]:
+        """The balance with units in the names."""
+        return {
+            "rotating_unbalance_kg_mm": self.rotating_unbalance_kg_mm,
+            "inertia_kg_mm2": self.inertia_kg_mm2,
+            "counterweight_kg_mm": self.counterweight_kg_mm,
+            "throw_unbalance_kg_mm": self.throw_unbalance_kg_mm,
+            "lateral_unbalance_kg_mm": self.lateral_unbalance_kg_mm,
+            "rod_inertia_kg_mm2": self.rod_inertia_kg_mm2,
+            "throw_mass_kg": self.mass_kg,
+            "web_mass_kg": self.web_kg,
+            "journal_mass_kg": self.journal_kg,
+            "crankpin_mass_kg": self.crankpin_kg,
+        }
+
+
+def throw_balance(scene: Scene) -> ThrowBalance:
+    """Mass properties of the scene's throw with its own web; the rod counts when the scene has an engine.
+
+    U = m_pin r + 2 m_web e_web + m_rod,rot r, with the fillets among them.
+    """
+    throw, radius = scene.throw, scene.throw.radius_mm
+    density = scene.material.density_kg_m3 * KG_PER_MM3
+    web = web_moments(scene).times(density)
+    journal = _cylinder(throw.main_journal, 0.0).times(density)
+    crankpin = _cylinder(throw.crankpin, radius).times(density)
+    fillets = (_fillets(throw.main_journal, 0.0) + _fillets(throw.crankpin, radius)).times(density)
+    total = journal + crankpin + fillets + web + web
+    rod_kg = scene.engine.masses.rod_rotating_kg if scene.engine else 0.0
+    return ThrowBalance(
+        mass_kg=total.area,
+        web_kg=web.area,
+        journal_kg=journal.area,
+        crankpin_kg=crankpin.area,
+        throw_unbalance_kg_mm=total.first_y,
+        lateral_unbalance_kg_mm=total.first_x,
+        rotating_unbalance_kg_mm=total.first_y + rod_kg * radius,
+        inertia_kg_mm2=total.polar,
+        rod_inertia_kg_mm2=rod_kg * radius**2,
+    )
+
+
+def _cylinder(journal: Journal, y: float) -> Moments:
+    """Moments of the hollow cylinder of a journal, its axis at (0, y)."""
+    outer, bore = journal.radius_mm, journal.bore_radius_mm
+    area = math.pi * (outer**2 - bore**2)
+    own_polar = math.pi / 2 * (outer**4 - bore**4)
+    return Moments(area, 0.0, area * y, own_polar + area * y**2).times(journal.length_mm)
+
+
+def _fillets(journal: Journal, y: float) -> Moments:
+    """Moments of the two fillet rings of a journal: a square corner less a quarter circle, revolved."""
+    fillet, radius = journal.fillet_mm, journal.radius_mm
+    nodes, weights = np.polynomial.legendre.leggauss(32)
+    angle = np.pi / 4 * (nodes + 1)
+    # Along the arc the ring reaches from the journal to `edge`, over the axial step dz = fillet sin(a) da.
+    edge = radius + fillet * (1 - np.sin(angle))
+    dz = fillet * np.sin(angle) * weights * np.pi / 4
+    volume = 2 * float((math.pi * (edge**2 - radius**2) * dz).sum())
+    own_polar = 2 * float((math.pi / 2 * (edge**4 - radius**4) * dz).sum())
+    return Moments(volume, 0.0, volume * y, own_polar + volume * y**2)

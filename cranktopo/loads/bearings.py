@@ -1,0 +1,83 @@
+"""Radial stiffness of one main bearing: given, from the clearance of a plain bearing, or from rollers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.errors import invalid
+from cranktopo.loads.gas import gas_force_N, pressure_curve
+from cranktopo.scene import Scene
+from cranktopo.scene.supports import RollerBearing
+
+
+@dataclass(frozen=True)
+class LinearFit:
+    """Straight line through the load-displacement table of one roller.
+
+    Attributes:
+        slope_N_per_mm: tangent stiffness of a roller, N/mm.
+        intercept_N: force of the line at zero displacement, N (negative: Hertzian contact starts soft).
+        r2: coefficient of determination.
+    """
+
+    slope_N_per_mm: float
+    intercept_N: float
+    r2: float
+
+
+def bearing_spring_N_per_mm(scene: Scene) -> float | None:
+    """Radial stiffness of one main bearing of a scene, N/mm; None when the scene says nothing about it."""
+    supports = scene.supports
+    if supports.bearing_spring_N_per_mm is not None:
+        return supports.bearing_spring_N_per_mm
+    if supports.roller_bearing is not None:
+        return roller_bearing_spring_N_per_mm(supports.roller_bearing)
+    if supports.bearing_clearance_mm is not None:
+        return clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
+    return None
+
+
+def max_gas_force_N(scene: Scene) -> float:
+    """Largest gas force on the piston, N: as given, else from the pressure curve.
+
+    Raises:
+        CranktopoError: the scene has no engine that tells it.
+    """
+    engine, curve = scene.engine, pressure_curve(scene)
+    if engine is not None and engine.max_gas_force_N is not None:
+        return engine.max_gas_force_N
+    if engine is None or curve is None:
+        raise invalid("engine.max_gas_force_N", None, "must be given, or [engine.gas]")
+    return float(gas_force_N(curve.pressure_MPa, engine).max())
+
+
+def clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -> float:
+    """Spring of a plain bearing: half the largest piston force moves the journal by 0.8 of the clearance.
+
+    Source: J. Voparil, Shape optimisation of aircraft engine crankshaft, Brno University of Technology, 2011.
+    """
+    return 0.5 * max_piston_force_N / (0.8 * clearance_mm)
+
+
+def fit_roller_table(bearing: RollerBearing) -> LinearFit:
+    """Least-squares line through reaction (N) over displacement (mm) of one roller.
+
+    Source of the method: M. Kral, Stress-strain analysis of balancing shaft support, Brno University of
+    Technology, 2014.
+    """
+    x, y = np.array(bearing.displacement_mm), np.array(bearing.reaction_N)
+    dx, dy = x - x.mean(), y - y.mean()
+    slope = float((dx * dy).sum() / (dx**2).sum())
+    r2 = float((dx * dy).sum() ** 2 / ((dx**2).sum() * (dy**2).sum()))
+    return LinearFit(slope, float(y.mean() - slope * x.mean()), r2)
+
+
+def roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
+    """Radial stiffness of a roller bearing without clearance, N/mm: Z k / 4.
+
+    A radial displacement d compresses the roller at angle t by d cos t on the loaded half only; the sum of
+    k d cos^2 t over these Z / 2 rollers is Z k d / 4.
+    """
+    return bearing.rollers * fit_roller_table(bearing).slope_N_per_mm / 4

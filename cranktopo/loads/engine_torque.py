@@ -1,0 +1,46 @@
+"""Torque of all cylinders by firing order, and what each throw of the shaft passes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.loads.kinematics import Array
+
+
+@dataclass(frozen=True)
+class ShaftTorque:
+    """Torque along the shaft over the cycle.
+
+    Attributes:
+        angle_deg: crank angles from firing top dead centre of the cylinder that fires first, deg.
+        passed_on_Nm: torque behind each throw, from the free end to the takeoff, (cylinders, angles), N m.
+    """
+
+    angle_deg: Array
+    passed_on_Nm: Array
+
+    @property
+    def engine_Nm(self) -> Array:
+        """Torque at the takeoff, N m."""
+        return np.asarray(self.passed_on_Nm[-1])
+
+
+def shaft_torque(
+    angle_deg: Array, throw_torque_Nm: Array, order: tuple[int, ...], cycle_deg: float
+) -> ShaftTorque:
+    """Torque behind each throw of a shaft whose cylinders fire at even intervals.
+
+    Args:
+        angle_deg: evenly spaced crank angles over one cycle, deg.
+        throw_torque_Nm: torque of one throw at these angles after its own firing dead centre, N m.
+        order: cylinder numbers in the order of firing; cylinder 1 is at the free end.
+        cycle_deg: length of the cycle, deg.
+    """
+    interval = cycle_deg / len(order)
+    single = np.empty((len(order), len(angle_deg)))
+    for fires, cylinder in enumerate(order):
+        shifted = angle_deg - fires * interval
+        single[cylinder - 1] = np.interp(shifted, angle_deg, throw_torque_Nm, period=cycle_deg)
+    return ShaftTorque(angle_deg, np.cumsum(single, axis=0))

@@ -1,0 +1,157 @@
+"""A measured indicator diagram: CSV of crank angle and absolute cylinder pressure."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from cranktopo.errors import CranktopoError
+from cranktopo.loads.kinematics import Array
+from cranktopo.units import MPA_PER_BAR
+
+_HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pressure_MPa)."
+_PRESSURE_UNITS = {"bar": MPA_PER_BAR, "mpa": 1.0}
+HIGHEST_MPA = 50.0
+LARGEST_STEP_DEG = 5.0
+
+
+def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: float) -> tuple[Array, Array]:
+    """Angles and pressures of a measured indicator diagram over one cycle.
+
+    The header names the columns and their units: an angle in deg and an absolute pressure in bar or MPa.
+    Angles ascend and cover one cycle from any start; they are counted from firing top dead centre.
+
+    Args:
+        path: the CSV file (comma, semicolon or tab between columns; lines with # are skipped).
+        cycle_deg: length of the working cycle, deg.
+        ambient_pressure_MPa: absolute ambient pressure, MPa.
+
+    Returns:
+        Angles in 0 .. cycle_deg, ascending (deg), and absolute pressures (MPa).
+
+    Raises:
+        CranktopoError: unreadable, no unit, missing, duplicate or descending angles, wrong period, a value
+            that is not a number, a pressure below vacuum or out of any engine's range.
+    """
+    lines = _read_lines(Path(path))
+    rows = list(csv.reader((text for _, text in lines), delimiter=_delimiter(lines[0][1])))
+    angle_column, pressure_column, factor = _columns(path, rows[0])
+    numbers = [number for number, _ in lines[1:]]
+    angle = _column(path, rows[1:], numbers, angle_column)
+    pressure = _column(path, rows[1:], numbers, pressure_column) * factor
+    _check_ascending(path, angle, numbers)
+    _check_pressure(path, pressure, numbers, ambient_pressure_MPa)
+    return _one_cycle(path, angle, pressure, cycle_deg)
+
+
+def _read_lines(path: Path) -> list[tuple[int, str]]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CranktopoError(
+            f"engine.gas.indicator_csv = '{path}': cannot be read: {error}.",
+            hint="Names are relative to the folder of the design.",
+        ) from None
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1)]
+    lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
+    if len(lines) < 3:
+        raise _error(path, "has no rows of numbers", _HEADER_HINT)
+    return lines
+
+
+def _delimiter(header: str) -> str:
+    return max(",;\t", key=header.count)
+
+
+def _columns(path: str | Path, header: list[str]) -> tuple[int, int, float]:
+    """Index of the angle column, of the pressure column, and the factor from its unit to MPa."""
+    words = [set(re.split(r"[^a-z]+", cell.lower())) for cell in header]
+    angles = [i for i, cell in enumerate(words) if cell & {"angle", "deg", "crank", "degrees"}]
+    pressures = [i for i, cell in enumerate(words) if cell & {"pressure", "p", *_PRESSURE_UNITS}]
+    if not angles or not any(word.startswith("deg") for word in words[angles[0]]):
+        raise _error(path, f"header {header}: no crank angle in deg", _HEADER_HINT)
+    units = [word for word in _PRESSURE_UNITS if pressures and word in words[pressures[0]]]
+    if len(units) != 1:
+        raise _error(path, f"header {header}: no pressure in bar or MPa", _HEADER_HINT)
+    return angles[0], pressures[0], _PRESSURE_UNITS[units[0]]
+
+
+def _column(path: str | Path, rows: list[list[str]], numbers: list[int], column: int) -> Array:
+    values = []
+    for number, row in zip(numbers, rows, strict=True):
+        cell = row[column].strip() if column < len(row) else ""
+        try:
+            value = float(cell)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise _error(path, f"line {number}: '{cell}' is not a number", "Correct or remove that row.")
+        values.append(value)
+    return np.array(values)
+
+
+def _check_ascending(path: str | Path, angle: Array, numbers: list[int]) -> None:
+    for number, (before, after) in zip(numbers[1:], pairwise(angle), strict=True):
+        if after <= before:
+            what = "repeats" if after == before else "falls below"
+            raise _error(
+                path,
+                f"line {number}: angle {after:g} deg {what} the one before ({before:g} deg)",
+                "Angles must ascend; sort the rows and remove duplicates.",
+            )
+
+
+def _check_pressure(path: str | Path, pressure: Array, numbers: list[int], ambient_MPa: float) -> None:
+    lowest = int(pressure.argmin())
+    if pressure[lowest] < 0:
+        raise _error(
+            path,
+            f"line {numbers[lowest]}: pressure {pressure[lowest]:g} MPa is below vacuum",
+            "Pressures must be absolute, not gauge.",
+        )
+    peak = float(pressure.max())
+    if not 2 * ambient_MPa < peak < HIGHEST_MPA:
+        raise _error(
+            path,
+            f"peak pressure {peak:g} MPa is outside {2 * ambient_MPa:.3g} to {HIGHEST_MPA:g} MPa",
+            "Check the unit in the header: bar or MPa.",
+        )
+
+
+def _one_cycle(path: str | Path, angle: Array, pressure: Array, cycle_deg: float) -> tuple[Array, Array]:
+    """Points wrapped to 0 .. cycle_deg, after a check that they cover it once and without gaps."""
+    span = float(angle[-1] - angle[0])
+    if not cycle_deg - LARGEST_STEP_DEG <= span <= cycle_deg * (1 + 1e-9):
+        raise _error(
+            path,
+            f"angles span {span:g} deg, not one cycle of {cycle_deg:g} deg",
+            "Correct the file or engine.strokes.",
+        )
+    if math.isclose(span, cycle_deg):  # the last point is the first one of the next cycle
+        angle, pressure = angle[:-1], pressure[:-1]
+    _check_gaps(path, angle, np.diff(np.append(angle, angle[0] + cycle_deg)))
+    wrapped = np.mod(angle, cycle_deg)
+    order = np.argsort(wrapped)
+    return wrapped[order], pressure[order]
+
+
+def _check_gaps(path: str | Path, angle: Array, gaps: Array) -> None:
+    """A step may change along the file, but none may stand out against both of its neighbours."""
+    usual = np.maximum(np.roll(gaps, 1), np.roll(gaps, -1))
+    worst = int((gaps / usual).argmax())
+    if gaps[worst] > 1.5 * usual[worst] or gaps.max() > LARGEST_STEP_DEG:
+        worst = worst if gaps[worst] > 1.5 * usual[worst] else int(gaps.argmax())
+        raise _error(
+            path,
+            f"angles are missing between {angle[worst]:g} and {angle[worst] + gaps[worst]:g} deg",
+            f"Steps may not exceed {LARGEST_STEP_DEG:g} deg nor 1.5 times the steps around them.",
+        )
+
+
+def _error(path: str | Path, what: str, hint: str) -> CranktopoError:
+    return CranktopoError(f"engine.gas.indicator_csv = '{path}': {what}.", hint=hint)

@@ -1,0 +1,103 @@
+"""Exact kinematics of a central crank mechanism, and the textbook series beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import invalid
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of the piston, one value per crank angle.
+
+    Attributes:
+        displacement_mm: distance of the piston from its top dead centre, mm.
+        velocity_ratio: velocity over r w (r throw radius, w angular speed).
+        acceleration_ratio: acceleration toward the crank over r w^2.
+    """
+
+    displacement_mm: Array
+    velocity_ratio: Array
+    acceleration_ratio: Array
+
+
+@dataclass(frozen=True)
+class ForceRatios:
+    """Forces of the mechanism per unit of force along the cylinder axis, one value per crank angle.
+
+    Attributes:
+        rod_angle_rad: angle b of the rod to the cylinder axis, rad.
+        side: force of the piston on the cylinder wall, tan b.
+        rod: force along the rod, 1 / cos b.
+        radial: force on the crankpin toward the crank axis, cos(a + b) / cos b.
+        tangential: force on the crankpin in the direction of rotation, sin(a + b) / cos b.
+    """
+
+    rod_angle_rad: Array
+    side: Array
+    rod: Array
+    radial: Array
+    tangential: Array
+
+
+def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
+    """Piston motion in closed form.
+
+    With lam = r/l and q = sqrt(1 - lam^2 sin^2 a):
+    x = r + l - r cos a - l q, v = r w sin a (1 + lam cos a / q),
+    acc = r w^2 (cos a + lam cos 2a / q + lam^3 sin^2 2a / (4 q^3)).
+
+    Args:
+        angle_rad: crank angle a from top dead centre, rad.
+        radius_mm: throw radius r, mm.
+        rod_length_mm: rod length l between centres, mm.
+
+    Raises:
+        CranktopoError: the rod is not longer than the throw.
+    """
+    lam = _crank_ratio(radius_mm, rod_length_mm)
+    sin, cos = np.sin(angle_rad), np.cos(angle_rad)
+    q = np.sqrt(1.0 - (lam * sin) ** 2)
+    # r (1 - cos a) + l (1 - q) with both brackets free of cancellation near top dead centre.
+    displacement = 2.0 * radius_mm * np.sin(angle_rad / 2) ** 2 + rod_length_mm * (lam * sin) ** 2 / (1.0 + q)
+    velocity = sin * (1.0 + lam * cos / q)
+    acceleration = cos + lam * np.cos(2 * angle_rad) / q + lam**3 * np.sin(2 * angle_rad) ** 2 / (4 * q**3)
+    return Motion(displacement, velocity, acceleration)
+
+
+def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
+    """Piston motion by the textbook series to the first order of r/l; arguments as `exact_motion`."""
+    lam = _crank_ratio(radius_mm, rod_length_mm)
+    sin, cos = np.sin(angle_rad), np.cos(angle_rad)
+    return Motion(
+        radius_mm * (1.0 - cos + lam / 2 * sin**2),
+        sin + lam / 2 * np.sin(2 * angle_rad),
+        cos + lam * np.cos(2 * angle_rad),
+    )
+
+
+def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ForceRatios:
+    """How a force along the cylinder axis splits at the rod and the crankpin; arguments as `exact_motion`."""
+    rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
+    cos_b = np.cos(rod_angle)
+    return ForceRatios(
+        rod_angle_rad=rod_angle,
+        side=np.tan(rod_angle),
+        rod=1.0 / cos_b,
+        radial=np.cos(angle_rad + rod_angle) / cos_b,
+        tangential=np.sin(angle_rad + rod_angle) / cos_b,
+    )
+
+
+def _crank_ratio(radius_mm: float, rod_length_mm: float) -> float:
+    if not 0 < radius_mm < rod_length_mm:
+        raise invalid(
+            "engine.rod_length_mm", rod_length_mm, f"must be longer than the throw radius {radius_mm:g} mm"
+        )
+    return radius_mm / rod_length_mm
