@@ -29,6 +29,7 @@ from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.schema import Scene
 
 Extent = Literal["quarter", "half", "full"]
+Target = Literal["envelope", "web"]
 Array = NDArray[np.float64]
 SAMPLES = 32
 
@@ -64,6 +65,16 @@ class Domain:
         return self.extent != "full"
 
     @property
+    def web_layers(self) -> tuple[int, int]:
+        """First and past-the-last z layer of the (first) web; its layers have one height."""
+        filled = np.flatnonzero(self.web[:, :, : self._half_layers].any(axis=(0, 1)))
+        return int(filled[0]), int(filled[-1]) + 1
+
+    @property
+    def _half_layers(self) -> int:
+        return self.grid.cells[2] // (2 if self.extent == "full" else 1)
+
+    @property
     def share(self) -> float:
         """Share of the full throw that the model holds."""
         return {"quarter": 0.25, "half": 0.5, "full": 1.0}[self.extent]
@@ -85,7 +96,7 @@ class _Layer:
     web: Shape | None
 
 
-def laterally_symmetric(scene: Scene, target: Literal["envelope", "web"]) -> bool:
+def laterally_symmetric(scene: Scene, target: Target) -> bool:
     """Whether the geometry is its own mirror image in x."""
     if target == "web":
         return all(pocket.shape == "side" or pocket.x_mm == 0.0 for pocket in scene.web.pocket)
@@ -98,7 +109,7 @@ def laterally_symmetric(scene: Scene, target: Literal["envelope", "web"]) -> boo
 def build_domain(
     scene: Scene,
     resolution_mm: float,
-    target: Literal["envelope", "web"] = "envelope",
+    target: Target = "envelope",
     extent: Extent | None = None,
     grid: Grid | None = None,
 ) -> Domain:
@@ -131,23 +142,13 @@ def build_domain(
     return domain
 
 
-def _layers(scene: Scene, target: Literal["envelope", "web"]) -> list[_Layer]:
+def _layers(scene: Scene, target: Target) -> list[_Layer]:
     """The half throw as slabs along z: main journal, web (cut at pocket and clearance depths), crankpin."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
     layers = [_Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
     cuts = sorted({start, stop, *_web_cuts(scene, target)})
-    for low, high in zip(cuts, cuts[1:], strict=False):
-        shape = _web_section(scene, target, (low + high) / 2)
-        layers.append(
-            _Layer(
-                (low, high),
-                fixed=shape if target == "web" else None,
-                design=shape if target == "envelope" else None,
-                pin=None,
-                web=shape,
-            )
-        )
+    layers += [_web_layer(scene, target, pair) for pair in zip(cuts, cuts[1:], strict=False)]
     layers.append(_Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
     return layers
 
@@ -159,7 +160,7 @@ def _annulus(journal: Journal, y_mm: float) -> Shape:
     return lambda x, y: outer(x, y) & ~bore(x, y)
 
 
-def _web_cuts(scene: Scene, target: Literal["envelope", "web"]) -> list[float]:
+def _web_cuts(scene: Scene, target: Target) -> list[float]:
     """z values inside the web where its cross-section changes."""
     start, stop = scene.web_z_mm
     if target == "envelope":
@@ -177,28 +178,26 @@ def _web_cuts(scene: Scene, target: Literal["envelope", "web"]) -> list[float]:
     return [cut for cut in cuts if start < cut < stop]
 
 
-def _web_section(scene: Scene, target: Literal["envelope", "web"], z: float) -> Shape:
-    """Cross-section at height z inside the web: outline less bores, pockets and clearances."""
+def _web_layer(scene: Scene, target: Target, z: tuple[float, float]) -> _Layer:
+    """One slab of the web: outline or envelope less bores; in a clearance only the journal goes on."""
     start, stop = scene.web_z_mm
-    throw = scene.throw
-    holes = [
+    throw, middle = scene.throw, (z[0] + z[1]) / 2
+    bores = [
         disc(journal.bore_radius_mm, y)
         for journal, y in ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm))
         if journal.bore_radius_mm > 0
     ]
     if target == "web":
-        outline = web_outline(scene.web, throw.radius_mm)
-        holes += _pockets_at(scene, z)
-    else:
-        envelope = _envelope(scene)
-        outline = envelope_outline(envelope)
-        shoulder = throw.main_journal.radius_mm + throw.main_journal.fillet_mm
-        if z < start + envelope.bearing_clearance_mm:
-            holes.append(_outside(disc(shoulder)))
-        shoulder = throw.crankpin.radius_mm + throw.crankpin.fillet_mm
-        if z > stop - envelope.rod_clearance_mm:
-            holes.append(_outside(disc(shoulder, throw.radius_mm)))
-    return _without(outline, holes)
+        shape = _without(web_outline(scene.web, throw.radius_mm), bores + _pockets_at(scene, middle))
+        return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
+    envelope = _envelope(scene)
+    if start + envelope.bearing_clearance_mm < middle < stop - envelope.rod_clearance_mm:
+        shape = _without(envelope_outline(envelope), bores)
+        return _Layer(z, fixed=None, design=shape, pin=None, web=shape)
+    at_main = middle < start + envelope.bearing_clearance_mm
+    stub = disc(throw.main_journal.radius_mm) if at_main else disc(throw.crankpin.radius_mm, throw.radius_mm)
+    shape = _without(stub, bores)
+    return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
 
 
 def _pockets_at(scene: Scene, z: float) -> list[Shape]:
@@ -229,10 +228,6 @@ def _box(x_mm: float, y_mm: float, half_x: float, half_y: float) -> Shape:
     return lambda x, y: (np.abs(x - x_mm) <= half_x) & (np.abs(y - y_mm) <= half_y)
 
 
-def _outside(shape: Shape) -> Shape:
-    return lambda x, y: ~shape(x, y)
-
-
 def _without(outline: Shape, holes: Sequence[Shape]) -> Shape:
     def inside(x: Coordinates, y: Coordinates) -> NDArray[np.bool_]:
         result = outline(x, y)
@@ -249,14 +244,19 @@ def _envelope(scene: Scene) -> Envelope:
     return scene.envelope
 
 
-def _grid(scene: Scene, resolution_mm: float, target: Literal["envelope", "web"], extent: Extent) -> Grid:
+def throw_ranges_mm(scene: Scene, target: Target) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm."""
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
     reach = max(main, pin)
     bounds = [(-reach, reach, -main, r + pin), web_bounds_mm(scene)]
     if target == "envelope":
         bounds.append(envelope_bounds_mm(_envelope(scene)))
-    x_range = (min(b[0] for b in bounds), max(b[1] for b in bounds))
-    y_range = (min(b[2] for b in bounds), max(b[3] for b in bounds))
+    x_low, x_high, y_low, y_high = zip(*bounds, strict=True)
+    return (min(x_low), max(x_high)), (min(y_low), max(y_high))
+
+
+def _grid(scene: Scene, resolution_mm: float, target: Target, extent: Extent) -> Grid:
+    x_range, y_range = throw_ranges_mm(scene, target)
     if extent == "quarter":
         x_range = (0.0, x_range[1])
     half = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
@@ -308,7 +308,8 @@ def _check_touches(scene: Scene, domain: Domain) -> None:
     )
     for key, plane, side in faces:
         journal = domain.fixed[:, :, plane - 1 if side == 0 else plane]
-        web = domain.design[:, :, plane if side == 0 else plane - 1]
+        layer = plane if side == 0 else plane - 1
+        web = domain.design[:, :, layer] + domain.fixed[:, :, layer]
         contact = np.sum(np.minimum(journal, web)) / np.sum(journal)
         if contact < 0.1:
             raise invalid(

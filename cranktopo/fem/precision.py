@@ -1,7 +1,8 @@
-"""The one place that switches JAX to 64-bit numbers, for the length of a `with` block."""
+"""The one place that touches JAX's settings: 64-bit numbers for a `with` block, and compile times."""
 
 from __future__ import annotations
 
+import time
 from contextlib import AbstractContextManager
 
 
@@ -15,3 +16,18 @@ def double_precision() -> AbstractContextManager[object]:
 
     context: AbstractContextManager[object] = jax.enable_x64(True)
     return context
+
+
+class CompileClock:
+    """Adds up the time that JAX spends on tracing and compiling from now on, in this process."""
+
+    def __init__(self) -> None:
+        import jax
+
+        self.began = time.perf_counter()
+        self.compile_s = 0.0
+        jax.monitoring.register_event_duration_secs_listener(self._add)
+
+    def _add(self, event: str, seconds: float, **_: str | int) -> None:
+        if event.startswith("/jax/core/compile/"):
+            self.compile_s += seconds

@@ -88,7 +88,7 @@ def default_filter_radius_mm(domain: Domain) -> float:
 def init(problem: Problem) -> State:
     """The uniform start design."""
     x = np.full(problem.chain.design.shape, problem.target)
-    return State(x=x, displacements=np.zeros(problem.model.forces.shape), beta=BETA_FIRST)
+    return State(x=x, evaluated=x, displacements=np.zeros(problem.model.forces.shape), beta=BETA_FIRST)
 
 
 def step(problem: Problem, state: State) -> State:
@@ -129,6 +129,7 @@ def step(problem: Problem, state: State) -> State:
     )
     advanced = replace(
         state,
+        evaluated=state.x,
         displacements=np.asarray(solution.displacements),
         initial_N_mm=initial,
         history=(*state.history, record),
@@ -137,32 +138,44 @@ def step(problem: Problem, state: State) -> State:
 
 
 def final_density(problem: Problem, state: State) -> Array:
-    """Physical density (nx, ny, nw) of the state's design."""
-    return np.asarray(physical_density(problem.chain, jnp.asarray(state.x), state.beta))
+    """Physical density (nx, ny, nw) of the last design evaluated."""
+    return np.asarray(physical_density(problem.chain, jnp.asarray(state.evaluated), state.last.beta))
+
+
+def with_limit(problem: Problem, state: State) -> State:
+    """A stopped state set running again when the problem's iteration limit allows more."""
+    if state.status == "stopped" and len(state.history) < problem.max_iterations:
+        return replace(state, status="running", reason="")
+    return state
+
+
+def iterations_left(problem: Problem, state: State) -> int:
+    """Upper estimate of the iterations still needed, for the progress display."""
+    stages = 1 + round(np.log2(BETA_LAST / state.beta))
+    in_stage = len(state.history) - state.stage_start
+    return min(problem.max_iterations - len(state.history), max(1, stages * STAGE_ITERATIONS - in_stage))
 
 
 def _advance(problem: Problem, state: State, new_x: Array) -> State:
-    """Decide what follows an evaluated design: stop, sharpen the projection, or take the new design."""
+    """The next design, its projection, and whether the evaluated one ends the run."""
     in_stage = len(state.history) - state.stage_start
-    last = state.history[-1]
+    plateau = _plateau(state, in_stage) if in_stage > WINDOW else np.inf
+    beta, stage_start = state.beta, state.stage_start
+    if beta < BETA_LAST and (plateau < STAGE_PLATEAU or in_stage >= STAGE_ITERATIONS):
+        beta, stage_start = 2 * beta, len(state.history)
+    following = replace(state, x=new_x, beta=beta, stage_start=stage_start)
+    last = state.last
     feasible = abs(last.volume_fraction - problem.target) <= FEASIBILITY
-    if state.beta >= BETA_LAST and feasible and last.greyness <= GREYNESS_LIMIT:
-        if in_stage > WINDOW and _plateau(state, in_stage) < FINAL_PLATEAU:
-            return replace(
-                state,
-                status="converged",
-                reason=(
-                    f"objective changed by less than {FINAL_PLATEAU:g} over {WINDOW} iterations, volume within "
-                    f"{FEASIBILITY:g}, greyness {last.greyness:.3f} at or below {GREYNESS_LIMIT:g}"
-                ),
-            )
+    if last.beta >= BETA_LAST and plateau < FINAL_PLATEAU and feasible and last.greyness <= GREYNESS_LIMIT:
+        reason = (
+            f"objective changed by less than {100 * FINAL_PLATEAU:g} % over {WINDOW} iterations, volume fraction "
+            f"within {FEASIBILITY:g} of its target, greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
+        )
+        return replace(following, status="converged", reason=reason)
     if len(state.history) >= problem.max_iterations:
         reason = f"iteration limit {problem.max_iterations} reached before the objective settled"
-        return replace(state, status="stopped", reason=reason)
-    settled = in_stage > WINDOW and _plateau(state, in_stage) < STAGE_PLATEAU
-    if state.beta < BETA_LAST and (settled or in_stage >= STAGE_ITERATIONS):
-        return replace(state, x=new_x, beta=state.beta * 2, stage_start=len(state.history))
-    return replace(state, x=new_x)
+        return replace(following, status="stopped", reason=reason)
+    return following
 
 
 def _plateau(state: State, in_stage: int) -> float:

@@ -53,8 +53,7 @@ def build_interpolation(domain: Domain, filter_radius_mm: float) -> Interpolatio
         domain: the cells.
         filter_radius_mm: radius of the cone filter, mm; it sets the smallest member.
     """
-    layers = np.flatnonzero(domain.design.any(axis=(0, 1)))
-    slab = int(layers[0]), int(layers[-1]) + 1
+    slab = domain.web_layers
     dx, dy, dz = domain.grid.steps_mm
     steps = float(dx[0]), float(dy[0]), float(dz[slab[0]])
     return Interpolation(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+_ARRAY_FIELDS = ("x", "evaluated", "displacements")
 Status = Literal["running", "converged", "stopped"]
 
 
@@ -45,6 +46,7 @@ class State:
 
     Attributes:
         x: design variables of the next design (nx, ny, nw).
+        evaluated: design variables of the last design evaluated, the result once done.
         displacements: of the last design, warm start of the next solve.
         beta: projection steepness of the next design.
         stage_start: iterations done when the current beta began.
@@ -55,6 +57,7 @@ class State:
     """
 
     x: Array
+    evaluated: Array
     displacements: Array
     beta: float
     stage_start: int = 0
@@ -62,6 +65,11 @@ class State:
     history: tuple[Record, ...] = ()
     status: Status = "running"
     reason: str = ""
+
+    @property
+    def last(self) -> Record:
+        """Record of the last design evaluated."""
+        return self.history[-1]
 
     @property
     def done(self) -> bool:
@@ -72,7 +80,7 @@ class State:
 def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
     """The state as named arrays and JSON-able data."""
     data = asdict(state)
-    arrays = {name: data.pop(name) for name in ("x", "displacements")}
+    arrays = {name: data.pop(name) for name in _ARRAY_FIELDS}
     return arrays, data
 
 
@@ -80,8 +88,7 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
     """The state from what `to_checkpoint` returned, exactly."""
     records = [{**row, "compliance_N_mm": tuple(row["compliance_N_mm"])} for row in data["history"]]
     return State(
-        x=arrays["x"],
-        displacements=arrays["displacements"],
+        **{name: arrays[name] for name in _ARRAY_FIELDS},
         **{
             **data,
             "initial_N_mm": tuple(data["initial_N_mm"]),
