@@ -15,6 +15,8 @@ from cranktopo.errors import CranktopoError, ExitCode, suggest
 # that `--help` stays fast.
 COMMANDS = {
     "optimise": "Optimise the web's density under bending and torsion; write a run with STL.",
+    "plan": "Which effects a design calls for, why, and what each would cost.",
+    "loads": "Forces over the working cycle, their extremes, and the load cases.",
 }
 
 _EPILOG = (

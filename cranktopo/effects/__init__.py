@@ -1,1 +1,7 @@
 """Which physics a scene calls for, and why."""
+
+from cranktopo.effects.cost import Cost, CostRates
+from cranktopo.effects.effect import Effect, EffectPlan
+from cranktopo.effects.planning import plan
+
+__all__ = ["Cost", "CostRates", "Effect", "EffectPlan", "plan"]

@@ -13,6 +13,7 @@ follow from the peak pressure and its angle.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -132,7 +133,7 @@ def _volume(model: Combustion, angle_deg: Array) -> tuple[Array, Array]:
 
 def _compression(model: Combustion, angle_deg: Array) -> Array:
     closing = np.array([_intake_closing_deg(model) - model.cycle_deg])
-    ratio = _volume(model, closing)[0] / _volume(model, angle_deg)[0]
+    ratio: Array = _volume(model, closing)[0] / _volume(model, angle_deg)[0]
     return model.gas.intake_MPa * ratio**model.gas.polytropic_compression
 
 
@@ -141,7 +142,7 @@ def _burn_rate(model: Combustion, angle_deg: Array) -> Array:
     power = model.gas.wiebe_shape + 1.0
     phi = np.maximum(angle_deg - model.start_deg, 0.0) / model.gas.burn_duration_deg
     rate = WIEBE_EFFICIENCY * power * phi ** (power - 1.0) * np.exp(-WIEBE_EFFICIENCY * phi**power)
-    return rate / np.radians(model.gas.burn_duration_deg)
+    return rate / math.radians(model.gas.burn_duration_deg)
 
 
 def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
@@ -154,7 +155,8 @@ def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
     half = np.diff(fine, axis=1)[..., None] / 2
     points = (fine[:, :-1] + fine[:, 1:])[..., None] / 2 + half * nodes
     values = _volume(model, points)[0] ** (model.gas.polytropic_expansion - 1.0) * _burn_rate(model, points)
-    return np.asarray(np.cumsum((values * weights * np.radians(half)).sum(axis=(1, 2))))
+    steps: Array = (values * weights * np.radians(half)).sum(axis=(1, 2))
+    return np.cumsum(steps)
 
 
 def _expansion(model: Combustion, angle_deg: Array) -> Array:

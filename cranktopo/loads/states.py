@@ -63,9 +63,12 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     analysis = analyse(scene, enabled)
     torques = _torques(analysis)
     states = [_radial(analysis), _torque_state(analysis, "max_torque", torques[0])]
-    states += [_tangential(analysis), _overspeed(analysis, enabled)]
+    states.append(_tangential(analysis))
     if torques[1] is not None:
         states.append(_torque_state(analysis, "min_torque", torques[1]))
+    overspeed = _overspeed(analysis, enabled)
+    if _load(overspeed) or overspeed.case.speed_rpm:
+        states.append(overspeed)
     return _mark_redundant(tuple(states), enabled)
 
 

@@ -1,0 +1,110 @@
+"""`cranktopo loads`: forces over the cycle, extremes, load cases."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cranktopo.errors import CranktopoError, invalid
+
+if TYPE_CHECKING:
+    from cranktopo.scene import Scene
+
+MOST_SPEEDS = 1000
+
+
+@click.command(name="loads")
+@click.argument("design", default="mikron-iiic")
+@click.option("--speed", metavar="RPM|FROM:TO:STEP", help="Speed or sweep of speeds instead of the scene's.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@click.option("--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write all curves.")
+@click.option("--plot", "plot_path", type=click.Path(dir_okay=False, path_type=Path), help="Write a plot.")
+def command(
+    design: str, speed: str | None, as_json: bool, csv_path: Path | None, plot_path: Path | None
+) -> None:
+    """Forces of one throw over the working cycle, their extremes and the load cases.
+
+    DESIGN is a TOML file or the name of a built-in design. A sweep repeats the analysis with the same gas
+    pressures; the plot shows its last speed.
+    """
+    from cranktopo.scene import load_scene
+
+    scenes = _at_speeds(load_scene(design), speed)
+    results = [_result(scene) for scene in scenes]
+    if plot_path is not None:
+        _plot(scenes[-1], plot_path)
+    if csv_path is not None:
+        _write_csv(scenes, csv_path)
+    if as_json:
+        click.echo(json.dumps(results[0] | ({"sweep": results} if len(results) > 1 else {}), indent=2))
+        return
+    from cranktopo.report.loads_text import loads_text, sweep_text
+
+    click.echo(loads_text(results[0]) if len(results) == 1 else sweep_text(results))
+
+
+def parse_speeds(text: str) -> list[float]:
+    """Speeds (rpm) from `2100` or `1000:2800:200`, both ends included.
+
+    Raises:
+        CranktopoError: not numbers, negative, descending, or more than a thousand of them.
+    """
+    try:
+        numbers = [float(part) for part in text.split(":")]
+    except ValueError:
+        numbers = []
+    if len(numbers) == 1 and 0 <= numbers[0] < float("inf"):
+        return numbers
+    if len(numbers) == 3:
+        start, stop, step = numbers
+        if 0 <= start <= stop < float("inf") and step > 0 and (stop - start) / step < MOST_SPEEDS:
+            return [start + index * step for index in range(int((stop - start) / step + 1e-9) + 1)]
+    raise invalid(
+        "--speed", text, f"must be RPM or FROM:TO:STEP with 0 <= FROM <= TO and at most {MOST_SPEEDS} steps"
+    )
+
+
+def _at_speeds(scene: Scene, speed: str | None) -> list[Scene]:
+    from cranktopo.loads import at_speed
+
+    if speed is None:
+        return [scene]
+    return [at_speed(scene, rpm) for rpm in parse_speeds(speed)]
+
+
+def _result(scene: Scene) -> dict[str, Any]:
+    from cranktopo.effects import plan
+    from cranktopo.loads.summary import loads_json
+
+    effects = plan(scene)
+    return {**loads_json(scene, effects.enabled), "effects": effects.as_json()}
+
+
+def _write_csv(scenes: list[Scene], path: Path) -> None:
+    import numpy as np
+
+    from cranktopo.loads import analyse
+    from cranktopo.loads.summary import curve_columns
+
+    tables = [curve_columns(analyse(scene)) for scene in scenes]
+    if not tables[0]:
+        raise invalid("engine.gas", None, "must be given for curves over the cycle")
+    values = np.concatenate([np.column_stack(list(table.values())) for table in tables])
+    try:
+        np.savetxt(path, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
+    except OSError as error:
+        raise CranktopoError(f"--csv {path}: cannot be written: {error}.") from None
+
+
+def _plot(scene: Scene, path: Path) -> None:
+    from cranktopo.loads import analyse
+    from cranktopo.report.loads_plot import plot_loads
+
+    analysis = analyse(scene)
+    try:
+        plot_loads(analysis, f"{scene.name}, {analysis.engine.speed_rpm:g} rpm", path)
+    except OSError as error:
+        raise CranktopoError(f"--plot {path}: cannot be written: {error}.") from None

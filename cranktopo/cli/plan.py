@@ -1,0 +1,29 @@
+"""`cranktopo plan`: which effects a scene calls for, and why."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+
+@click.command(name="plan")
+@click.argument("design", default="mikron-iiic")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def command(design: str, as_json: bool) -> None:
+    """The effects of a design: state, reason, what leaving each out changes, and what it costs.
+
+    DESIGN is a TOML file or the name of a built-in design. Costs and estimates come from closed forms;
+    nothing is solved.
+    """
+    from cranktopo.effects import plan
+    from cranktopo.report.plan_text import plan_text
+    from cranktopo.scene import load_scene
+
+    scene = load_scene(design)
+    effects = plan(scene)
+    if as_json:
+        payload = {"schema_version": 1, "design": scene.name, "effects": effects.as_json()}
+        click.echo(json.dumps(payload, indent=2))
+    else:
+        click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %\n\n{plan_text(effects)}")

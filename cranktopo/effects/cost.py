@@ -1,0 +1,132 @@
+"""What an effect costs: extra solves, cells and seconds, estimated before anything is solved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.scene import Scene
+from cranktopo.scene.geometry import Journal
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Extra work of an effect; negative where it saves work.
+
+    Attributes:
+        solves: solves in each iteration of the optimiser, or once of the judge.
+        cells: cells of the optimiser's grid or elements of the judge's mesh.
+        seconds: rough time for the whole run.
+    """
+
+    solves: float = 0.0
+    cells: int = 0
+    seconds: float = 0.0
+
+    def as_json(self) -> dict[str, Any]:
+        """The cost as numbers."""
+        return {"solves": self.solves, "cells": self.cells, "seconds": self.seconds}
+
+    def __str__(self) -> str:
+        parts = []
+        if self.solves:
+            parts.append(f"{self.solves:+g} solve" + ("s" if abs(self.solves) > 1 else ""))
+        if self.cells:
+            parts.append(f"{self.cells:+d} cells")
+        if self.seconds:
+            parts.append(f"{self.seconds:+.0f} s")
+        return ", ".join(parts) if parts else "nothing"
+
+
+@dataclass(frozen=True)
+class CostRates:
+    """Rates that turn solves and cells into seconds; measured ones may replace these orders of magnitude.
+
+    Attributes:
+        seconds_per_cell_solve: one multigrid solve per cell. About 15 iterations of 7 products with a
+            24 x 24 element matrix are 1.2e5 operations, at 6e9 per second on a laptop.
+        seconds_per_element: one direct solve of the judge per quadratic tetrahedron.
+    """
+
+    seconds_per_cell_solve: float = 2e-5
+    seconds_per_element: float = 5e-4
+
+
+class Costing:
+    """Costs of a scene's effects at given rates.
+
+    Args:
+        scene: the scene; its envelope and resolution give the size of the optimiser's grid.
+        rates: seconds per unit of work.
+        mirrored: whether the lateral mirror halves the grid.
+    """
+
+    def __init__(self, scene: Scene, rates: CostRates, mirrored: bool) -> None:
+        self._scene = scene
+        self._rates = rates
+        self._mirrored = mirrored
+
+    @property
+    def half_throw_cells(self) -> int:
+        """Cells of the half throw's grid: the box around envelope and journals at the resolution."""
+        scene, edge = self._scene, self._scene.optimise.resolution_mm
+        width, height = _plane_extent_mm(scene)
+        return math.ceil(width / edge) * math.ceil(height / edge) * math.ceil(scene.pitch_mm / 2 / edge)
+
+    def load_case(self) -> Cost:
+        """One more solve in every iteration."""
+        cells = self.half_throw_cells // (2 if self._mirrored else 1)
+        return Cost(1.0, 0, self._optimiser_seconds(cells))
+
+    def mirror(self) -> Cost:
+        """Half of the cells less, for one load case."""
+        cells = self.half_throw_cells // 2
+        return Cost(0.0, -cells, -self._optimiser_seconds(cells))
+
+    def fillets(self) -> Cost:
+        """Elements of the judge's mesh along the fillets."""
+        cells = self._fillet_elements
+        return Cost(0.0, cells, cells * self._rates.seconds_per_element)
+
+    def fatigue(self) -> Cost:
+        """Two load states on the judge's factorised mesh: a tenth of a factorisation each."""
+        return Cost(2.0, 0, 0.2 * self._fillet_elements * self._rates.seconds_per_element)
+
+    @property
+    def _fillet_elements(self) -> int:
+        throw = self._scene.throw
+        return _fillet_elements(throw.main_journal) + _fillet_elements(throw.crankpin)
+
+    def _optimiser_seconds(self, cells: int) -> float:
+        return cells * self._rates.seconds_per_cell_solve * self._scene.optimise.max_iterations
+
+
+def _plane_extent_mm(scene: Scene) -> tuple[float, float]:
+    """Lateral and throw extent of the optimiser's grid, mm."""
+    throw, envelope = scene.throw, scene.envelope
+    reach = max(throw.main_journal.radius_mm, throw.crankpin.radius_mm)
+    low, high, side = -throw.main_journal.radius_mm, throw.radius_mm + throw.crankpin.radius_mm, reach
+    if envelope is not None and envelope.shape == "box":
+        low, high = min(low, envelope.y_min_mm), max(high, envelope.y_max_mm)
+        side = max(side, envelope.half_width_mm)
+    elif envelope is not None and envelope.shape == "cylinder":
+        low, high, side = -envelope.radius_mm, envelope.radius_mm, envelope.radius_mm
+    elif envelope is not None and envelope.shape == "outline":
+        low, high = min(y for _, y in envelope.points_mm), max(y for _, y in envelope.points_mm)
+        side = max(abs(x) for x, _ in envelope.points_mm)
+    return 2 * side, high - low
+
+
+def _fillet_elements(journal: Journal) -> int:
+    """Tetrahedra along both fillets of a journal.
+
+    IACS UR M53 Appendix III: edges of a quarter of the radius along and around the fillet, three layers in
+    depth; five tetrahedra fill a brick.
+    """
+    if journal.fillet_mm == 0:
+        return 0
+    edge = journal.fillet_mm / 4
+    around = 2 * math.pi * journal.radius_mm / edge
+    along = math.pi / 2 * journal.fillet_mm / edge
+    return int(2 * around * along * 3 * 5)

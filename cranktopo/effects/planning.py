@@ -1,0 +1,102 @@
+"""The plan: each effect on or off, by the scene's word or by its estimate against the threshold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from cranktopo.effects import load_rules, structure_rules
+from cranktopo.effects.cost import Costing, CostRates
+from cranktopo.effects.effect import Effect, EffectPlan, Switch
+from cranktopo.effects.estimate import Estimate
+from cranktopo.effects.facts import Facts
+from cranktopo.errors import CranktopoError, invalid
+from cranktopo.scene import Scene
+from cranktopo.scene.schema import Effects
+
+_RULES: dict[str, Callable[[Facts], Estimate]] = {
+    "bending": load_rules.bending,
+    "torsion": load_rules.torsion,
+    "tangential": load_rules.tangential,
+    "reciprocating_inertia": load_rules.reciprocating_inertia,
+    "rotating_rod_mass": load_rules.rotating_rod_mass,
+    "centrifugal": load_rules.centrifugal,
+    "bearing_compliance": structure_rules.bearing_compliance,
+    "fillets": structure_rules.fillets,
+    "bores": structure_rules.bores,
+    "lateral_symmetry": structure_rules.lateral_symmetry,
+    "manufacturing_constraint": structure_rules.manufacturing_constraint,
+    "fatigue": structure_rules.fatigue,
+}
+LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
+
+
+def plan(scene: Scene, rates: CostRates | None = None) -> EffectPlan:
+    """Decide every effect of a scene.
+
+    Args:
+        scene: the scene.
+        rates: seconds per unit of work; rough ones by default.
+
+    Raises:
+        CranktopoError: the scene switches an effect on that it has no data for, switches off one that it
+            relies on, or leaves no load case; gas data that cannot be used.
+    """
+    asymmetry = lateral_asymmetry(scene)
+    mirrored = not asymmetry and scene.effects.lateral_symmetry != "off"
+    facts = Facts(scene, Costing(scene, rates or CostRates(), mirrored), asymmetry)
+    decided = tuple(_decide(scene.effects, name, rule(facts)) for name, rule in _RULES.items())
+    cases = sum(effect.state == "on" for effect in decided if effect.name in LOAD_CASES)
+    if cases == 0:
+        raise CranktopoError(
+            "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_CASES)} to 'on' or 'auto'."
+        )
+    return EffectPlan(tuple(_for_all_cases(effect, cases) for effect in decided))
+
+
+def _for_all_cases(effect: Effect, cases: int) -> Effect:
+    """The mirror saves cells in the solve of every load case."""
+    if effect.name != "lateral_symmetry":
+        return effect
+    return replace(effect, cost=replace(effect.cost, seconds=effect.cost.seconds * cases))
+
+
+def lateral_asymmetry(scene: Scene) -> str:
+    """Key of the first part of a scene that is not its own mirror image in x; empty when all are."""
+    pockets = {pocket for pocket in scene.web.pocket if pocket.shape != "side"}
+    for index, pocket in enumerate(scene.web.pocket):
+        if pocket.shape != "side" and pocket.model_copy(update={"x_mm": -pocket.x_mm}) not in pockets:
+            return f"web.pocket.{index}"
+    envelope = scene.envelope
+    if envelope is not None and envelope.shape == "stl":
+        return "envelope (a surface mesh, not checked)"
+    if envelope is not None and envelope.shape == "outline":
+        points = {(round(x, 9), round(y, 9)) for x, y in envelope.points_mm}
+        if points != {(-x + 0.0, y) for x, y in points}:
+            return "envelope.points_mm"
+    return ""
+
+
+def _decide(effects: Effects, name: str, estimate: Estimate) -> Effect:
+    choice, threshold = getattr(effects, name), 100 * effects.threshold
+    if choice == "on" and estimate.impossible:
+        raise invalid(f"effects.{name}", choice, estimate.impossible, "Set it to 'auto' or 'off'.")
+    if choice == "off" and estimate.indispensable:
+        raise invalid(f"effects.{name}", choice, estimate.indispensable, "Set it to 'auto' or 'on'.")
+    state: Switch
+    if choice != "auto":
+        state, reason = choice, _joined(f"set {choice} in the scene", estimate.because)
+    elif estimate.absent:
+        state, reason = "off", _joined(estimate.absent, estimate.because)
+    elif estimate.needed:
+        state, reason = "on", _joined(*dict.fromkeys((estimate.needed, estimate.because)))
+    else:
+        above = estimate.percent is not None and estimate.percent >= threshold
+        state = "on" if above else "off"
+        word = "above" if above else "below"
+        reason = f"{estimate.because}, {word} the threshold of {threshold:g} %"
+    return Effect(name, state, reason, estimate.percent, estimate.cost, estimate.changes)
+
+
+def _joined(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)

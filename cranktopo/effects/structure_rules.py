@@ -1,0 +1,125 @@
+"""Rules of the effects that belong to the structure: bearings, fillets, bores, symmetry, process, fatigue.
+
+A feature matters by what it changes in the stiffness of the throw.
+"""
+
+from __future__ import annotations
+
+import math
+
+from cranktopo.effects.beam import (
+    journal_torsion_modulus_mm3,
+    throw_compliance,
+    web_lever_mm,
+    web_section_modulus_mm3,
+)
+from cranktopo.effects.estimate import Estimate
+from cranktopo.effects.facts import Facts
+from cranktopo.loads.bearings import bearing_spring_N_per_mm
+from cranktopo.units import NMM_PER_NM
+
+
+def bearing_compliance(facts: Facts) -> Estimate:
+    """Two bearing springs in series with the bending stiffness of the throw (beam formula)."""
+    scene = facts.scene
+    spring = bearing_spring_N_per_mm(scene)
+    if spring is None:
+        absent = "the scene gives neither bearing_spring_N_per_mm, bearing_clearance_mm nor roller_bearing"
+        changes = "bearings are rigid; the best shape stays, springs are in series with it"
+        return Estimate(None, "", changes, absent=absent, impossible=absent)
+    own = facts.compliance.bending_mm_per_N
+    percent = 100 * (1 / (2 * spring)) / (own + 1 / (2 * spring))
+    because = f"springs of {spring:,.0f} N/mm lower the bending stiffness by {percent:.3g} %"
+    held = "spring" in (scene.supports.torsion, scene.supports.bending)
+    needed = "a support is 'spring'" if held else ""
+    stiffer = 100 * (1 / (2 * spring)) / own
+    changes = f"reported bending stiffness {stiffer:+.2g} %; the best shape stays, springs are in series"
+    return Estimate(percent, because, changes, needed=needed, indispensable=needed)
+
+
+def fillets(facts: Facts) -> Estimate:
+    """Rings at the ends of the journals: integral of J / J(z) over the fillet, in the torsion formula."""
+    throw = facts.scene.throw
+    if throw.main_journal.fillet_mm == 0 and throw.crankpin.fillet_mm == 0:
+        return Estimate(0.0, "", "nothing", absent="no fillet in the scene")
+    sharp = throw_compliance(facts.scene).torsion_rad_per_Nmm
+    rounded = throw_compliance(facts.scene, fillets=True).torsion_rad_per_Nmm
+    percent = 100 * (sharp / rounded - 1)
+    because = f"torsional stiffness {percent:+.2g} %"
+    needed = "" if _fatigue_absent(facts) or facts.scene.effects.fatigue == "off" else "fatigue needs them"
+    return Estimate(
+        percent,
+        because,
+        f"torsional stiffness {-percent:+.2g} %, no stress",
+        facts.costing.fillets(),
+        needed=needed,
+    )
+
+
+def bores(facts: Facts) -> Estimate:
+    """Hollow against solid journal and pin in the torsion formula."""
+    throw = facts.scene.throw
+    if throw.main_journal.bore_diameter_mm == 0 and throw.crankpin.bore_diameter_mm == 0:
+        return Estimate(0.0, "", "nothing", absent="no bore in the scene")
+    hollow = throw_compliance(facts.scene).torsion_rad_per_Nmm
+    solid = throw_compliance(facts.scene, bores=False).torsion_rad_per_Nmm
+    percent = 100 * (hollow / solid - 1)
+    because = f"solid journals would be {percent:.3g} % stiffer in torsion"
+    return Estimate(percent, because, f"torsional stiffness {percent:+.2g} %, more mass")
+
+
+def lateral_symmetry(facts: Facts) -> Estimate:
+    """The plane x = 0 as a mirror: exact when geometry is symmetric, each case being even or odd in x."""
+    cost = facts.costing.mirror()
+    if facts.asymmetry:
+        why = f"{facts.asymmetry} is not symmetric in x"
+        return Estimate(None, "", "nothing", cost, absent=why, impossible=why)
+    because = (
+        "web and envelope are symmetric in x and every load case is even or odd: half the cells, same answer"
+    )
+    return Estimate(0.0, because, "nothing but time", cost, needed=because)
+
+
+def manufacturing_constraint(facts: Facts) -> Estimate:
+    """No closed form: what it costs is the difference between two optimisations."""
+    absent = "no closed form tells its size, and the scene asks for no process"
+    return Estimate(None, "", "the shape may have undercuts and closed hollows", absent=absent)
+
+
+def fatigue(facts: Facts) -> Estimate:
+    """Nominal stress amplitude of web bending and pin torsion over the fatigue strength in bending.
+
+    Nominal stresses of IACS UR M53: bending moment at the web's mid-plane over B W^2 / 6, torque over the
+    pin's modulus; concentration in the fillets (factors of 2 to 3) comes on top.
+    """
+    absent = _fatigue_absent(facts)
+    changes = "no safety against fatigue"
+    if absent:
+        return Estimate(None, "", changes, facts.costing.fatigue(), absent=absent, impossible=absent)
+    force, torque = _amplitudes(facts)
+    bend = force / 2 * web_lever_mm(facts.scene) / web_section_modulus_mm3(facts.scene)
+    shear = torque * NMM_PER_NM / journal_torsion_modulus_mm3(facts.scene.throw.crankpin)
+    stress = math.hypot(bend, math.sqrt(3) * shear)
+    strength = facts.scene.material.fatigue_bending_MPa or math.inf
+    percent = 100 * stress / strength
+    because = f"nominal amplitude {stress:.0f} MPa is {percent:.3g} % of the strength {strength:g} MPa"
+    return Estimate(percent, because, changes, facts.costing.fatigue())
+
+
+def _fatigue_absent(facts: Facts) -> str:
+    if facts.unit_loads:
+        return "unit loads give no stress level"
+    if facts.scene.material.fatigue_bending_MPa is None:
+        return "material.fatigue_bending_MPa is not given"
+    return ""
+
+
+def _amplitudes(facts: Facts) -> tuple[float, float]:
+    """Half the range of the radial force (N) and of the torque (N m) over the extreme states."""
+    radial = [state.case.radial_N for state in facts.states if state.case.kind == "bending"]
+    torque = [state.case.torque_Nm for state in facts.states if state.case.kind == "torsion"]
+    return _half_range(radial), _half_range(torque)
+
+
+def _half_range(values: list[float]) -> float:
+    return (max(values) - min(0.0, *values)) / 2
