@@ -141,7 +141,7 @@ def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress
                 hint=f"Continue with: cranktopo optimise --resume {run.path}",
                 code=ExitCode.INTERRUPTED,
             ) from None
-        except CranktopoError as error:
+        except Exception as error:
             run.set_status("failed")
             run.log(f"failed: {error}")
             raise

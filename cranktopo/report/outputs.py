@@ -119,7 +119,6 @@ def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:
     physical[:, :, first:last] += domain.design[:, :, first:last] * density
     write_density_vtu(
         run.path / "density.vtu",
-        (0.0, 0.0, 0.0),
         domain.grid.x_mm,
         domain.grid.y_mm,
         domain.grid.z_mm,
