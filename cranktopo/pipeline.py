@@ -190,15 +190,25 @@ def _finish(
     """Judge the final design in the optimiser's model at a tight tolerance and write every file."""
     optimised = time.perf_counter()
     scene, domain = prepared.scene, prepared.domain
-    density = loop.final_density(problem, state)
-    result = assess(problem, scene, domain, density)
+    design = loop.final_design(problem, state)
+    result = assess(problem, scene, domain, design.physical)
     original = assess_original(problem, scene, domain)
     rows = history_rows(state.history, problem.model.case_names)
-    outputs = write_outputs(run, scene, domain, density, rows)
+    outputs = write_outputs(run, scene, domain, design, rows)
     now = time.perf_counter()
     timing = Timing(now - clock.began, now - optimised, clock.compile_s)
     metrics = optimise_metrics(
-        run.name, scene, prepared.plan, domain, problem, state, density, result, original, outputs, timing
+        run.name,
+        scene,
+        prepared.plan,
+        domain,
+        problem,
+        state,
+        design.physical,
+        result,
+        original,
+        outputs,
+        timing,
     )
     run.write_metrics(metrics)
     return metrics

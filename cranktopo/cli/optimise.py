@@ -49,7 +49,9 @@ def command(
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
     if resume and (design or volume_fraction or resolution_mm or out):
-        raise click.UsageError("--resume takes the design and its options from the run; only --max-iterations may be given")
+        raise click.UsageError(
+            "--resume takes the design and its options from the run; only --max-iterations may be given"
+        )
     from cranktopo import pipeline
 
     notice = _Notice()
@@ -136,5 +138,7 @@ class _Bar:
         self._bar.total = done + (0 if state.done else iterations_left(problem, state))
         cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
         work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
-        self._bar.set_postfix_str(f"{work}, volume {row.volume_fraction:.3f}, grey {row.greyness:.3f}", refresh=False)
+        self._bar.set_postfix_str(
+            f"{work}, volume {row.volume_fraction:.3f}, grey {row.greyness:.3f}", refresh=False
+        )
         self._bar.update(done - self._bar.n)

@@ -271,7 +271,9 @@ def _fractions(grid: Grid, slabs: list[tuple[tuple[float, float], Shape | None]]
     for (low, high), shape in slabs:
         if shape is None:
             continue
-        overlap = np.clip(np.minimum(grid.z_mm[1:], high) - np.maximum(grid.z_mm[:-1], low), 0, None) / heights
+        overlap = (
+            np.clip(np.minimum(grid.z_mm[1:], high) - np.maximum(grid.z_mm[:-1], low), 0, None) / heights
+        )
         # Rounding must not leave 1e-16 of a slab in its neighbour: that would be a void cell with stiffness.
         overlap[overlap < 1e-9] = 0.0
         result += _plane_fraction(grid, shape)[:, :, None] * overlap

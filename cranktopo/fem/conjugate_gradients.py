@@ -80,17 +80,18 @@ def conjugate_gradients(
 
     def begin(u: jax.Array) -> _State:
         r = forces - product(u)
-        z = precondition(r)
-        return _State(u, r, z, _dot(r, z), _norm(r) / load, jnp.zeros((), jnp.int32))
+        none = jnp.ones(forces.shape[0], forces.dtype)
+        return _State(u, r, jnp.zeros_like(u), none, _norm(r) / load, jnp.zeros((), jnp.int32))
 
+    # The direction is updated first, so that the cycle and the product are compiled only once.
     def step(s: _State) -> _State:
-        image = product(s.p)
-        alpha = _ratio(s.rz, _dot(s.p, image))
-        u, r = s.u + _wide(alpha) * s.p, s.r - _wide(alpha) * image
-        z = precondition(r)
-        rz = _dot(r, z)
+        z = precondition(s.r)
+        rz = _dot(s.r, z)
         p = z + _wide(_ratio(rz, s.rz)) * s.p
-        return _State(u, r, p, rz, _norm(r) / load, s.count + 1)
+        image = product(p)
+        alpha = _wide(_ratio(rz, _dot(p, image)))
+        r = s.r - alpha * image
+        return _State(s.u + alpha * p, r, p, rz, _norm(r) / load, s.count + 1)
 
     def unfinished(s: _State) -> jax.Array:
         return jnp.any(s.error > tolerance) & (s.count < max_iterations) & jnp.all(jnp.isfinite(s.error))

@@ -50,7 +50,9 @@ def hexahedron_stiffness(size_mm: tuple[float, float, float], poisson: float) ->
     blocks = np.zeros((33, 33))
     volume = float(np.prod(size_mm)) / 8
     for point in product(_GAUSS, repeat=3):
-        b = np.hstack([_strain(_corner_gradients(point, size_mm)), _strain(_bubble_gradients(point, size_mm))])
+        b = np.hstack(
+            [_strain(_corner_gradients(point, size_mm)), _strain(_bubble_gradients(point, size_mm))]
+        )
         blocks += volume * b.T @ d @ b
     corner, mixed, bubble = blocks[:24, :24], blocks[:24, 24:], blocks[24:, 24:]
     stiffness = corner - mixed @ np.linalg.solve(bubble, mixed.T)
@@ -88,7 +90,9 @@ def _corner_gradients(point: tuple[float, ...], size: tuple[float, float, float]
     gradients = np.empty((8, 3))
     for axis in range(3):
         others = [a for a in range(3) if a != axis]
-        gradients[:, axis] = sign[:, axis] * factors[:, others[0]] * factors[:, others[1]] / 8 * 2 / size[axis]
+        gradients[:, axis] = (
+            sign[:, axis] * factors[:, others[0]] * factors[:, others[1]] / 8 * 2 / size[axis]
+        )
     return gradients
 
 

@@ -119,7 +119,9 @@ def _check(model: ThrowModel, solution: Solution, tolerance: float) -> None:
     # The recursive residual of CG drifts from the true one by rounding only; allow for that much.
     if all(r <= 2 * tolerance for r in residual):
         return
-    worst = max(range(len(residual)), key=lambda i: residual[i] if residual[i] == residual[i] else float("inf"))
+    worst = max(
+        range(len(residual)), key=lambda i: residual[i] if residual[i] == residual[i] else float("inf")
+    )
     raise CranktopoError(
         f"solver: load case {model.case_names[worst]} stopped at relative residual {residual[worst]:.1e} "
         f"after {int(solution.iterations)} iterations; {tolerance:.0e} is required.",

@@ -150,9 +150,7 @@ def _case_arrays(
     return basis, coarse_basis, springs, loads
 
 
-def _motion_fields(
-    lattice: Lattice, origin_mm: tuple[float, float], level: int, case: CaseSupports
-) -> Array:
+def _motion_fields(lattice: Lattice, origin_mm: tuple[float, float], level: int, case: CaseSupports) -> Array:
     """Unit motions (motions, 2, 3, nx + 1, ny + 1) on the end planes of a level's grid."""
     nx, ny, _ = lattice.coarsened(level)
     step = 1 << level

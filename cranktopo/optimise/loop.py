@@ -19,6 +19,7 @@ from cranktopo.optimise.criteria import update
 from cranktopo.optimise.material import (
     Interpolation,
     build_interpolation,
+    filtered,
     greyness,
     physical_density,
     relative_moduli,
@@ -37,7 +38,8 @@ STAGE_PLATEAU, FINAL_PLATEAU = 5e-3, 1e-3
 WINDOW = 3
 FEASIBILITY = 1e-3
 GREYNESS_LIMIT = 0.15
-MOVE = 0.2
+# The steeper the projection, the smaller the move: a full step would flip boundary cells to and fro.
+MOVE_FIRST, MOVE_LEAST = 0.2, 0.05
 TOLERANCE = 1e-5
 
 
@@ -58,6 +60,19 @@ class Problem:
     weights: tuple[float, ...]
     target: float
     max_iterations: int
+
+
+@dataclass(frozen=True)
+class Design:
+    """Densities of a design on the cells of the web's layers (nx, ny, nw), 0 outside the design space.
+
+    Attributes:
+        filtered: smooth density before the projection.
+        physical: projected density, which has stiffness and mass.
+    """
+
+    filtered: Array
+    physical: Array
 
 
 def build_problem(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Problem:
@@ -115,7 +130,11 @@ def step(problem: Problem, state: State) -> State:
     factors = jnp.asarray([w / c for w, c in zip(problem.weights, initial, strict=True)])
     factors = factors / sum(problem.weights)
     by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, solution.displacements))
-    new_x = np.asarray(_update(problem.chain, x, beta, by_moduli, jnp.asarray(problem.target), jnp.asarray(MOVE)))
+    new_x = np.asarray(
+        _update(
+            problem.chain, x, beta, by_moduli, jnp.asarray(problem.target), jnp.asarray(_move(state.beta))
+        )
+    )
     record = Record(
         iteration=len(state.history) + 1,
         beta=state.beta,
@@ -137,9 +156,13 @@ def step(problem: Problem, state: State) -> State:
     return _advance(problem, advanced, new_x)
 
 
-def final_density(problem: Problem, state: State) -> Array:
-    """Physical density (nx, ny, nw) of the last design evaluated."""
-    return np.asarray(physical_density(problem.chain, jnp.asarray(state.evaluated), state.last.beta))
+def final_design(problem: Problem, state: State) -> Design:
+    """Densities of the last design evaluated."""
+    x, beta = jnp.asarray(state.evaluated), state.last.beta
+    return Design(
+        filtered=np.asarray(filtered(problem.chain, x) * (problem.chain.design > 0)),
+        physical=np.asarray(physical_density(problem.chain, x, beta)),
+    )
 
 
 def with_limit(problem: Problem, state: State) -> State:
@@ -176,6 +199,10 @@ def _advance(problem: Problem, state: State, new_x: Array) -> State:
         reason = f"iteration limit {problem.max_iterations} reached before the objective settled"
         return replace(following, status="stopped", reason=reason)
     return following
+
+
+def _move(beta: float) -> float:
+    return max(MOVE_LEAST, MOVE_FIRST / beta**0.5)
 
 
 def _plateau(state: State, in_stage: int) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
+from cranktopo.optimise.loop import Design
 from cranktopo.optimise.state import Record
 from cranktopo.report.picture import save_run_picture
 from cranktopo.report.vtu import write_density_vtu
@@ -63,7 +64,7 @@ def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> li
 
 
 def write_outputs(
-    run: RunStore, scene: Scene, domain: Domain, density: Array, rows: list[dict[str, Any]]
+    run: RunStore, scene: Scene, domain: Domain, design: Design, rows: list[dict[str, Any]]
 ) -> Outputs:
     """Write history.csv, density.vtu, web.stl and result.png of a design.
 
@@ -71,16 +72,16 @@ def write_outputs(
         run: where to write.
         scene: the scene.
         domain: the cells.
-        density: physical density of the web's layers (nx, ny, nw).
+        design: densities of the web's layers.
         rows: from `history_rows`.
 
     Raises:
         CranktopoError: no closed surface with the design's volume, or a file cannot be written.
     """
     run.write_history(rows)
-    _write_vtu(run, domain, density)
-    grid, solid_fraction = density_grid(domain, density)
-    surface = extract_half_throw(grid, scene, solid_fraction)
+    _write_vtu(run, domain, design.physical)
+    grid, usable, smooth = slab_fields(domain, design)
+    surface = extract_half_throw(grid, scene, usable, smooth)
     gates = check_surface(surface)
     write_stl(run.path / "web.stl", surface.half_throw)
     title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
@@ -94,23 +95,32 @@ def write_outputs(
     return Outputs(files, surface, gates)
 
 
-def density_grid(domain: Domain, density: Array) -> tuple[DensityGrid, Array]:
-    """Density and designable fraction of the web's cells over the full width, for the surface.
+def slab_fields(domain: Domain, design: Design) -> tuple[DensityGrid, Array, Array]:
+    """Fields of the web's cells over the full width, for the surface.
 
-    The solid that is not designable but lies between the web faces (journals in the clearances) is added
-    by the surface stage as exact cylinders.
+    Args:
+        domain: the cells.
+        design: densities of the web's layers.
+
+    Returns:
+        Physical density, the part of each cell that can hold material, and the filtered density. Journals
+        that go on through a clearance count as solid.
     """
     first, last = domain.web_layers
-    design = domain.design[:, :, first:last]
-    density = np.where(design > 0, density, 0.0)
+    fixed, free = domain.fixed[:, :, first:last], domain.design[:, :, first:last]
+    usable = fixed + free
+    share = np.divide(free, usable, out=np.zeros_like(free), where=usable > 0)
+    solid = np.where(usable > 0, 1.0 - share, 0.0)
+    fields = [solid + share * design.physical, usable, solid + share * design.filtered]
     x = domain.grid.x_mm
     if domain.mirrored_x:
-        density, design = (np.concatenate([field[::-1], field]) for field in (density, design))
+        fields = [np.concatenate([field[::-1], field]) for field in fields]
         x = np.concatenate([-x[:0:-1], x])
     y, z = domain.grid.y_mm, domain.grid.z_mm[first : last + 1]
     origin = np.array([x[0], y[0], z[0]])
     cell = np.array([x[1] - x[0], y[1] - y[0], (z[-1] - z[0]) / (last - first)])
-    return DensityGrid(origin, cell, np.clip(density, 0.0, 1.0)), design
+    density, usable, smooth = (np.clip(field, 0.0, 1.0) for field in fields)
+    return DensityGrid(origin, cell, density), usable, smooth
 
 
 def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from manifold3d import Manifold
@@ -77,7 +77,12 @@ class _Cutter:
         return half + half.mirror(_X_AXIS)
 
 
-def extract_half_throw(grid: DensityGrid, scene: Scene, solid_fraction: Array | None = None) -> WebSurface:
+def extract_half_throw(
+    grid: DensityGrid,
+    scene: Scene,
+    solid_fraction: Array | None = None,
+    smooth: Array | None = None,
+) -> WebSurface:
     """Closed surface of the half throw, with the volume of the density.
 
     The iso-value is the one at which the web, cut by envelope and bores, has the volume of the density to
@@ -89,6 +94,9 @@ def extract_half_throw(grid: DensityGrid, scene: Scene, solid_fraction: Array | 
         solid_fraction: (nx, ny, nz) part of each cell that can hold material; by default a cell counts in
             full (its density says how much it holds) and those with their centre outside the envelope
             or in a bore are taken as unusable.
+        smooth: (nx, ny, nz) field in [0, 1] whose iso-surface bounds the web, such as the filtered density
+            before its projection: a projected density steps from cell to cell, and the steps would show.
+            The volume stays that of the density, which is taken for both by default.
 
     Returns:
         Surface in mm, coordinates rounded to single precision as the binary STL holds them.
@@ -98,9 +106,9 @@ def extract_half_throw(grid: DensityGrid, scene: Scene, solid_fraction: Array | 
             grid that does not span the web.
     """
     target = _target(grid, scene, solid_fraction)
-    cutter = _cutter(grid, scene, solid_fraction)
+    cutter = _cutter(grid, scene, solid_fraction, smooth)
     usable = _usable(grid, cutter) if solid_fraction is None else solid_fraction > 0
-    field = resample(grid, usable)
+    field = resample(grid if smooth is None else replace(grid, density=smooth), usable)
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target)
     body, dropped = _keep_throw(cutter.web(field, iso), scene)
     start, end = scene.web_z_mm
@@ -167,9 +175,10 @@ def _target(grid: DensityGrid, scene: Scene, solid_fraction: Array | None) -> fl
     return target
 
 
-def _cutter(grid: DensityGrid, scene: Scene, solid_fraction: Array | None) -> _Cutter:
+def _cutter(grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None) -> _Cutter:
     envelope = envelope_solid(scene, grid)
-    symmetric = is_x_symmetric(grid, solid_fraction) and is_mirror_image(envelope)
+    fields = [field for field in (solid_fraction, smooth) if field is not None]
+    symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)
     return _Cutter(envelope, web_bores(scene), journal_stubs(scene), symmetric)
 
 

@@ -64,8 +64,8 @@ class DensityGrid:
         return bool(np.allclose(ends, scene.web_z_mm, rtol=0, atol=1e-6 * scene.web.thickness_mm))
 
 
-def is_x_symmetric(grid: DensityGrid, solid_fraction: Array | None = None) -> bool:
-    """Whether grid, density and solid fraction are their own mirror image in the plane x = 0."""
+def is_x_symmetric(grid: DensityGrid, *others: Array) -> bool:
+    """Whether grid, density and other fields on it are their own mirror image in the plane x = 0."""
     centred = bool(abs(grid.origin_mm[0] + grid.upper_mm[0]) <= _ROUNDING * grid.cell_mm[0])
-    fields = [grid.density] if solid_fraction is None else [grid.density, solid_fraction]
+    fields = [grid.density, *others]
     return centred and all(np.allclose(field, field[::-1], rtol=0, atol=_ROUNDING) for field in fields)
