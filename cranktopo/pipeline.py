@@ -15,8 +15,8 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
-from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.optimise.assess import assess, assess_original
+from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.report.metrics import Timing, optimise_metrics
 from cranktopo.report.outputs import history_rows, write_outputs
 from cranktopo.scene import Scene, scene_from_dict

@@ -86,9 +86,8 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
         values = f"{case[key] * scale:14.1f}{original['load_cases'][name][key] * scale:14.1f}"
         lines.append(f"{name + ', ' + unit:24}{values}{gain:+8.1f}%")
     for part in ("throw", "web"):
-        lines.append(
-            f"{'mass of ' + part + ', kg':24}{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
-        )
+        masses = f"{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
+        lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
     seconds = metrics["seconds"]
     lines += [
         "",

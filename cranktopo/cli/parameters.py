@@ -7,7 +7,7 @@ import math
 import click
 
 
-class Number(click.ParamType):
+class Number(click.ParamType[float]):
     """A finite number inside an open range.
 
     Args:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -148,7 +149,7 @@ def _layers(scene: Scene, target: Target) -> list[_Layer]:
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
     layers = [_Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
     cuts = sorted({start, stop, *_web_cuts(scene, target)})
-    layers += [_web_layer(scene, target, pair) for pair in zip(cuts, cuts[1:], strict=False)]
+    layers += [_web_layer(scene, target, pair) for pair in pairwise(cuts)]
     layers.append(_Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
     return layers
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,7 @@ def plan_grid(
     """
     left, right, step = _lateral_counts(x_range, resolution_mm)
     counts = [left + right, _count(y_range, resolution_mm)]
-    slabs = [_count(pair, resolution_mm) for pair in zip(z_planes, z_planes[1:], strict=False)]
+    slabs = [_count(pair, resolution_mm) for pair in pairwise(z_planes)]
     levels = _levels(counts[0], counts[1], sum(slabs))
     factor = 1 << levels
     pads = [-n % factor for n in counts]
@@ -76,7 +77,9 @@ def plan_grid(
     y = y_range[0] + dy * np.arange(counts[1] + pads[1] + 1)
     edges = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(z_planes, z_planes[1:], grown, strict=False)]
     z = np.concatenate([*edges, [z_planes[-1]]])
-    return Grid(x, y, z, (pads[0], pads[1], sum(grown) - sum(slabs)), levels)
+    return Grid(
+        x.astype(np.float64), y.astype(np.float64), z, (pads[0], pads[1], sum(grown) - sum(slabs)), levels
+    )
 
 
 def _count(span: tuple[float, float], resolution: float) -> int:

@@ -57,7 +57,7 @@ def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool) -> f
     """Estimated peak memory of an optimisation at a cell size, MiB."""
     (x0, x1), (y0, y1) = throw_ranges_mm(scene, "envelope")
     width = x1 if quarter else x1 - x0
-    cells = width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
+    cells: float = width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
     return BASE_MIB + PER_CELL_KIB * cells / 1024
 
 
@@ -65,7 +65,7 @@ def finest_resolution_mm(scene: Scene, quarter: bool, available_MiB: float) -> f
     """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory."""
     at_one = estimated_memory_MiB(scene, 1.0, quarter) - BASE_MIB
     room = max(available_MiB - BASE_MIB, 1e-3)
-    return math.ceil((at_one / room) ** (1 / 3) * 100) / 100
+    return math.ceil(math.cbrt(at_one / room) * 100) / 100
 
 
 def available_memory_MiB() -> float:

@@ -34,7 +34,7 @@ class _State(NamedTuple):
     p: jax.Array
     rz: jax.Array
     error: jax.Array
-    count: jax.Array
+    done: jax.Array
 
 
 def stiffness_product(lattice: Lattice, supports: Supports, moduli: jax.Array, u: jax.Array) -> jax.Array:
@@ -91,13 +91,13 @@ def conjugate_gradients(
         image = product(p)
         alpha = _wide(_ratio(rz, _dot(p, image)))
         r = s.r - alpha * image
-        return _State(s.u + alpha * p, r, p, rz, _norm(r) / load, s.count + 1)
+        return _State(s.u + alpha * p, r, p, rz, _norm(r) / load, s.done + 1)
 
     def unfinished(s: _State) -> jax.Array:
-        return jnp.any(s.error > tolerance) & (s.count < max_iterations) & jnp.all(jnp.isfinite(s.error))
+        return jnp.any(s.error > tolerance) & (s.done < max_iterations) & jnp.all(jnp.isfinite(s.error))
 
     final = jax.lax.while_loop(unfinished, step, begin(guess))
-    return Solution(final.u, _norm(forces - product(final.u)) / load, final.count)
+    return Solution(final.u, _norm(forces - product(final.u)) / load, final.done)
 
 
 def _dot(a: jax.Array, b: jax.Array) -> jax.Array:

@@ -206,5 +206,6 @@ def _largest_eigenvalue(stencil: jax.Array, inverse: jax.Array) -> jax.Array:
 
     start = start * (inverse > 0)
     start = start / jnp.sqrt(jnp.sum(start**2))
+    norm: jax.Array
     _, norm = jax.lax.fori_loop(0, _POWER_STEPS, step, (start, jnp.ones((), stencil.dtype)))
     return norm * _POWER_MARGIN

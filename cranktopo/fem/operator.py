@@ -6,7 +6,7 @@ eight 3 x 3 products, sums and differences back: no gather, no scatter, no (cell
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import jax
 import jax.numpy as jnp
@@ -80,6 +80,11 @@ def _corner_sums(nodal: jax.Array) -> list[jax.Array]:
     return [waves[4 * (w & 1) + (w & 2) + (w >> 2)] for w in range(8)]
 
 
+def _barrier(arrays: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
+    barrier: Callable[[tuple[jax.Array, ...]], tuple[jax.Array, ...]] = jax.lax.optimization_barrier
+    return barrier(arrays)
+
+
 def _sum_and_difference(values: jax.Array, axis: int) -> tuple[jax.Array, jax.Array]:
     size = values.shape[axis]
     near = jax.lax.slice_in_dim(values, 0, size - 1, axis=values.ndim + axis)
@@ -102,7 +107,7 @@ def _multiply_blocks(lattice: Lattice, moduli: jax.Array, waves: Sequence[Sequen
             if terms:
                 products[wave_of(parity, c)][c] = moduli * sum(terms[1:], start=terms[0])
     # Without a barrier XLA recomputes the block products once per corner.
-    flat = jax.lax.optimization_barrier(tuple(products[w][c] for w in range(8) for c in range(3)))
+    flat = _barrier(tuple(products[w][c] for w in range(8) for c in range(3)))
     return [list(flat[3 * w : 3 * w + 3]) for w in range(8)]
 
 

@@ -28,6 +28,6 @@ class CompileClock:
         self.compile_s = 0.0
         jax.monitoring.register_event_duration_secs_listener(self._add)
 
-    def _add(self, event: str, seconds: float, **_: str | int) -> None:
+    def _add(self, event: str, duration_secs: float, **kwargs: str | int) -> None:
         if event.startswith("/jax/core/compile/"):
-            self.compile_s += seconds
+            self.compile_s += duration_secs

@@ -46,7 +46,7 @@ def solve(
     load = model.forces if forces is None else forces
     start = jnp.zeros_like(load) if guess is None else guess
     hierarchy = build_hierarchy(model.lattice, model.levels, model.supports, moduli)
-    solution = conjugate_gradients(
+    solution: Solution = conjugate_gradients(
         model.lattice, hierarchy, model.supports, moduli, load, start, jnp.asarray(tolerance), MAX_ITERATIONS
     )
     _check(model, solution, tolerance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -174,7 +175,7 @@ def with_limit(problem: Problem, state: State) -> State:
 
 def iterations_left(problem: Problem, state: State) -> int:
     """Upper estimate of the iterations still needed, for the progress display."""
-    stages = 1 + round(np.log2(BETA_LAST / state.beta))
+    stages = 1 + round(math.log2(BETA_LAST / state.beta))
     in_stage = len(state.history) - state.stage_start
     return min(problem.max_iterations - len(state.history), max(1, stages * STAGE_ITERATIONS - in_stage))
 
@@ -191,8 +192,9 @@ def _advance(problem: Problem, state: State, new_x: Array) -> State:
     feasible = abs(last.volume_fraction - problem.target) <= FEASIBILITY
     if last.beta >= BETA_LAST and plateau < FINAL_PLATEAU and feasible and last.greyness <= GREYNESS_LIMIT:
         reason = (
-            f"objective changed by less than {100 * FINAL_PLATEAU:g} % over {WINDOW} iterations, volume fraction "
-            f"within {FEASIBILITY:g} of its target, greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
+            f"objective changed by less than {100 * FINAL_PLATEAU:g} % over {WINDOW} iterations, "
+            f"volume fraction within {FEASIBILITY:g} of its target, "
+            f"greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
         )
         return replace(following, status="converged", reason=reason)
     if len(state.history) >= problem.max_iterations:
@@ -202,7 +204,7 @@ def _advance(problem: Problem, state: State, new_x: Array) -> State:
 
 
 def _move(beta: float) -> float:
-    return max(MOVE_LEAST, MOVE_FIRST / beta**0.5)
+    return max(MOVE_LEAST, MOVE_FIRST / math.sqrt(beta))
 
 
 def _plateau(state: State, in_stage: int) -> float:

@@ -75,7 +75,7 @@ def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array
         reach = max(0, int(np.ceil(radius_mm / step)) - 1)
         axes.append(step * np.arange(-reach, reach + 1))
     x, y, z = np.meshgrid(*axes, indexing="ij")
-    return np.maximum(0.0, radius_mm - np.sqrt(x**2 + y**2 + z**2))
+    return np.asarray(np.maximum(0.0, radius_mm - np.sqrt(x**2 + y**2 + z**2)))
 
 
 def filtered(data: Interpolation, x: jax.Array) -> jax.Array:

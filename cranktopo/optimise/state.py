@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-_ARRAY_FIELDS = ("x", "evaluated", "displacements")
+ARRAY_FIELDS = ("x", "evaluated", "displacements")
 Status = Literal["running", "converged", "stopped"]
 
 
@@ -80,7 +80,7 @@ class State:
 def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
     """The state as named arrays and JSON-able data."""
     data = asdict(state)
-    arrays = {name: data.pop(name) for name in _ARRAY_FIELDS}
+    arrays = {name: data.pop(name) for name in ARRAY_FIELDS}
     return arrays, data
 
 
@@ -88,10 +88,13 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
     """The state from what `to_checkpoint` returned, exactly."""
     records = [{**row, "compliance_N_mm": tuple(row["compliance_N_mm"])} for row in data["history"]]
     return State(
-        **{name: arrays[name] for name in _ARRAY_FIELDS},
-        **{
-            **data,
-            "initial_N_mm": tuple(data["initial_N_mm"]),
-            "history": tuple(Record(**row) for row in records),
-        },
+        x=arrays["x"],
+        evaluated=arrays["evaluated"],
+        displacements=arrays["displacements"],
+        beta=data["beta"],
+        stage_start=data["stage_start"],
+        initial_N_mm=tuple(data["initial_N_mm"]),
+        history=tuple(Record(**row) for row in records),
+        status=data["status"],
+        reason=data["reason"],
     )
