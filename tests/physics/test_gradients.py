@@ -1,0 +1,100 @@
+"""Implicit derivatives of every response against central differences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from cranktopo.domain.build import build_domain
+from cranktopo.fem.model import ThrowModel, build_model
+from cranktopo.fem.response import (
+    compliance_gradients,
+    compliances,
+    displacements,
+    pin_displacement_mm,
+    solve,
+    twist_rad,
+)
+from cranktopo.optimise.criteria import design_gradients
+from cranktopo.optimise.material import (
+    Interpolation,
+    build_interpolation,
+    physical_density,
+    relative_moduli,
+    volume_fraction,
+)
+from cranktopo.scene import Scene
+from tests.physics.throw_cases import BENDING, TANGENTIAL, TORSION
+
+TIGHT = 1e-12
+Response = Callable[[ThrowModel, jax.Array], jax.Array]
+RESPONSES: dict[str, Response] = {
+    "bending compliance": lambda model, u: compliances(model, u)[0],
+    "torsion compliance": lambda model, u: compliances(model, u)[1],
+    "twist": lambda model, u: twist_rad(model, u, "torsion"),
+    "pin displacement": lambda model, u: pin_displacement_mm(model, u, "bending"),
+    "tangential displacement": lambda model, u: pin_displacement_mm(model, u, "tangential"),
+    # Not self-adjoint: one displacement component far from the loads.
+    "corner displacement": lambda model, u: u[0, 1, 3, 8, 5] * 1e3 + u[1, 0, 2, 9, 6] * 1e3,
+}
+
+
+@pytest.fixture
+def setting(float64: None, mikron: Scene) -> tuple[ThrowModel, Interpolation, jax.Array]:
+    domain = build_domain(mikron, 4.5)
+    model = build_model(mikron, domain, (BENDING, TORSION, TANGENTIAL))
+    chain = build_interpolation(domain, 9.0)
+    x = jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, chain.design.shape))
+    return model, chain, x
+
+
+@pytest.mark.parametrize("name", RESPONSES)
+def test_response_by_density(setting: tuple[ThrowModel, Interpolation, jax.Array], name: str) -> None:
+    model, chain, x = setting
+
+    def value(x: jax.Array) -> jax.Array:
+        moduli = relative_moduli(chain, physical_density(chain, x, 2.0))
+        return RESPONSES[name](model, displacements(model, moduli, TIGHT))
+
+    gradient = jax.grad(value)(x)
+    direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * chain.design
+    step = 1e-3
+    # Fourth-order central difference, so that the check is limited by the solver and not by the step.
+    f = [float(value(x + k * step * direction)) for k in (-2, -1, 1, 2)]
+    expected = (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step)
+    assert float(jnp.sum(gradient * direction)) == pytest.approx(expected, rel=1e-5)
+
+
+def test_largest_single_cell_derivative(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
+    model, chain, x = setting
+
+    def moduli(x: jax.Array) -> jax.Array:
+        return relative_moduli(chain, physical_density(chain, x, 2.0))
+
+    def work(x: jax.Array) -> float:
+        return float(compliances(model, solve(model, moduli(x), tolerance=TIGHT).displacements)[1])
+
+    u = solve(model, moduli(x), tolerance=TIGHT).displacements
+    by_moduli = compliance_gradients(model, u)[1]
+    by_x, _ = design_gradients(chain, x, jnp.asarray(2.0), by_moduli)
+    cell = np.unravel_index(int(jnp.argmax(jnp.abs(by_x))), x.shape)
+    step = 1e-2
+    f = [work(x.at[cell].add(k * step)) for k in (-2, -1, 1, 2)]
+    expected = (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step)
+    assert float(by_x[cell]) == pytest.approx(expected, rel=1e-5)
+
+
+def test_volume_derivative(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
+    _, chain, x = setting
+    _, by_x = design_gradients(chain, x, jnp.asarray(4.0), jnp.zeros(chain.fixed.shape))
+    cell, step = (3, 9, 2), 1e-5
+
+    def volume(x: jax.Array) -> float:
+        return float(volume_fraction(chain, physical_density(chain, x, 4.0)))
+
+    expected = (volume(x.at[cell].add(step)) - volume(x.at[cell].add(-step))) / (2 * step)
+    assert float(by_x[cell]) == pytest.approx(expected, rel=1e-6)

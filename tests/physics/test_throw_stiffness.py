@@ -1,0 +1,91 @@
+"""The throw model against a body-fitted reference, and against itself in other extents and supports."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import pytest
+
+from cranktopo.domain.build import Extent, build_domain
+from cranktopo.fem.model import build_model
+from cranktopo.fem.response import compliances, solve, stiffness
+from cranktopo.scene import Scene
+from tests.physics.throw_cases import BENDING, TANGENTIAL, TORSION
+
+# Body-fitted quadratic tetrahedra, refined at the re-entrant rings, E = 210 GPa, no fillets.
+FREE_NM_PER_RAD, PINNED_N_PER_MM = 138.2e3, 217.6e3
+
+
+def stiffnesses(
+    scene: Scene, resolution_mm: float, extent: Extent | None = None, **supports: object
+) -> dict[str, float]:
+    scene = scene.model_copy(update={"supports": scene.supports.model_copy(update=supports)})
+    domain = build_domain(scene, resolution_mm, "web", extent)
+    cases = (BENDING, TORSION, TANGENTIAL)
+    model = build_model(scene, domain, cases)
+    solution = solve(model, jnp.asarray(domain.fixed), tolerance=1e-10)
+    work = compliances(model, solution.displacements)
+    return {case.name: stiffness(model, float(c), case.name) for case, c in zip(cases, work, strict=True)}
+
+
+def test_original_web_at_1_mm(float64: None, mikron: Scene) -> None:
+    result = stiffnesses(mikron, 1.0)
+    assert result["torsion"] == pytest.approx(FREE_NM_PER_RAD, rel=0.015)
+    assert result["bending"] == pytest.approx(PINNED_N_PER_MM, rel=0.03)
+
+
+@pytest.mark.slow
+def test_original_web_at_half_a_mm(float64: None, mikron: Scene) -> None:
+    result = stiffnesses(mikron, 0.5)
+    assert result["torsion"] == pytest.approx(FREE_NM_PER_RAD, rel=0.0075)
+    assert result["bending"] == pytest.approx(PINNED_N_PER_MM, rel=0.015)
+
+
+@pytest.mark.parametrize(
+    "supports",
+    [
+        {"torsion": "free", "bending": "pinned"},
+        {"torsion": "held", "bending": "clamped"},
+        {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": 2e5},
+    ],
+)
+def test_quarter_half_and_full_agree(float64: None, mikron: Scene, supports: dict[str, object]) -> None:
+    half = stiffnesses(mikron, 4.0, "half", **supports)
+    for extent in ("quarter", "full"):
+        assert stiffnesses(mikron, 4.0, extent, **supports) == pytest.approx(half, rel=1e-6)  # type: ignore[arg-type]
+
+
+def test_half_and_full_agree_on_an_asymmetric_web(float64: None, mikron: Scene) -> None:
+    """A pocket beside the mirror plane: both load cases then move the section in all six motions."""
+    data = mikron.model_dump()
+    data["web"]["pocket"] = [{"shape": "cylinder", "x_mm": 15.0, "y_mm": 20.0, "diameter_mm": 14.0}]
+    lopsided = Scene.model_validate(data)
+    half, full = (stiffnesses(lopsided, 4.0, extent) for extent in ("half", "full"))
+    assert full == pytest.approx(half, rel=1e-6)
+    assert half["torsion"] < 0.99 * stiffnesses(mikron, 4.0, "half")["torsion"]
+
+
+def test_supports_order_the_stiffnesses(float64: None, mikron: Scene) -> None:
+    """Springs lie between free and held, and approach them at the ends of their range."""
+    free = stiffnesses(mikron, 4.0, torsion="free", bending="pinned")
+    held = stiffnesses(mikron, 4.0, torsion="held", bending="clamped")
+    stiff, soft = (
+        stiffnesses(mikron, 4.0, torsion="spring", bending="spring", bearing_spring_N_per_mm=k)
+        for k in (1e12, 1e5)
+    )
+    assert held["torsion"] > 1.3 * free["torsion"]
+    assert held["bending"] > 4.0 * free["bending"]
+    assert stiff["torsion"] == pytest.approx(free["torsion"], rel=1e-4)
+    assert stiff["bending"] == pytest.approx(free["bending"], rel=1e-4)
+    # A rigid pin on two springs moves by F / (2 k) in addition.
+    assert 1 / soft["bending"] - 1 / free["bending"] == pytest.approx(1 / 2e5, rel=1e-6)
+
+
+def test_scaling_of_loads_does_not_change_stiffness(float64: None, mikron: Scene) -> None:
+    domain = build_domain(mikron, 4.0, "web")
+    values = []
+    for factor in (1.0, 1e4):
+        case = type(BENDING)("bending", "bending", radial_N=factor)
+        model = build_model(mikron, domain, (case,))
+        work = compliances(model, solve(model, jnp.asarray(domain.fixed)).displacements)
+        values.append(stiffness(model, float(work[0]), "bending"))
+    assert values[1] == pytest.approx(values[0], rel=1e-9)
