@@ -138,6 +138,12 @@ def test_fillets_follow_pappus():
     centroid = 18.0 + f * (10 - 3 * math.pi) / (12 - 3 * math.pi)
     volume = 2 * (1 - math.pi / 4) * f**2 * 2 * math.pi * centroid
     assert rounded.mass_kg - sharp.mass_kg == pytest.approx(volume * 7.85e-6, rel=1e-9)
+    # Second moment of the ring about its own axis, by thin discs.
+    z = (np.arange(20000) + 0.5) / 20000 * f
+    outer = 18.0 + f - np.sqrt(f**2 - (f - z) ** 2)
+    own = 2 * (math.pi / 2 * (outer**4 - 18.0**4)).mean() * f
+    gained = (own + volume * 40.0**2) * 7.85e-6
+    assert rounded.inertia_kg_mm2 - sharp.inertia_kg_mm2 == pytest.approx(gained, rel=1e-6)
     assert rounded.throw_unbalance_kg_mm - sharp.throw_unbalance_kg_mm == pytest.approx(
         volume * 7.85e-6 * 40.0, rel=1e-9
     )

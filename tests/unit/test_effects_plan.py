@@ -209,7 +209,9 @@ def test_given_peaks_are_taken_and_multiples_explained():
     bending, torsion = load_cases(OPPOSED)
     assert (bending.radial_N, torsion.torque_Nm) == (85730.0, 1412.0)
     states = {state.name: state for state in extreme_states(OPPOSED, INERTIA)}
-    assert states["min_torque"].redundant.startswith("-0.485 times max_torque")
+    why = states["min_torque"].redundant
+    assert why.startswith("-0.485 times max_torque")
+    assert why.endswith("23.5 % of its compliance")  # (684.4 / 1412)^2
     assert "overspeed_inertia" not in states  # no masses given
     braking = with_part(OPPOSED, "engine", min_torque_Nm=-2000.0)
     assert load_cases(braking)[1].torque_Nm == -2000.0
@@ -220,3 +222,11 @@ def test_torsion_case_is_the_largest_torque_behind_any_throw():
     assert states["max_torque"].case.torque_Nm == pytest.approx(685.7, abs=0.1)
     assert states["overspeed_inertia"].redundant.startswith("-0.146 times max_radial")
     assert [case.name for case in load_cases(MIKRON)] == ["bending", "torsion"]
+
+
+def test_fatigue_estimate_by_hand():
+    """Opposed-piston: F / 2 x lever / (B W^2 / 6) and T / (pi D^3 / 16), half of each range."""
+    bend = 85730 / 2 / 2 * (34 / 2 + 20 / 2) / (80 * 20**2 / 6)
+    shear = (1412e3 + 684.4e3) / 2 / (math.pi * 56**3 / 16)
+    percent = 100 * math.sqrt(bend**2 + 3 * shear**2) / 525
+    assert plan(OPPOSED)["fatigue"].estimate_percent == pytest.approx(percent, rel=1e-9)

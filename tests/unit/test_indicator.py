@@ -75,6 +75,12 @@ def test_interpolation_keeps_points_and_never_overshoots(file):
     gas = Gas(indicator_csv=str(file))
     curve = pressure_curve(scene.model_copy(update={"engine": scene.engine.model_copy(update={"gas": gas})}))
     assert curve.pressure_MPa[::8] == pytest.approx(BAR / 10)
+    # Between the last point and the first one of the next cycle the curve goes on smoothly.
+    join = curve.pressure_MPa[-8:]
+    assert (np.diff(join) > 0).all()
+    assert join[0] == pytest.approx(BAR[-1] / 10)
+    assert join[-1] < BAR[0] / 10
+    assert curve.pressure_MPa[[-4]] == pytest.approx((BAR[-1] + BAR[0]) / 20, rel=2e-3)
     assert curve.pressure_MPa.max() == pytest.approx(BAR.max() / 10)
     assert curve.pressure_MPa.min() == pytest.approx(BAR.min() / 10)
 
