@@ -1,1 +1,25 @@
 """Run directories, manifest and checkpoint."""
+
+from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
+from cranktopo.store.lock import locked
+from cranktopo.store.runs import RUNS, RunStore, check_destination, create_run, list_runs, open_run
+
+__all__ = [
+    "RUNS",
+    "Checkpoint",
+    "RunStore",
+    "check_destination",
+    "create_run",
+    "list_runs",
+    "load_checkpoint",
+    "locked",
+    "open_run",
+    "read_json",
+    "replacing",
+    "save_checkpoint",
+    "write_bytes",
+    "write_json",
+    "write_npz",
+    "write_text",
+]

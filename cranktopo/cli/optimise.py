@@ -1,0 +1,140 @@
+"""`cranktopo optimise`: the main job."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cranktopo.cli.parameters import Number
+from cranktopo.errors import ExitCode
+
+if TYPE_CHECKING:
+    from cranktopo.optimise.loop import Problem
+    from cranktopo.optimise.state import State
+
+DEFAULT_DESIGN = "mikron-iiic"
+
+
+@click.command("optimise")
+@click.argument("design", required=False)
+@click.option(
+    "--volume-fraction",
+    type=Number("volume fraction", above=0.0, below=1.0),
+    help="Share of the design space that becomes solid, 0 to 1; default: the design's.",
+)
+@click.option(
+    "--resolution-mm",
+    type=Number("resolution", above=0.0),
+    help="Largest cell edge, mm; default: the design's.",
+)
+@click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
+@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
+@click.option("--resume", metavar="RUN", help="Continue an interrupted, stopped or killed run.")
+@click.option("--json", "as_json", is_flag=True, help="Print the metrics as one JSON object.")
+def command(
+    design: str | None,
+    volume_fraction: float | None,
+    resolution_mm: float | None,
+    max_iterations: int | None,
+    out: Path | None,
+    resume: str | None,
+    as_json: bool,
+) -> int:
+    """Optimise the web of DESIGN under its load cases and write a run.
+
+    Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
+    """
+    if resume and (design or volume_fraction or resolution_mm or out):
+        raise click.UsageError("--resume takes the design and its options from the run; only --max-iterations may be given")
+    from cranktopo import pipeline
+
+    notice = _Notice()
+    if resume:
+        run, prepared = pipeline.reopen(resume, max_iterations, notice)
+    else:
+        overrides = {
+            "volume_fraction": volume_fraction,
+            "resolution_mm": resolution_mm,
+            "max_iterations": max_iterations,
+        }
+        scene, text = _scene(design or DEFAULT_DESIGN, overrides)
+        run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, notice)
+    with _Bar() as bar:
+        metrics = pipeline.optimise(run, prepared, bool(resume), bar)
+    click.echo(json.dumps(metrics) if as_json else summary(metrics, run.path))
+    return ExitCode.DONE if metrics["status"] == "converged" else ExitCode.NOT_CONVERGED
+
+
+def summary(metrics: dict[str, Any], folder: Path) -> str:
+    """What a user wants to know of a finished run, as lines of text."""
+    original = metrics["original_web"]
+    lines = [
+        f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
+        "",
+        f"{'':24}{'optimised':>14}{'original web':>14}{'per kg':>9}",
+    ]
+    for name, case in metrics["load_cases"].items():
+        key = next(k for k in case if k.startswith("stiffness_"))
+        unit, scale = ("kN m/rad", 1e-3) if key.endswith("rad") else ("kN/mm", 1e-3)
+        gain = original["gain_of_stiffness_per_mass_percent"][name]
+        values = f"{case[key] * scale:14.1f}{original['load_cases'][name][key] * scale:14.1f}"
+        lines.append(f"{name + ', ' + unit:24}{values}{gain:+8.1f}%")
+    for part in ("throw", "web"):
+        lines.append(
+            f"{'mass of ' + part + ', kg':24}{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
+        )
+    seconds = metrics["seconds"]
+    lines += [
+        "",
+        f"{seconds['total']:.1f} s (compiling {seconds['compile']:.1f} s, "
+        f"{seconds['per_iteration_median']:.2f} s per iteration), {metrics['peak_memory_MiB']:.0f} MiB",
+        f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
+        *(f"{folder / metrics['files'][name]}" for name in ("stl", "picture", "vtu", "history", "metrics")),
+    ]
+    return "\n".join(lines)
+
+
+def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:
+    """The design's scene with the options in it, checked as a whole, and its text."""
+    from cranktopo.scene import load_scene
+    from cranktopo.scene.loading import resolve_design
+
+    scene = load_scene(design)
+    given = {key: value for key, value in overrides.items() if value is not None}
+    settings = scene.optimise.model_copy(update=given)
+    return scene.model_copy(update={"optimise": settings}), resolve_design(design).read_text(encoding="utf-8")
+
+
+class _Notice:
+    """Prints lines about the model on stderr."""
+
+    def __call__(self, line: str) -> None:
+        click.echo(line, err=True)
+
+
+class _Bar:
+    """Progress bar on stderr: both compliances, volume, greyness, time left; silent without a terminal."""
+
+    def __enter__(self) -> _Bar:
+        from tqdm import tqdm
+
+        self._bar = tqdm(unit="it", file=sys.stderr, disable=not sys.stderr.isatty(), dynamic_ncols=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()
+
+    def __call__(self, problem: Problem, state: State) -> None:
+        from cranktopo.optimise.loop import iterations_left
+
+        row = state.last
+        done = len(state.history)
+        self._bar.total = done + (0 if state.done else iterations_left(problem, state))
+        cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
+        work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
+        self._bar.set_postfix_str(f"{work}, volume {row.volume_fraction:.3f}, grey {row.greyness:.3f}", refresh=False)
+        self._bar.update(done - self._bar.n)

@@ -1,0 +1,35 @@
+"""Option types that say what is allowed."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+
+class Number(click.ParamType):
+    """A finite number inside an open range.
+
+    Args:
+        what: name for the message.
+        above: the value must be greater.
+        below: the value must be smaller, if given.
+    """
+
+    name = "number"
+
+    def __init__(self, what: str, above: float, below: float = math.inf) -> None:
+        self._what, self._above, self._below = what, above, below
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The value as a float; fails with the allowed range."""
+        allowed = f"must be a number > {self._above:g}"
+        if math.isfinite(self._below):
+            allowed += f" and < {self._below:g}"
+        try:
+            number = float(str(value))
+        except ValueError:
+            self.fail(f"{self._what} = {value!r}: {allowed}.", param, ctx)
+        if not (self._above < number < self._below):  # false for nan as well
+            self.fail(f"{self._what} = {value}: {allowed}.", param, ctx)
+        return number

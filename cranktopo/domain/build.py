@@ -1,0 +1,320 @@
+"""From a scene to the domain of the optimiser: grid, solid fractions, design cells.
+
+Every shape is an extrusion along the crank axis, so the solid fraction of a cell is a sampled plane
+fraction (32 x 32 points) times an exact overlap in z: stiffness does not jump with the cell size.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.grid import Grid, plan_grid
+from cranktopo.domain.outline import (
+    Coordinates,
+    Shape,
+    disc,
+    envelope_bounds_mm,
+    envelope_outline,
+    web_bounds_mm,
+    web_outline,
+)
+from cranktopo.errors import invalid
+from cranktopo.scene.geometry import Envelope, Journal
+from cranktopo.scene.schema import Scene
+
+Extent = Literal["quarter", "half", "full"]
+Target = Literal["envelope", "web"]
+Array = NDArray[np.float64]
+SAMPLES = 32
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Cells of the throw model and what they hold.
+
+    Attributes:
+        grid: node coordinates.
+        extent: "half" throw, its x >= 0 "quarter", or the "full" throw.
+        fixed: fraction of each cell filled with undesignable solid (journal, pin, fixed web), (nx, ny, nz).
+        design: fraction of each cell that is designable, (nx, ny, nz); fixed + design <= 1.
+        pin: fraction of each cell that is crankpin between the web faces (the loaded material).
+        web: fraction of each cell that belongs to the web when full (between the web faces).
+    """
+
+    grid: Grid
+    extent: Extent
+    fixed: Array
+    design: Array
+    pin: Array
+    web: Array
+
+    @property
+    def mirrored_x(self) -> bool:
+        """Whether the plane x = 0 is a mirror of the model."""
+        return self.extent == "quarter"
+
+    @property
+    def mirrored_z(self) -> bool:
+        """Whether the mid-pin plane is a mirror of the model."""
+        return self.extent != "full"
+
+    @property
+    def web_layers(self) -> tuple[int, int]:
+        """First and past-the-last z layer of the (first) web; its layers have one height."""
+        filled = np.flatnonzero(self.web[:, :, : self._half_layers].any(axis=(0, 1)))
+        return int(filled[0]), int(filled[-1]) + 1
+
+    @property
+    def _half_layers(self) -> int:
+        return self.grid.cells[2] // (2 if self.extent == "full" else 1)
+
+    @property
+    def share(self) -> float:
+        """Share of the full throw that the model holds."""
+        return {"quarter": 0.25, "half": 0.5, "full": 1.0}[self.extent]
+
+    @property
+    def volume_mm3(self) -> Array:
+        """Cell volumes broadcastable to (nx, ny, nz)."""
+        return self.grid.cell_volume_mm3[None, None, :]
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """What fills the plane between two z values of the half throw."""
+
+    z: tuple[float, float]
+    fixed: Shape | None
+    design: Shape | None
+    pin: Shape | None
+    web: Shape | None
+
+
+def laterally_symmetric(scene: Scene, target: Target) -> bool:
+    """Whether the geometry is its own mirror image in x."""
+    if target == "web":
+        return all(pocket.shape == "side" or pocket.x_mm == 0.0 for pocket in scene.web.pocket)
+    if scene.envelope is None or scene.envelope.shape != "outline":
+        return True
+    points = {(round(x, 9), round(y, 9)) for x, y in scene.envelope.points_mm}
+    return points == {(round(-x, 9) + 0.0, y) for x, y in points}
+
+
+def build_domain(
+    scene: Scene,
+    resolution_mm: float,
+    target: Target = "envelope",
+    extent: Extent | None = None,
+    grid: Grid | None = None,
+) -> Domain:
+    """Grid and cell fractions of a scene.
+
+    Args:
+        scene: the validated scene.
+        resolution_mm: largest cell edge, mm.
+        target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
+        extent: part of the throw; by default the quarter when the geometry is symmetric in x, else the half.
+        grid: a grid to fill instead of planning one, e.g. the envelope's for the original web.
+
+    Raises:
+        CranktopoError: no envelope, or an envelope that does not touch a journal.
+    """
+    if extent is None:
+        extent = "quarter" if laterally_symmetric(scene, target) else "half"
+    layers = _layers(scene, target)
+    grid = grid or _grid(scene, resolution_mm, target, extent)
+    planes = {
+        kind: _fractions(grid, [(layer.z, getattr(layer, kind)) for layer in layers])
+        for kind in ("fixed", "design", "pin", "web")
+    }
+    if extent == "full":
+        half = len(grid.z_mm) // 2
+        planes = {k: np.concatenate([v[..., :half], v[..., :half][..., ::-1]], -1) for k, v in planes.items()}
+    domain = Domain(grid, extent, **planes)
+    if target == "envelope":
+        _check_touches(scene, domain)
+    return domain
+
+
+def _layers(scene: Scene, target: Target) -> list[_Layer]:
+    """The half throw as slabs along z: main journal, web (cut at pocket and clearance depths), crankpin."""
+    start, stop = scene.web_z_mm
+    pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
+    layers = [_Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
+    cuts = sorted({start, stop, *_web_cuts(scene, target)})
+    layers += [_web_layer(scene, target, pair) for pair in zip(cuts, cuts[1:], strict=False)]
+    layers.append(_Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
+    return layers
+
+
+def _annulus(journal: Journal, y_mm: float) -> Shape:
+    outer, bore = disc(journal.radius_mm, y_mm), disc(journal.bore_radius_mm, y_mm)
+    if journal.bore_radius_mm == 0:
+        return outer
+    return lambda x, y: outer(x, y) & ~bore(x, y)
+
+
+def _web_cuts(scene: Scene, target: Target) -> list[float]:
+    """z values inside the web where its cross-section changes."""
+    start, stop = scene.web_z_mm
+    if target == "envelope":
+        envelope = _envelope(scene)
+        return [start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm]
+    cuts: list[float] = []
+    for pocket in scene.web.pocket:
+        if pocket.shape == "side":
+            middle = (start + stop) / 2
+            cuts += [middle - pocket.height_mm / 2, middle + pocket.height_mm / 2]
+        elif pocket.face == "journal" and pocket.depth_mm:
+            cuts.append(start + pocket.depth_mm)
+        elif pocket.face == "pin" and pocket.depth_mm:
+            cuts.append(stop - pocket.depth_mm)
+    return [cut for cut in cuts if start < cut < stop]
+
+
+def _web_layer(scene: Scene, target: Target, z: tuple[float, float]) -> _Layer:
+    """One slab of the web: outline or envelope less bores; in a clearance only the journal goes on."""
+    start, stop = scene.web_z_mm
+    throw, middle = scene.throw, (z[0] + z[1]) / 2
+    bores = [
+        disc(journal.bore_radius_mm, y)
+        for journal, y in ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm))
+        if journal.bore_radius_mm > 0
+    ]
+    if target == "web":
+        shape = _without(web_outline(scene.web, throw.radius_mm), bores + _pockets_at(scene, middle))
+        return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
+    envelope = _envelope(scene)
+    if start + envelope.bearing_clearance_mm < middle < stop - envelope.rod_clearance_mm:
+        shape = _without(envelope_outline(envelope), bores)
+        return _Layer(z, fixed=None, design=shape, pin=None, web=shape)
+    at_main = middle < start + envelope.bearing_clearance_mm
+    stub = disc(throw.main_journal.radius_mm) if at_main else disc(throw.crankpin.radius_mm, throw.radius_mm)
+    shape = _without(stub, bores)
+    return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
+
+
+def _pockets_at(scene: Scene, z: float) -> list[Shape]:
+    start, stop = scene.web_z_mm
+    shapes: list[Shape] = []
+    for pocket in scene.web.pocket:
+        if pocket.shape == "side":
+            if abs(z - (start + stop) / 2) <= pocket.height_mm / 2:
+                half = web_bounds_mm(scene)[1]
+                shapes.append(_side_slots(half - pocket.depth_mm, pocket.y_mm, pocket.length_mm / 2))
+            continue
+        depth = pocket.depth_mm or scene.web.thickness_mm
+        from_face = {"journal": z - start, "pin": stop - z, "through": 0.0}[pocket.face]
+        if from_face > depth:
+            continue
+        if pocket.shape == "cylinder":
+            shapes.append(disc(pocket.diameter_mm / 2, pocket.y_mm, pocket.x_mm))
+        else:
+            shapes.append(_box(pocket.x_mm, pocket.y_mm, pocket.size_x_mm / 2, pocket.size_y_mm / 2))
+    return shapes
+
+
+def _side_slots(inner: float, y_mm: float, half_length: float) -> Shape:
+    return lambda x, y: (np.abs(x) >= inner) & (np.abs(y - y_mm) <= half_length)
+
+
+def _box(x_mm: float, y_mm: float, half_x: float, half_y: float) -> Shape:
+    return lambda x, y: (np.abs(x - x_mm) <= half_x) & (np.abs(y - y_mm) <= half_y)
+
+
+def _without(outline: Shape, holes: Sequence[Shape]) -> Shape:
+    def inside(x: Coordinates, y: Coordinates) -> NDArray[np.bool_]:
+        result = outline(x, y)
+        for hole in holes:
+            result = result & ~hole(x, y)
+        return result
+
+    return inside
+
+
+def _envelope(scene: Scene) -> Envelope:
+    if scene.envelope is None:
+        raise invalid("envelope", None, "an optimisation needs a design envelope", "Add an [envelope] table.")
+    return scene.envelope
+
+
+def throw_ranges_mm(scene: Scene, target: Target) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm."""
+    main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
+    reach = max(main, pin)
+    bounds = [(-reach, reach, -main, r + pin), web_bounds_mm(scene)]
+    if target == "envelope":
+        bounds.append(envelope_bounds_mm(_envelope(scene)))
+    x_low, x_high, y_low, y_high = zip(*bounds, strict=True)
+    return (min(x_low), max(x_high)), (min(y_low), max(y_high))
+
+
+def _grid(scene: Scene, resolution_mm: float, target: Target, extent: Extent) -> Grid:
+    x_range, y_range = throw_ranges_mm(scene, target)
+    if extent == "quarter":
+        x_range = (0.0, x_range[1])
+    half = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
+    planes = half if extent != "full" else half + tuple(scene.pitch_mm - z for z in half[-2::-1])
+    return plan_grid(x_range, y_range, planes, resolution_mm)
+
+
+def _fractions(grid: Grid, slabs: list[tuple[tuple[float, float], Shape | None]]) -> Array:
+    """Filled fraction of every cell for shapes extruded between z values."""
+    result = np.zeros(grid.cells)
+    heights = np.diff(grid.z_mm)
+    for (low, high), shape in slabs:
+        if shape is None:
+            continue
+        overlap = np.clip(np.minimum(grid.z_mm[1:], high) - np.maximum(grid.z_mm[:-1], low), 0, None) / heights
+        # Rounding must not leave 1e-16 of a slab in its neighbour: that would be a void cell with stiffness.
+        overlap[overlap < 1e-9] = 0.0
+        result += _plane_fraction(grid, shape)[:, :, None] * overlap
+    return np.minimum(result, 1.0)
+
+
+def _plane_fraction(grid: Grid, shape: Shape) -> Array:
+    """Filled fraction of every (x, y) cell from SAMPLES x SAMPLES points."""
+    nx, ny, _ = grid.cells
+    x = _sample_points(grid.x_mm)
+    y = _sample_points(grid.y_mm)
+    fraction = np.empty((nx, ny))
+    rows = max(1, math.floor(2e6 / (len(y) * SAMPLES)))  # bounded memory
+    for first in range(0, nx, rows):
+        part = x[first * SAMPLES : (first + rows) * SAMPLES]
+        hits = shape(part[:, None], y[None, :]).reshape(-1, SAMPLES, ny, SAMPLES)
+        fraction[first : first + rows] = hits.mean(axis=(1, 3))
+    return fraction
+
+
+def _sample_points(edges: Array) -> Array:
+    step = np.diff(edges)[:, None]
+    offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    return np.asarray((edges[:-1, None] + step * offsets).ravel())
+
+
+def _check_touches(scene: Scene, domain: Domain) -> None:
+    """Both journals must meet designable cells at the web faces."""
+    start, stop = scene.web_z_mm
+    z = domain.grid.z_mm
+    faces = (
+        ("throw.main_journal", int(np.argmin(np.abs(z - start))), 0),
+        ("throw.crankpin", int(np.argmin(np.abs(z - stop))), -1),
+    )
+    for key, plane, side in faces:
+        journal = domain.fixed[:, :, plane - 1 if side == 0 else plane]
+        layer = plane if side == 0 else plane - 1
+        web = domain.design[:, :, layer] + domain.fixed[:, :, layer]
+        contact = np.sum(np.minimum(journal, web)) / np.sum(journal)
+        if contact < 0.1:
+            raise invalid(
+                "envelope",
+                scene.envelope.shape if scene.envelope else None,
+                f"touches {100 * contact:.0f} % of the end face of {key}, at least 10 % is needed",
+                "Enlarge or move the envelope so that it covers the journal.",
+            )

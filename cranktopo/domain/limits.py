@@ -1,0 +1,75 @@
+"""Is a resolution usable? Coarse enough to fit in memory, fine enough to hold a journal wall."""
+
+from __future__ import annotations
+
+import math
+
+from cranktopo.domain.build import throw_ranges_mm
+from cranktopo.errors import invalid
+from cranktopo.scene.schema import Scene
+
+WALL_CELLS = 2
+# Measured peak of an optimisation: resident memory = BASE + PER_CELL x cells (two load cases).
+BASE_MIB = 700.0
+PER_CELL_KIB = 6.0
+_MIB = 1024.0**2
+
+
+def check_resolution(scene: Scene, resolution_mm: float, quarter: bool, available_MiB: float) -> None:
+    """Check a cell size against the thinnest journal wall and the memory.
+
+    Args:
+        scene: the scene.
+        resolution_mm: largest cell edge, mm.
+        quarter: whether the lateral mirror halves the model.
+        available_MiB: memory that may be used.
+
+    Raises:
+        CranktopoError: too coarse or too fine, with the limit that would do.
+    """
+    key = "optimise.resolution_mm"
+    wall = thinnest_wall_mm(scene)
+    if resolution_mm > wall / WALL_CELLS:
+        raise invalid(
+            key,
+            resolution_mm,
+            f"too coarse: the thinnest journal wall is {wall:g} mm and needs {WALL_CELLS} cells",
+            f"Use at most {wall / WALL_CELLS:g} mm.",
+        )
+    needed = estimated_memory_MiB(scene, resolution_mm, quarter)
+    if needed > available_MiB:
+        finest = finest_resolution_mm(scene, quarter, available_MiB)
+        raise invalid(
+            key,
+            resolution_mm,
+            f"too fine: about {needed / 1024:,.1f} GiB needed, {available_MiB / 1024:,.1f} GiB available",
+            f"The finest that fits is about {finest:g} mm.",
+        )
+
+
+def thinnest_wall_mm(scene: Scene) -> float:
+    """Thinnest radial wall of the two journals (radius of a solid one), mm."""
+    journals = scene.throw.main_journal, scene.throw.crankpin
+    return min(journal.radius_mm - journal.bore_radius_mm for journal in journals)
+
+
+def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool) -> float:
+    """Estimated peak memory of an optimisation at a cell size, MiB."""
+    (x0, x1), (y0, y1) = throw_ranges_mm(scene, "envelope")
+    width = x1 if quarter else x1 - x0
+    cells = width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
+    return BASE_MIB + PER_CELL_KIB * cells / 1024
+
+
+def finest_resolution_mm(scene: Scene, quarter: bool, available_MiB: float) -> float:
+    """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory."""
+    at_one = estimated_memory_MiB(scene, 1.0, quarter) - BASE_MIB
+    room = max(available_MiB - BASE_MIB, 1e-3)
+    return math.ceil((at_one / room) ** (1 / 3) * 100) / 100
+
+
+def available_memory_MiB() -> float:
+    """Memory that a process may take now without swapping, MiB."""
+    import psutil
+
+    return float(psutil.virtual_memory().available) / _MIB

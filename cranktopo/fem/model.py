@@ -1,0 +1,136 @@
+"""The discrete throw: supports and loads of every case on one stiffness field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.build import Domain
+from cranktopo.fem.lattice import Lattice
+from cranktopo.fem.supports import CaseSupports, SectionMotion, Supports, build_supports
+from cranktopo.loads.cases import LoadCase
+from cranktopo.scene.schema import Scene
+from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
+
+Array = NDArray[np.float64]
+
+# Motions of a section that are even under x -> -x; the others are odd.
+_EVEN_IN_X = ("ty", "tz", "rx")
+_BENDING_FREE = {"pinned": ("tz", "rx", "ry"), "clamped": ("tz",), "spring": ("tx", "ty", "tz", "rx", "ry")}
+_TORSION_FREE = {"free": ("rz", "rx", "ry"), "held": ("rz",), "spring": ("rz", "tx", "ty", "rx", "ry")}
+
+
+@dataclass(frozen=True)
+class ThrowModel:
+    """Grid, supports and loads of a throw, ready to be solved for any field of relative moduli.
+
+    Attributes:
+        lattice: the grid.
+        levels: halvings of the multigrid hierarchy.
+        supports: supports of all cases, springs divided by the material's modulus.
+        forces: nodal forces divided by the material's modulus (cases, 3, nodes...), mm2.
+        cases: the load cases, in order.
+        modulus_MPa: Young's modulus of the solid.
+        share: share of the full throw in the model.
+    """
+
+    lattice: Lattice
+    levels: int
+    supports: Supports
+    forces: jax.Array
+    cases: tuple[LoadCase, ...]
+    modulus_MPa: float
+    share: float
+
+    @property
+    def case_names(self) -> tuple[str, ...]:
+        """Names of the load cases, in the order of every array."""
+        return tuple(case.name for case in self.cases)
+
+
+def build_model(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> ThrowModel:
+    """Supports and nodal loads of the load cases on a domain's grid.
+
+    Call inside `double_precision()`.
+
+    Args:
+        scene: material and supports.
+        domain: the cells.
+        cases: load cases; forces are those of the full throw.
+    """
+    dx, dy, dz = domain.grid.steps_mm
+    lattice = Lattice(
+        domain.grid.cells, float(dx[0]), float(dy[0]), tuple(float(d) for d in dz), scene.material.poisson
+    )
+    modulus = scene.material.E_GPa * MPA_PER_GPA
+    origin = float(domain.grid.x_mm[0]), float(domain.grid.y_mm[0])
+    described = tuple(case_supports(scene, domain, case) for case in cases)
+    supports, forces = build_supports(lattice, origin, domain.grid.levels, described)
+    for index, case in enumerate(cases):
+        forces[index] += _pin_forces(domain, case)
+    return ThrowModel(
+        lattice=lattice,
+        levels=domain.grid.levels,
+        supports=supports._replace(springs=supports.springs / modulus),
+        forces=jnp.asarray(forces / modulus),
+        cases=tuple(cases),
+        modulus_MPa=modulus,
+        share=domain.share,
+    )
+
+
+def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
+    """Mirror conditions and free section motions of one load case.
+
+    Bending and centrifugal loads are symmetric about the mid-pin plane and in x; the tangential force is
+    symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
+    """
+    torsion = case.kind == "torsion"
+    odd_in_x = case.kind in ("torsion", "tangential")
+    fixed_x = ((1, 2) if odd_in_x else (0,)) if domain.mirrored_x else ()
+    fixed_z = ((0, 1) if torsion else (2,)) if domain.mirrored_z else ()
+    free = _TORSION_FREE[scene.supports.torsion] if torsion else _BENDING_FREE[scene.supports.bending]
+    kept = [m for m in free if not domain.mirrored_x or (m in _EVEN_IN_X) != odd_in_x]
+    # A sprung quarter or half section carries its share of the bearing's spring, one bearing per section.
+    spring = (scene.supports.bearing_spring_N_per_mm or 0.0) * (0.5 if domain.mirrored_x else 1.0)
+    stiffness = {"tx": spring, "ty": spring}
+    torque = case.torque_Nm * NMM_PER_NM * (0.5 if domain.mirrored_x else 1.0)
+    first = [SectionMotion(0, m, stiffness.get(m, 0.0), _torque_on(m, torque, domain)) for m in kept]
+    if domain.mirrored_z:
+        return CaseSupports(fixed_x, fixed_z, tuple(first))
+    # Two sections: the first one is the axial and rotational reference of the whole throw.
+    last = [SectionMotion(-1, m.motion, m.stiffness, torque if m.motion == "rz" else 0.0) for m in first]
+    if torsion or "tz" in kept:
+        last.append(SectionMotion(-1, "tz")) if "tz" not in kept else None
+    first = [m for m in first if m.motion not in ("tz", "rz")]
+    return CaseSupports(fixed_x, fixed_z, (*first, *last))
+
+
+def _torque_on(motion: str, torque: float, domain: Domain) -> float:
+    return torque if motion == "rz" and domain.mirrored_z else 0.0
+
+
+def _pin_forces(domain: Domain, case: LoadCase) -> Array:
+    """Uniform body force on the crankpin's material, its total the model's share of the pin force."""
+    weights = pin_weights(domain)
+    forces = np.zeros((3, *weights.shape))
+    forces[0] = case.tangential_N * domain.share * weights
+    forces[1] = -case.radial_N * domain.share * weights
+    return forces
+
+
+def pin_weights(domain: Domain) -> Array:
+    """Nodal weights (nodes...) of the mean over the crankpin's material; they add up to 1."""
+    cells = domain.pin * domain.volume_mm3
+    nodal = np.zeros(tuple(n + 1 for n in cells.shape))
+    nx, ny, nz = cells.shape
+    for i in (0, 1):
+        for j in (0, 1):
+            for k in (0, 1):
+                nodal[i : i + nx, j : j + ny, k : k + nz] += cells / 8
+    return np.asarray(nodal / cells.sum())

@@ -1,0 +1,128 @@
+"""Differentiable responses of the throw: implicit differentiation of the equilibrium by the moduli.
+
+All functions take relative moduli (1 = solid material, shape (nx, ny, nz)) and must be called inside
+`double_precision()`. They are differentiable by `jax.grad` and friends; a solve runs eagerly, so do not
+wrap them in `jax.jit`.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.fem.conjugate_gradients import Solution, conjugate_gradients
+from cranktopo.fem.model import ThrowModel
+from cranktopo.fem.multigrid import build_hierarchy
+from cranktopo.fem.operator import strain_energy_density
+from cranktopo.fem.supports import section_coordinates
+from cranktopo.units import NMM_PER_NM
+
+MAX_ITERATIONS = 400
+
+
+def solve(
+    model: ThrowModel,
+    moduli: jax.Array,
+    *,
+    forces: jax.Array | None = None,
+    guess: jax.Array | None = None,
+    tolerance: float = 1e-8,
+) -> Solution:
+    """Displacements of every load case.
+
+    Args:
+        model: the discrete throw.
+        moduli: relative moduli (nx, ny, nz).
+        forces: nodal forces divided by the modulus (cases, 3, nodes...); the model's by default.
+        guess: start values, e.g. the displacements of the previous design.
+        tolerance: relative residual that every case must reach.
+
+    Raises:
+        CranktopoError: the residual is not reached (exit code 4).
+    """
+    load = model.forces if forces is None else forces
+    start = jnp.zeros_like(load) if guess is None else guess
+    hierarchy = build_hierarchy(model.lattice, model.levels, model.supports, moduli)
+    solution = conjugate_gradients(
+        model.lattice, hierarchy, model.supports, moduli, load, start, jnp.asarray(tolerance), MAX_ITERATIONS
+    )
+    _check(model, solution, tolerance)
+    return solution
+
+
+def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8) -> jax.Array:
+    """Differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve."""
+
+    @jax.custom_vjp
+    def field(moduli: jax.Array) -> jax.Array:
+        return solve(model, moduli, tolerance=tolerance).displacements
+
+    def forward(moduli: jax.Array) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+        u = field(moduli)
+        return u, (moduli, u)
+
+    def backward(saved: tuple[jax.Array, jax.Array], cotangent: jax.Array) -> tuple[jax.Array]:
+        moduli, u = saved
+        adjoint = solve(model, moduli, forces=cotangent, tolerance=tolerance).displacements
+        return (-strain_energy_density(model.lattice, adjoint, u),)
+
+    field.defvjp(forward, backward)
+    return field(moduli)
+
+
+def compliances(model: ThrowModel, u: jax.Array) -> jax.Array:
+    """Work of the loads of the full throw, F . u per case (cases,), N mm."""
+    return jnp.sum(model.forces * u, axis=(1, 2, 3, 4)) * model.modulus_MPa / model.share
+
+
+def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
+    """Derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint."""
+    density = partial(strain_energy_density, model.lattice)
+    each = jax.vmap(lambda v: density(v[None], v[None]))(u)
+    return -each * model.modulus_MPa / model.share
+
+
+def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
+    """Relative rotation of the two mid-journal sections under a torsion case, rad."""
+    index = model.case_names.index(case)
+    torque = model.cases[index].torque_Nm * NMM_PER_NM
+    return compliances(model, u)[index] / torque
+
+
+def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
+    """Mean displacement of the crankpin's material along the case's pin force, mm."""
+    index = model.case_names.index(case)
+    force = model.cases[index].radial_N or model.cases[index].tangential_N
+    return compliances(model, u)[index] / force
+
+
+def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
+    """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
+    index = model.case_names.index(case)
+    load = model.cases[index]
+    if load.kind == "torsion":
+        torque = load.torque_Nm * NMM_PER_NM
+        return torque**2 / compliance_N_mm / NMM_PER_NM
+    return (load.radial_N or load.tangential_N) ** 2 / compliance_N_mm
+
+
+def section_motion(model: ThrowModel, u: jax.Array) -> jax.Array:
+    """Coordinates (cases, m) of the rigid sections in the supports' orthonormal basis."""
+    return section_coordinates(model.supports, u)
+
+
+def _check(model: ThrowModel, solution: Solution, tolerance: float) -> None:
+    residual = [float(r) for r in solution.relative_residual]
+    # The recursive residual of CG drifts from the true one by rounding only; allow for that much.
+    if all(r <= 2 * tolerance for r in residual):
+        return
+    worst = max(range(len(residual)), key=lambda i: residual[i] if residual[i] == residual[i] else float("inf"))
+    raise CranktopoError(
+        f"solver: load case {model.case_names[worst]} stopped at relative residual {residual[worst]:.1e} "
+        f"after {int(solution.iterations)} iterations; {tolerance:.0e} is required.",
+        hint="Check that a load path joins the journals, or use a smaller stiffness contrast.",
+        code=ExitCode.SOLVER,
+    )

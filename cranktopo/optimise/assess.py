@@ -1,0 +1,105 @@
+"""Stiffness and mass of a design, and of the original web, in the optimiser's own model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.build import Domain, build_domain
+from cranktopo.fem.model import ThrowModel
+from cranktopo.fem.response import compliances, solve, stiffness
+from cranktopo.optimise.loop import Problem
+from cranktopo.optimise.material import relative_moduli
+from cranktopo.scene.schema import Scene
+from cranktopo.units import KG_PER_TONNE, density_tonne_per_mm3
+
+Array = NDArray[np.float64]
+TOLERANCE = 1e-8
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """Stiffness of the full throw under one load case.
+
+    Attributes:
+        name: of the load case.
+        kind: of the load case.
+        compliance_N_mm: work of the load.
+        stiffness: N m/rad for torsion, N/mm otherwise.
+        cg_iterations: iterations of the solve.
+        relative_residual: true relative residual reached.
+    """
+
+    name: str
+    kind: str
+    compliance_N_mm: float
+    stiffness: float
+    cg_iterations: int
+    relative_residual: float
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What the optimiser's model says about a body.
+
+    Attributes:
+        cases: one result per load case.
+        throw_kg: mass between the two mid-main-journal planes, kg.
+        web_kg: mass of one web, kg.
+    """
+
+    cases: tuple[CaseResult, ...]
+    throw_kg: float
+    web_kg: float
+
+    def stiffness_per_mass(self) -> dict[str, float]:
+        """Stiffness per mass of the throw, by load case name, in N m/(rad kg) or N/(mm kg)."""
+        return {case.name: case.stiffness / self.throw_kg for case in self.cases}
+
+
+def assess(problem: Problem, scene: Scene, domain: Domain, density: Array) -> Assessment:
+    """Stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
+
+    Args:
+        problem: the optimisation problem.
+        scene: the scene, for the material.
+        domain: the problem's cells.
+        density: physical density of the web's layers (nx, ny, nw).
+
+    Raises:
+        CranktopoError: the solve failed.
+    """
+    first, last = domain.web_layers
+    solid = domain.fixed.copy()
+    solid[:, :, first:last] += domain.design[:, :, first:last] * density
+    moduli = np.asarray(relative_moduli(problem.chain, jnp.asarray(density)))
+    return _assess(problem.model, scene, domain, moduli, solid)
+
+
+def assess_original(problem: Problem, scene: Scene, domain: Domain) -> Assessment:
+    """The scene's own web on the same grid, in the same model."""
+    original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
+    return _assess(problem.model, scene, domain, original.fixed, original.fixed)
+
+
+def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
+    solution = solve(model, jnp.asarray(moduli), tolerance=TOLERANCE)
+    work = [float(c) for c in compliances(model, solution.displacements)]
+    cases = tuple(
+        CaseResult(
+            name=case.name,
+            kind=case.kind,
+            compliance_N_mm=value,
+            stiffness=stiffness(model, value, case.name),
+            cg_iterations=int(solution.iterations),
+            relative_residual=float(residual),
+        )
+        for case, value, residual in zip(model.cases, work, solution.relative_residual, strict=True)
+    )
+    kg = solid * domain.volume_mm3 / domain.share
+    kg *= density_tonne_per_mm3(scene.material.density_kg_m3) * KG_PER_TONNE
+    first, last = domain.web_layers
+    return Assessment(cases, float(kg.sum()), float(kg[:, :, first:last].sum()) / 2)

@@ -1,0 +1,193 @@
+"""The optimisation as init / step: pure functions from state to state."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.build import Domain
+from cranktopo.fem.model import ThrowModel, build_model
+from cranktopo.fem.response import compliance_gradients, compliances, solve
+from cranktopo.loads.cases import LoadCase
+from cranktopo.optimise.criteria import update
+from cranktopo.optimise.material import (
+    Interpolation,
+    build_interpolation,
+    greyness,
+    physical_density,
+    relative_moduli,
+    volume_fraction,
+)
+from cranktopo.optimise.state import Record, State
+from cranktopo.scene.schema import Scene
+
+Array = NDArray[np.float64]
+
+# Projection continuation: beta doubles when a stage's objective has settled or its iterations are spent.
+BETA_FIRST, BETA_LAST = 1.0, 16.0
+STAGE_ITERATIONS = 12
+# A stage has settled, and the last one converged, when the objective changes by less over the window.
+STAGE_PLATEAU, FINAL_PLATEAU = 5e-3, 1e-3
+WINDOW = 3
+FEASIBILITY = 1e-3
+GREYNESS_LIMIT = 0.15
+MOVE = 0.2
+TOLERANCE = 1e-5
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Everything constant during an optimisation.
+
+    Attributes:
+        model: the discrete throw.
+        chain: density-to-modulus chain.
+        weights: objective weight per load case.
+        target: volume fraction of the design space.
+        max_iterations: limit on designs evaluated.
+    """
+
+    model: ThrowModel
+    chain: Interpolation
+    weights: tuple[float, ...]
+    target: float
+    max_iterations: int
+
+
+def build_problem(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Problem:
+    """The optimisation problem of a scene on a domain; call inside `double_precision()`.
+
+    Args:
+        scene: settings, material, supports.
+        domain: cells with a design space.
+        cases: load cases of the objective.
+    """
+    settings = scene.optimise
+    radius = settings.filter_radius_mm or default_filter_radius_mm(domain)
+    weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
+    return Problem(
+        model=build_model(scene, domain, cases),
+        chain=build_interpolation(domain, radius),
+        weights=tuple(weights[case.kind] for case in cases),
+        target=settings.volume_fraction,
+        max_iterations=settings.max_iterations,
+    )
+
+
+def default_filter_radius_mm(domain: Domain) -> float:
+    """Filter radius when the scene gives none: 2.5 cells, and never below 3 mm."""
+    return max(3.0, 2.5 * max(float(step.max()) for step in domain.grid.steps_mm))
+
+
+def init(problem: Problem) -> State:
+    """The uniform start design."""
+    x = np.full(problem.chain.design.shape, problem.target)
+    return State(x=x, evaluated=x, displacements=np.zeros(problem.model.forces.shape), beta=BETA_FIRST)
+
+
+def step(problem: Problem, state: State) -> State:
+    """Evaluate the state's design, record it and update the design.
+
+    Args:
+        problem: the constants.
+        state: a running state.
+
+    Returns:
+        The next state; converged or stopped ones keep the design that was evaluated last.
+
+    Raises:
+        CranktopoError: the linear solve failed.
+    """
+    started = time.perf_counter()
+    model = problem.model
+    beta = jnp.asarray(state.beta)
+    x = jnp.asarray(state.x)
+    moduli, volume, grey = _design(problem.chain, x, beta)
+    solution = solve(model, moduli, guess=jnp.asarray(state.displacements), tolerance=TOLERANCE)
+    values = tuple(float(c) for c in compliances(model, solution.displacements))
+    initial = state.initial_N_mm or values
+    factors = jnp.asarray([w / c for w, c in zip(problem.weights, initial, strict=True)])
+    factors = factors / sum(problem.weights)
+    by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, solution.displacements))
+    new_x = np.asarray(_update(problem.chain, x, beta, by_moduli, jnp.asarray(problem.target), jnp.asarray(MOVE)))
+    record = Record(
+        iteration=len(state.history) + 1,
+        beta=state.beta,
+        objective=float(jnp.dot(factors, jnp.asarray(values))),
+        compliance_N_mm=values,
+        volume_fraction=float(volume),
+        greyness=float(grey),
+        change=float(np.abs(new_x - state.x).max()),
+        cg_iterations=int(solution.iterations),
+        seconds=time.perf_counter() - started,
+    )
+    advanced = replace(
+        state,
+        evaluated=state.x,
+        displacements=np.asarray(solution.displacements),
+        initial_N_mm=initial,
+        history=(*state.history, record),
+    )
+    return _advance(problem, advanced, new_x)
+
+
+def final_density(problem: Problem, state: State) -> Array:
+    """Physical density (nx, ny, nw) of the last design evaluated."""
+    return np.asarray(physical_density(problem.chain, jnp.asarray(state.evaluated), state.last.beta))
+
+
+def with_limit(problem: Problem, state: State) -> State:
+    """A stopped state set running again when the problem's iteration limit allows more."""
+    if state.status == "stopped" and len(state.history) < problem.max_iterations:
+        return replace(state, status="running", reason="")
+    return state
+
+
+def iterations_left(problem: Problem, state: State) -> int:
+    """Upper estimate of the iterations still needed, for the progress display."""
+    stages = 1 + round(np.log2(BETA_LAST / state.beta))
+    in_stage = len(state.history) - state.stage_start
+    return min(problem.max_iterations - len(state.history), max(1, stages * STAGE_ITERATIONS - in_stage))
+
+
+def _advance(problem: Problem, state: State, new_x: Array) -> State:
+    """The next design, its projection, and whether the evaluated one ends the run."""
+    in_stage = len(state.history) - state.stage_start
+    plateau = _plateau(state, in_stage) if in_stage > WINDOW else np.inf
+    beta, stage_start = state.beta, state.stage_start
+    if beta < BETA_LAST and (plateau < STAGE_PLATEAU or in_stage >= STAGE_ITERATIONS):
+        beta, stage_start = 2 * beta, len(state.history)
+    following = replace(state, x=new_x, beta=beta, stage_start=stage_start)
+    last = state.last
+    feasible = abs(last.volume_fraction - problem.target) <= FEASIBILITY
+    if last.beta >= BETA_LAST and plateau < FINAL_PLATEAU and feasible and last.greyness <= GREYNESS_LIMIT:
+        reason = (
+            f"objective changed by less than {100 * FINAL_PLATEAU:g} % over {WINDOW} iterations, volume fraction "
+            f"within {FEASIBILITY:g} of its target, greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
+        )
+        return replace(following, status="converged", reason=reason)
+    if len(state.history) >= problem.max_iterations:
+        reason = f"iteration limit {problem.max_iterations} reached before the objective settled"
+        return replace(following, status="stopped", reason=reason)
+    return following
+
+
+def _plateau(state: State, in_stage: int) -> float:
+    """Relative spread of the objective over the last window of the current stage."""
+    recent = [row.objective for row in state.history[-min(WINDOW + 1, in_stage) :]]
+    return (max(recent) - min(recent)) / abs(recent[-1])
+
+
+@jax.jit
+def _design(chain: Interpolation, x: jax.Array, beta: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    density = physical_density(chain, x, beta)
+    return relative_moduli(chain, density), volume_fraction(chain, density), greyness(chain, density)
+
+
+_update = jax.jit(update)

@@ -1,0 +1,204 @@
+"""The stages in order: scene -> plan -> load cases -> domain -> density -> surface -> files."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cranktopo.domain.build import Domain, build_domain, laterally_symmetric
+from cranktopo.domain.limits import available_memory_MiB, check_resolution
+from cranktopo.effects import EffectPlan, plan
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.fem.precision import CompileClock, double_precision
+from cranktopo.loads.cases import LoadCase, load_cases
+from cranktopo.optimise import loop
+from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
+from cranktopo.optimise.assess import assess, assess_original
+from cranktopo.report.metrics import Timing, optimise_metrics
+from cranktopo.report.outputs import history_rows, write_outputs
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.store import (
+    RunStore,
+    check_destination,
+    create_run,
+    load_checkpoint,
+    locked,
+    open_run,
+    save_checkpoint,
+)
+
+Progress = Callable[[loop.Problem, State], None]
+Notice = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A validated scene with everything the optimisation needs, before anything is written."""
+
+    scene: Scene
+    plan: EffectPlan
+    cases: tuple[LoadCase, ...]
+    domain: Domain
+
+
+def prepare(scene: Scene) -> Prepared:
+    """Check a scene for optimisation and build its load cases and domain.
+
+    Raises:
+        CranktopoError: resolution out of range, no envelope, an envelope that misses a journal.
+    """
+    quarter = laterally_symmetric(scene, "envelope")
+    check_resolution(scene, scene.optimise.resolution_mm, quarter, available_memory_MiB())
+    effects = plan(scene)
+    cases = load_cases(scene, effects.enabled)
+    return Prepared(scene, effects, cases, build_domain(scene, scene.optimise.resolution_mm))
+
+
+def start(
+    scene: Scene, design_toml: str, command: Sequence[str], out: Path | None, notice: Notice
+) -> tuple[RunStore, Prepared]:
+    """Validate everything, then make the run directory.
+
+    Args:
+        scene: the scene with the command line's options in it.
+        design_toml: text of the design as the user wrote it.
+        command: the command line, for the manifest.
+        out: run directory, or None for a new one under runs/.
+        notice: called with one line about the model.
+
+    Raises:
+        CranktopoError: nothing has been written.
+    """
+    check_destination(out)
+    prepared = prepare(scene)
+    notice(describe(prepared))
+    run = create_run(
+        design=scene.name,
+        design_toml=design_toml,
+        scene=scene.model_dump(mode="json"),
+        options={},
+        command=command,
+        out=out,
+    )
+    return run, prepared
+
+
+def reopen(reference: str, max_iterations: int | None, notice: Notice) -> tuple[RunStore, Prepared]:
+    """An interrupted, stopped or killed run, ready to continue.
+
+    Args:
+        reference: path or name of the run.
+        max_iterations: a new iteration limit, or None to keep the run's.
+        notice: called with one line about the model.
+
+    Raises:
+        CranktopoError: not a run, or what is missing in it.
+    """
+    run = open_run(reference)
+    run.require_same_inputs()
+    scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
+    if max_iterations is not None:
+        settings = scene.optimise.model_copy(update={"max_iterations": max_iterations})
+        scene = scene.model_copy(update={"optimise": settings})
+    prepared = prepare(scene)
+    notice(describe(prepared))
+    return run, prepared
+
+
+def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress) -> dict[str, Any]:
+    """Optimise the web of a prepared scene and write the run's files.
+
+    Args:
+        run: where to write.
+        prepared: from `start` or `reopen`.
+        resume: continue from the run's checkpoint, if it has one.
+        progress: called after every iteration.
+
+    Returns:
+        The metrics, as written to metrics.json.
+
+    Raises:
+        CranktopoError: solver failure, surface that fails its gates, interruption (exit code 130, the
+            checkpoint is saved).
+    """
+    with locked(run.path), double_precision():
+        clock = CompileClock()
+        if resume:
+            run.resume()
+        problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
+        state = _first_state(run, problem, resume)
+        try:
+            state = _iterate(run, problem, state, progress)
+            metrics = _finish(run, prepared, problem, state, clock)
+        except KeyboardInterrupt:
+            run.set_status("interrupted")
+            run.log("interrupted")
+            raise CranktopoError(
+                f"interrupted; checkpoint saved in {run.path}.",
+                hint=f"Continue with: cranktopo optimise --resume {run.path}",
+                code=ExitCode.INTERRUPTED,
+            ) from None
+        except Exception as error:
+            run.set_status("failed")
+            run.log(f"failed: {error}")
+            raise
+        run.set_status("done")
+        run.log(f"{metrics['status']}: {metrics['stop_reason']}")
+        return metrics
+
+
+def describe(prepared: Prepared) -> str:
+    """One line about the model: cells, cell size, padding, symmetry, load cases."""
+    grid = prepared.domain.grid
+    sizes = " x ".join(f"{step.max():.3g}" for step in grid.steps_mm)
+    nx, ny, nz = grid.cells
+    loads = ", ".join(_load_text(case) for case in prepared.cases)
+    return (
+        f"{prepared.scene.name}: {prepared.domain.extent} model, {nx} x {ny} x {nz} cells of {sizes} mm, "
+        f"padded by {grid.padding[0]}, {grid.padding[1]}, {grid.padding[2]} cells for {grid.levels} "
+        f"multigrid levels; {loads}"
+    )
+
+
+def _load_text(case: LoadCase) -> str:
+    if case.kind == "torsion":
+        return f"{case.name} {case.torque_Nm:,.1f} N m"
+    return f"{case.name} {(case.radial_N or case.tangential_N) / 1000:,.2f} kN"
+
+
+def _first_state(run: RunStore, problem: loop.Problem, resume: bool) -> State:
+    if not (resume and run.checkpoint.is_file()):
+        return loop.init(problem)
+    saved = load_checkpoint(run.checkpoint)
+    return loop.with_limit(problem, from_checkpoint(saved.arrays, saved.state))
+
+
+def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progress) -> State:
+    while not state.done:
+        state = loop.step(problem, state)
+        save_checkpoint(run.checkpoint, *to_checkpoint(state))
+        progress(problem, state)
+    return state
+
+
+def _finish(
+    run: RunStore, prepared: Prepared, problem: loop.Problem, state: State, clock: CompileClock
+) -> dict[str, Any]:
+    """Judge the final design in the optimiser's model at a tight tolerance and write every file."""
+    optimised = time.perf_counter()
+    scene, domain = prepared.scene, prepared.domain
+    density = loop.final_density(problem, state)
+    result = assess(problem, scene, domain, density)
+    original = assess_original(problem, scene, domain)
+    rows = history_rows(state.history, problem.model.case_names)
+    outputs = write_outputs(run, scene, domain, density, rows)
+    now = time.perf_counter()
+    timing = Timing(now - clock.began, now - optimised, clock.compile_s)
+    metrics = optimise_metrics(
+        run.name, scene, prepared.plan, domain, problem, state, density, result, original, outputs, timing
+    )
+    run.write_metrics(metrics)
+    return metrics

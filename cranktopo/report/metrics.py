@@ -1,0 +1,189 @@
+"""metrics.json of an optimise run, from the results of the stages."""
+
+from __future__ import annotations
+
+import resource
+import sys
+from dataclasses import dataclass
+from statistics import fmean, median
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.build import Domain
+from cranktopo.effects import EffectPlan
+from cranktopo.optimise.assess import Assessment
+from cranktopo.optimise.connectivity import is_connected
+from cranktopo.optimise.loop import TOLERANCE, Problem
+from cranktopo.optimise.state import State
+from cranktopo.report.outputs import Outputs
+from cranktopo.scene import Scene
+
+SCHEMA_VERSION = 1
+_PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Wall times of a run.
+
+    Attributes:
+        total_s: this process from the first stage to the last file.
+        outputs_s: assessment, surface and files.
+        compile_s: JAX compilation.
+    """
+
+    total_s: float
+    outputs_s: float
+    compile_s: float
+
+
+def optimise_metrics(
+    run_name: str,
+    scene: Scene,
+    plan: EffectPlan,
+    domain: Domain,
+    problem: Problem,
+    state: State,
+    density: NDArray[np.float64],
+    result: Assessment,
+    original: Assessment,
+    outputs: Outputs,
+    timing: Timing,
+) -> dict[str, Any]:
+    """The metrics of a finished optimisation.
+
+    Args:
+        run_name: name of the run directory.
+        scene: the scene.
+        plan: which effects were on, and why.
+        domain: the cells.
+        problem: the optimisation problem.
+        state: its final state.
+        density: physical density of the web's layers.
+        result: assessment of the design.
+        original: assessment of the scene's own web on the same grid.
+        outputs: files and surface.
+        timing: wall times.
+    """
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "run": run_name,
+        "design": scene.name,
+        "status": state.status,
+        "stop_reason": state.reason,
+        "iterations": len(state.history),
+        "volume_fraction": {"target": problem.target, "reached": state.last.volume_fraction},
+        "mass_kg": {"throw": result.throw_kg, "web": result.web_kg},
+        "greyness": state.last.greyness,
+        "connected": is_connected(domain, density),
+        "grid": _grid(domain),
+        "load_cases": _load_cases(scene, problem, result),
+        "stiffness_per_mass": _per_mass(result),
+        "original_web": _original(scene, problem, result, original),
+        "surface": _surface(outputs),
+        "solver": _solver(problem, state, result),
+        "seconds": _seconds(state, timing),
+        "peak_memory_MiB": peak_memory_MiB(),
+        "files": {**outputs.files, "metrics": "metrics.json", "manifest": "manifest.json", "log": "run.log"},
+        "effects": plan.as_json(),
+    }
+
+
+def peak_memory_MiB() -> float:
+    """Largest resident memory of this process so far, MiB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(peak / (1024.0**2 if sys.platform == "darwin" else 1024.0), 1)
+
+
+def _grid(domain: Domain) -> dict[str, Any]:
+    dx, dy, dz = domain.grid.steps_mm
+    mirrors = (["x = 0"] if domain.mirrored_x else []) + (["mid-pin plane"] if domain.mirrored_z else [])
+    return {
+        "cells": list(domain.grid.cells),
+        "cell_mm": max(float(step.max()) for step in (dx, dy, dz)),
+        "cell_size_mm": {
+            "x": float(dx[0]),
+            "y": float(dy[0]),
+            "z_min": float(dz.min()),
+            "z_max": float(dz.max()),
+        },
+        "padding_cells": list(domain.grid.padding),
+        "design_cells": int(np.count_nonzero(domain.design)),
+        "symmetry": mirrors,
+        "extent": domain.extent,
+    }
+
+
+def _stiffness_key(kind: str) -> str:
+    return "stiffness_Nm_per_rad" if kind == "torsion" else "stiffness_N_per_mm"
+
+
+def _load_cases(scene: Scene, problem: Problem, result: Assessment) -> dict[str, Any]:
+    supports = scene.supports
+    return {
+        case.name: {
+            _stiffness_key(case.kind): case.stiffness,
+            "compliance_N_mm": case.compliance_N_mm,
+            "support": supports.torsion if case.kind == "torsion" else supports.bending,
+            "load": load.as_json(),
+        }
+        for case, load in zip(result.cases, problem.model.cases, strict=True)
+    }
+
+
+def _per_mass(result: Assessment) -> dict[str, float]:
+    ratios = result.stiffness_per_mass()
+    return {_PER_MASS_UNIT.get(name, f"{name}_N_per_mm_kg"): value for name, value in ratios.items()}
+
+
+def _original(scene: Scene, problem: Problem, result: Assessment, original: Assessment) -> dict[str, Any]:
+    """The scene's own web in the same model, and what the optimised one gains on it."""
+    gain = {
+        name: 100 * (value / original.stiffness_per_mass()[name] - 1)
+        for name, value in result.stiffness_per_mass().items()
+    }
+    return {
+        "mass_kg": {"throw": original.throw_kg, "web": original.web_kg},
+        "load_cases": _load_cases(scene, problem, original),
+        "stiffness_per_mass": _per_mass(original),
+        "gain_of_stiffness_per_mass_percent": gain,
+    }
+
+
+def _surface(outputs: Outputs) -> dict[str, Any]:
+    surface, gates = outputs.surface, outputs.gates
+    return {
+        "iso_value": surface.iso_value,
+        "web_volume_mm3": surface.volume_mm3,
+        "web_volume_error_percent": gates.web_volume_error_percent,
+        "faces": gates.faces,
+        "bodies": gates.bodies,
+        "cavities": gates.cavities,
+        "dropped_islands": surface.dropped_islands,
+        "dropped_volume_mm3": surface.dropped_volume_mm3,
+        "x_symmetric": surface.x_symmetric,
+    }
+
+
+def _solver(problem: Problem, state: State, result: Assessment) -> dict[str, Any]:
+    counts = [row.cg_iterations for row in state.history]
+    return {
+        "precision": "float64 conjugate gradients, float32 multigrid cycle",
+        "tolerance": TOLERANCE,
+        "cg_iterations": {"mean": fmean(counts), "max": max(counts)},
+        "levels": problem.model.levels,
+        "final_relative_residual": max(case.relative_residual for case in result.cases),
+    }
+
+
+def _seconds(state: State, timing: Timing) -> dict[str, float]:
+    times = [row.seconds for row in state.history]
+    return {
+        "total": timing.total_s,
+        "compile": timing.compile_s,
+        "per_iteration_median": median(times),
+        "iterations": sum(times),
+        "outputs": timing.outputs_s,
+    }

@@ -1,0 +1,127 @@
+"""Lit, depth-sorted pictures of a closed mesh in plain matplotlib axes.
+
+Faces are cut small, sorted from back to front and filled with interpolated colours (Gouraud, 1971). Normals
+are averaged over smooth regions and kept apart at sharp edges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from manifold3d import Manifold
+from matplotlib.collections import TriMesh
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from cranktopo.surface.mesh import SurfaceMesh, solid_of
+
+Array = NDArray[np.float64]
+Colour = tuple[float, float, float]
+WEB_COLOUR = (0.30, 0.52, 0.80)
+JOURNAL_COLOUR = (0.78, 0.79, 0.81)
+_LARGEST_FACE_MM = 3.0
+_HAIR_MM = 1e-3
+_SHARP_DEGREES = 35.0
+_AMBIENT = 0.30
+# Direction to each light in the axes of the picture (right, up, to the viewer), and its strength.
+_LIGHTS = (((-0.45, 0.60, 0.65), 0.42), ((0.10, 0.00, 1.00), 0.26), ((0.95, -0.10, 0.30), 0.16))
+
+
+@dataclass(frozen=True)
+class ShadedMesh:
+    """A mesh made ready for drawing from any side.
+
+    Attributes:
+        vertices_mm: (n, 3).
+        normals: (n, 3) unit normals, one per vertex and smooth region.
+        faces: (m, 3).
+        colours: (m, 3) red, green, blue of each face, 0 to 1.
+    """
+
+    vertices_mm: Array
+    normals: Array
+    faces: NDArray[np.int64]
+    colours: Array
+
+
+def shaded(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> ShadedMesh:
+    """Make a half throw ready for drawing, journals in another colour than the web.
+
+    Args:
+        mesh: closed mesh of the half throw.
+        web_z_mm: axial range of the web; what lies outside is a journal.
+    """
+    # A hair off the sides of the web: a cut in the plane of a face may leave that face on either part.
+    start, end = web_z_mm[0] - _HAIR_MM, web_z_mm[1] + _HAIR_MM
+    whole = solid_of(mesh.vertices_mm, mesh.faces, "surface")
+    main, rest = whole.split_by_plane((0.0, 0.0, -1.0), -start)
+    web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -end)
+    coloured = ((main, JOURNAL_COLOUR), (web, WEB_COLOUR), (pin, JOURNAL_COLOUR))
+    parts = [_refined(solid, colour) for solid, colour in coloured if not solid.is_empty()]
+    before = np.cumsum([0, *(len(part.vertices_mm) for part in parts)])
+    return ShadedMesh(
+        vertices_mm=np.concatenate([part.vertices_mm for part in parts]),
+        normals=np.concatenate([part.normals for part in parts]),
+        faces=np.concatenate([part.faces + shift for part, shift in zip(parts, before, strict=False)]),
+        colours=np.concatenate([part.colours for part in parts]),
+    )
+
+
+def view_axes(towards_viewer: tuple[float, float, float], up: tuple[float, float, float]) -> Array:
+    """Axes of a picture (right, up, to the viewer) as rows, (3, 3), in the frame of the throw.
+
+    Args:
+        towards_viewer: direction from the throw to the viewer.
+        up: direction that points up in the picture as far as it can.
+    """
+    out = np.array(towards_viewer) / np.linalg.norm(towards_viewer)
+    right = np.cross(up, out)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(out, right), out])
+
+
+def extent_mm(body: ShadedMesh, view: Array) -> Array:
+    """Lower and upper corner of a body as seen along a view, (2, 2): rows (right, up), mm."""
+    points = body.vertices_mm @ view[:2].T
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
+    """Draw a body in matplotlib axes as seen along a view, in mm to scale.
+
+    Args:
+        axes: matplotlib axes.
+        body: what to draw.
+        view: (3, 3) from `view_axes`.
+    """
+    points = body.vertices_mm @ view.T
+    corners = points[body.faces]
+    edges = corners[:, 1:, :2] - corners[:, :1, :2]
+    facing = edges[:, 0, 0] * edges[:, 1, 1] > edges[:, 0, 1] * edges[:, 1, 0]
+    order = np.flatnonzero(facing)
+    order = order[np.argsort(corners[order, :, 2].mean(axis=1), kind="stable")]
+    light = _brightness(body.normals @ view.T)[body.faces[order]]
+    colours = np.clip(body.colours[order][:, None, :] * light[:, :, None], 0, 1)
+    flat = corners[order].reshape(-1, 3)
+    triangles = Triangulation(flat[:, 0], flat[:, 1], np.arange(len(flat)).reshape(-1, 3))
+    # Without autolim: matplotlib would build a path per triangle to find the limits.
+    axes.add_collection(TriMesh(triangles, facecolors=colours.reshape(-1, 3)), autolim=False)
+    lower, upper = extent_mm(body, view)
+    axes.set_xlim(lower[0], upper[0])
+    axes.set_ylim(lower[1], upper[1])
+    axes.set_aspect("equal")
+
+
+def _refined(solid: Manifold, colour: Colour) -> ShadedMesh:
+    fine = solid.calculate_normals(0, _SHARP_DEGREES).refine_to_length(_LARGEST_FACE_MM).to_mesh64(0)
+    table, faces = np.asarray(fine.vert_properties), np.asarray(fine.tri_verts).astype(np.int64)
+    return ShadedMesh(table[:, :3], table[:, 3:6], faces, np.tile(colour, (len(faces), 1)))
+
+
+def _brightness(normals: Array) -> Array:
+    total = np.full(len(normals), _AMBIENT)
+    for direction, strength in _LIGHTS:
+        total += strength * np.clip(normals @ (np.array(direction) / np.linalg.norm(direction)), 0, None)
+    return total

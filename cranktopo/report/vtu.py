@@ -1,0 +1,62 @@
+"""Density and other cell values as an unstructured VTK file, for ParaView."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.store.files import replacing
+
+Array = NDArray[np.float64]
+# Corners of a hexahedron in the order of VTK_HEXAHEDRON: the lower face counter-clockwise, then the upper.
+_CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+
+
+def write_density_vtu(
+    path: Path,
+    x_edges_mm: Array,
+    y_edges_mm: Array,
+    z_edges_mm: Array,
+    cell_data: Mapping[str, Array],
+    keep: NDArray[np.bool_],
+) -> None:
+    """Write the kept cells of a grid as hexahedra, compressed binary, atomically.
+
+    Args:
+        path: the .vtu file.
+        x_edges_mm: (nx + 1,) node coordinates in the frame of `cranktopo.frames`, increasing.
+        y_edges_mm: (ny + 1,) likewise.
+        z_edges_mm: (nz + 1,) likewise.
+        cell_data: by name, (nx, ny, nz) each.
+        keep: (nx, ny, nz) cells to write.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+        ValueError: shapes do not fit together.
+    """
+    import meshio
+
+    edges = (x_edges_mm, y_edges_mm, z_edges_mm)
+    shape = tuple(len(axis) - 1 for axis in edges)
+    if any(field.shape != shape for field in (keep, *cell_data.values())):
+        raise ValueError(f"cell_data and keep need the shape {shape} of the edges")
+    points, cells = _hexahedra(edges, keep)
+    data = {name: [np.ascontiguousarray(field[keep])] for name, field in cell_data.items()}
+    mesh = meshio.Mesh(points, [("hexahedron", cells)], cell_data=data)
+    with replacing(path) as temporary:
+        meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
+
+
+def _hexahedra(edges: tuple[Array, Array, Array], keep: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
+    """Points in use (n, 3) and hexahedra over them (m, 8)."""
+    nodes = tuple(len(axis) for axis in edges)
+    cell = np.stack(np.nonzero(keep), axis=-1)
+    corners = cell[:, None, :] + np.array(_CORNERS)
+    number = np.ravel_multi_index(tuple(np.moveaxis(corners, -1, 0)), nodes)
+    used, hexahedra = np.unique(number, return_inverse=True)
+    place = np.unravel_index(used, nodes)
+    points = np.stack([axis[i] for axis, i in zip(edges, place, strict=True)], axis=-1)
+    return points, hexahedra.reshape(number.shape)

@@ -1,0 +1,174 @@
+"""Atomic files: a reader sees the old content or the new one, never half of it.
+
+Every write goes to a temporary file in the same folder, is flushed to the disk, renamed over the
+target, and the folder entry is flushed as well (the rename is atomic by POSIX).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+
+_TEMPORARY = ".tmp"
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A temporary path beside `path`, with the same suffix, that becomes `path` when the block ends well.
+
+    For libraries that insist on writing a file by name. When the block fails, `path` keeps what it held.
+
+    Args:
+        path: the file to replace or to make; its folder exists.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}{_TEMPORARY}{path.suffix}")
+    try:
+        yield temporary
+        _flush(temporary)
+        os.replace(temporary, path)
+        _flush(path.parent)
+    except OSError as error:
+        raise unwritable(path, error) from None
+    finally:
+        if temporary.exists():
+            temporary.unlink()
+
+
+def unwritable(path: Path, error: OSError) -> CranktopoError:
+    """The error for an output that the system refuses.
+
+    Args:
+        path: what was to be written.
+        error: what the system said.
+    """
+    reason = error.strerror or str(error)
+    return CranktopoError(
+        f"output '{path}': cannot be written: {reason}.",
+        hint="Choose a writable folder with free space (--out DIR).",
+    )
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write `content` to `path` atomically; raises CranktopoError when it cannot be written."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
+
+
+def write_text(path: Path, content: str) -> None:
+    """Write `content` to `path` atomically as UTF-8; raises CranktopoError when it cannot be written."""
+    write_bytes(path, content.encode("utf-8"))
+
+
+def write_json(path: Path, data: Mapping[str, Any]) -> None:
+    """Write an object to `path` atomically as JSON.
+
+    Args:
+        path: the file.
+        data: plain values, numpy scalars and arrays, paths.
+
+    Raises:
+        CranktopoError: a number is NaN or infinite, or the file cannot be written.
+    """
+    write_text(path, json_text(data, path.name, indent=2) + "\n")
+
+
+def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write named arrays to `path` atomically as an uncompressed .npz, every bit kept.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, allow_pickle=False, **dict(arrays))
+
+
+def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> str:
+    """JSON of an object, keys in the given order.
+
+    Args:
+        data: plain values, numpy scalars and arrays, paths.
+        name: what the object is, for the message.
+        indent: spaces per level; compact without it.
+
+    Raises:
+        CranktopoError: a number is NaN or infinite (JSON has neither).
+    """
+    key = _not_finite(data)
+    if key is not None:
+        raise CranktopoError(
+            f"{name}: {key} is not a finite number.",
+            hint="A solve diverged or a value is undefined: check the log of the run.",
+            code=ExitCode.SOLVER,
+        )
+    return json.dumps(data, indent=indent, allow_nan=False, default=_plain)
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """The object in a JSON file.
+
+    Raises:
+        CranktopoError: no such file, unreadable, or not a JSON object.
+    """
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.") from None
+    except (OSError, ValueError) as error:
+        raise CranktopoError(
+            f"'{path}': corrupted, cannot be read: {error}.", hint="Start a new run."
+        ) from None
+    if not isinstance(data, dict):
+        raise CranktopoError(f"'{path}': corrupted, not a JSON object.", hint="Start a new run.")
+    return data
+
+
+def sweep_temporaries(folder: Path) -> None:
+    """Remove what killed processes left unfinished in `folder` and the folders below it."""
+    for path in folder.rglob(f".*{_TEMPORARY}*"):
+        path.unlink(missing_ok=True)
+
+
+def _flush(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def _not_finite(value: Any, key: str = "") -> str | None:
+    """Key path of the first NaN or infinity in nested data."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, float | np.floating):
+        return None if math.isfinite(value) else f"{key} = {float(value)}"
+    children: list[tuple[str, Any]] = []
+    if isinstance(value, Mapping):
+        children = [(f"{key}.{name}" if key else str(name), child) for name, child in value.items()]
+    elif isinstance(value, list | tuple):
+        children = [(f"{key}[{index}]", child) for index, child in enumerate(value)]
+    found = (_not_finite(child, name) for name, child in children)
+    return next((bad for bad in found if bad is not None), None)

@@ -1,0 +1,137 @@
+"""What a run was made of: command, resolved scene, versions, hashes, status."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Literal
+
+from cranktopo.errors import CranktopoError
+from cranktopo.store.files import json_text
+
+SCHEMA_VERSION = 1
+RunStatus = Literal["running", "done", "interrupted", "failed"]
+_PACKAGES = (
+    "cranktopo",
+    "numpy",
+    "scipy",
+    "jax",
+    "jaxlib",
+    "nlopt",
+    "scikit-image",
+    "trimesh",
+    "manifold3d",
+    "meshio",
+    "gmsh",
+    "scikit-fem",
+)
+_KEYS = ("run", "design", "command", "scene", "options", "settings_sha256", "status", "started")
+
+
+def new_manifest(
+    *,
+    run: str,
+    design: str,
+    command: Sequence[str],
+    scene: Mapping[str, Any],
+    options: Mapping[str, Any],
+    seed: int,
+    inputs: Mapping[str, Path],
+) -> dict[str, Any]:
+    """Manifest of a run that starts now.
+
+    Args:
+        run: name of the run directory.
+        design: name of the design.
+        command: the command line as given.
+        scene: the resolved scene, plain values.
+        options: what the command line added to the scene.
+        seed: seed of every random choice.
+        inputs: input files by role, hashed here.
+
+    Raises:
+        CranktopoError: an input file cannot be read.
+    """
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "run": run,
+        "design": design,
+        "command": list(command),
+        "status": "running",
+        "started": timestamp(),
+        "ended": None,
+        "resumed": [],
+        "seed": seed,
+        "settings_sha256": settings_hash(scene, options),
+        "inputs": {role: {"path": str(path), "sha256": file_hash(path)} for role, path in inputs.items()},
+        "versions": versions(),
+        "options": dict(options),
+        "scene": dict(scene),
+    }
+
+
+def settings_hash(scene: Mapping[str, Any], options: Mapping[str, Any]) -> str:
+    """SHA-256 (hex) over the resolved scene and the options, whatever the order of their keys.
+
+    Args:
+        scene: plain values.
+        options: plain values.
+    """
+    text = json_text({"options": _ordered(options), "scene": _ordered(scene)}, "settings")
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 (hex) of a file's content; raises CranktopoError when it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise CranktopoError(
+            f"input '{path}': cannot be read: {error.strerror}.", hint="Check the path."
+        ) from None
+
+
+def versions() -> dict[str, str | None]:
+    """Versions of python and of the packages that make the numbers; None for one that is not installed."""
+    found: dict[str, str | None] = {"python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            found[package] = None
+    return found
+
+
+def timestamp() -> str:
+    """The local time now with its offset from UTC, ISO 8601, to the second."""
+    return datetime.now().astimezone().isoformat(timespec="seconds")
+
+
+def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
+    """Check that a manifest read from `path` is one this program can use.
+
+    Raises:
+        CranktopoError: another schema version, or keys missing.
+    """
+    version = manifest.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise CranktopoError(
+            f"'{path}': schema_version {version!r}, this program reads {SCHEMA_VERSION}.",
+            hint="Use the version of cranktopo that made the run, or start a new one.",
+        )
+    missing = [key for key in _KEYS if key not in manifest]
+    if missing:
+        raise CranktopoError(f"'{path}': incomplete, {', '.join(missing)} missing.", hint="Start a new run.")
+
+
+def _ordered(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _ordered(value[key]) for key in sorted(value)}
+    if isinstance(value, list | tuple):
+        return [_ordered(item) for item in value]
+    return value

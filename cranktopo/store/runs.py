@@ -1,0 +1,318 @@
+"""Run directories: made once, never overwritten, found again by path or by name."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from cranktopo.errors import CranktopoError
+from cranktopo.store.files import (
+    json_text,
+    read_json,
+    sweep_temporaries,
+    unwritable,
+    write_json,
+    write_text,
+)
+from cranktopo.store.manifest import (
+    RunStatus,
+    check_manifest,
+    file_hash,
+    new_manifest,
+    settings_hash,
+    timestamp,
+)
+
+RUNS = Path("runs")
+_MANIFEST, _DESIGN, _LOG = "manifest.json", "design.toml", "run.log"
+_HISTORY, _METRICS, _CHECKPOINT = "history.csv", "metrics.json", "checkpoint/state.npz"
+
+
+@dataclass(frozen=True)
+class RunStore:
+    """A run directory and the files in it.
+
+    Attributes:
+        path: the directory.
+    """
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """Name of the run directory."""
+        return self.path.resolve().name
+
+    @property
+    def checkpoint(self) -> Path:
+        """Where the checkpoint of the run is or will be."""
+        return self.path / _CHECKPOINT
+
+    def manifest(self) -> dict[str, Any]:
+        """The manifest; raises CranktopoError when it is missing, corrupted or of another version."""
+        path = self.path / _MANIFEST
+        manifest = read_json(path)
+        check_manifest(manifest, path)
+        return manifest
+
+    def set_status(self, status: RunStatus) -> None:
+        """Record the status; every status but "running" also records the time as the end of the run."""
+        manifest = self.manifest()
+        manifest["status"] = status
+        manifest["ended"] = None if status == "running" else timestamp()
+        write_json(self.path / _MANIFEST, manifest)
+
+    def resume(self) -> None:
+        """Mark the run as running again, with the time, and clear what a killed process left unfinished."""
+        sweep_temporaries(self.path)
+        manifest = self.manifest()
+        resumed = [*manifest.get("resumed", []), timestamp()]
+        write_json(
+            self.path / _MANIFEST, {**manifest, "status": "running", "ended": None, "resumed": resumed}
+        )
+
+    def require_same_settings(self, scene: Mapping[str, Any], options: Mapping[str, Any]) -> None:
+        """Check that a run to be continued was started with the same scene and options.
+
+        Args:
+            scene: the resolved scene, plain values.
+            options: what the command line added to it.
+
+        Raises:
+            CranktopoError: they differ; the first difference is named.
+        """
+        manifest = self.manifest()
+        if settings_hash(scene, options) == manifest["settings_sha256"]:
+            return
+        before = {"scene": manifest["scene"], "options": manifest["options"]}
+        now = {"scene": _round_trip(scene), "options": _round_trip(options)}
+        where = _first_difference(before, now) or "settings"
+        raise CranktopoError(
+            f"run '{self.path}': the design changed since it was started ({where}).",
+            hint="Start a new run, or resume without naming a design.",
+        )
+
+    def require_same_inputs(self) -> None:
+        """Check that the input files are those the run was started with.
+
+        Raises:
+            CranktopoError: one is missing or its content changed.
+        """
+        for role, entry in self.manifest().get("inputs", {}).items():
+            if file_hash(Path(entry["path"])) != entry["sha256"]:
+                raise CranktopoError(
+                    f"run '{self.path}': {role} '{entry['path']}' changed since it was started.",
+                    hint="Restore that file, or start a new run.",
+                )
+
+    def log(self, text: str) -> None:
+        """Append one line with the time to run.log; raises CranktopoError when it cannot be written."""
+        try:
+            with (self.path / _LOG).open("a", encoding="utf-8") as file:
+                file.write(f"{timestamp()} {text}\n")
+        except OSError as error:
+            raise unwritable(self.path / _LOG, error) from None
+
+    def write_history(self, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Write history.csv: one row per iteration, columns in order of first appearance, units in names."""
+        columns = list(dict.fromkeys(key for row in rows for key in row))
+        text = io.StringIO()
+        writer = csv.DictWriter(text, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+        write_text(self.path / _HISTORY, text.getvalue())
+
+    def read_history(self) -> list[dict[str, Any]]:
+        """Rows of history.csv, numbers as numbers; empty before the first write."""
+        path = self.path / _HISTORY
+        if not path.is_file():
+            return []
+        with path.open(encoding="utf-8", newline="") as file:
+            return [{k: _number(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
+
+    def write_metrics(self, metrics: Mapping[str, Any]) -> None:
+        """Write metrics.json; raises CranktopoError when a number is not finite."""
+        write_json(self.path / _METRICS, metrics)
+
+    def read_metrics(self) -> dict[str, Any]:
+        """The content of metrics.json; raises CranktopoError when the run has none."""
+        return read_json(self.path / _METRICS)
+
+
+def check_destination(out: Path | None, root: Path = RUNS) -> None:
+    """Check, writing nothing, that a run can be made: call it before the long work.
+
+    Args:
+        out: the run directory the user asked for, or None for a new one under `root`.
+        root: folder of the runs.
+
+    Raises:
+        CranktopoError: `out` is a file or a folder with files in it, or its parent is not writable.
+    """
+    if out is not None and out.exists():
+        _check_empty(out)
+    existing = root if out is None else out
+    while not existing.exists():
+        existing = existing.parent
+    if not existing.is_dir():
+        raise CranktopoError(f"output '{out or root}': '{existing}' is a file.", hint="Choose another --out.")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise unwritable(out or root, PermissionError(13, f"'{existing}' is not writable"))
+
+
+def create_run(
+    *,
+    design: str,
+    design_toml: str,
+    scene: Mapping[str, Any],
+    options: Mapping[str, Any],
+    command: Sequence[str],
+    seed: int = 0,
+    inputs: Mapping[str, Path] | None = None,
+    out: Path | None = None,
+    root: Path = RUNS,
+) -> RunStore:
+    """Make a new run directory with its manifest and a copy of the design.
+
+    Call it after all validation: nothing exists on the disk before.
+
+    Args:
+        design: name of the design, part of the directory's name.
+        design_toml: text of the design as the user wrote it.
+        scene: the resolved scene, plain values.
+        options: what the command line added to the scene, plain values.
+        command: the command line as given.
+        seed: seed of every random choice.
+        inputs: other input files by role, hashed into the manifest.
+        out: directory to use; it must not exist or be empty. By default
+            `root/<date-time>_<design>_<hash>`, hash over scene and options.
+        root: folder of the runs.
+
+    Raises:
+        CranktopoError: the directory is taken or cannot be written, an input cannot be read.
+    """
+    check_destination(out, root)
+    stem = f"{datetime.now():%Y%m%d-%H%M%S}_{design}_{settings_hash(scene, options)[:8]}"
+    name = stem if out is None else out.resolve().name
+    manifest = new_manifest(
+        run=name,
+        design=design,
+        command=command,
+        scene=scene,
+        options=options,
+        seed=seed,
+        inputs=inputs or {},
+    )
+    run = RunStore(_fresh(root, stem) if out is None else _own(out))
+    write_text(run.path / _DESIGN, design_toml)
+    write_json(run.path / _MANIFEST, {**manifest, "run": run.name})
+    run.log(f"started: {' '.join(command)}")
+    return run
+
+
+def open_run(reference: str, root: Path = RUNS) -> RunStore:
+    """An existing run by path, by name or by the beginning of its name.
+
+    Args:
+        reference: path of a run directory, or the (start of the) name of one under `root`.
+        root: folder of the runs.
+
+    Raises:
+        CranktopoError: no such run, several with that beginning, not a run, manifest unusable.
+    """
+    path = Path(reference)
+    if not path.exists():
+        path = _by_name(reference, root)
+    if not path.is_dir() or not (path / _MANIFEST).is_file():
+        what = f"{_MANIFEST} is missing" if path.is_dir() else "a file"
+        raise CranktopoError(
+            f"run '{reference}': not a run directory ({what}).", hint="List runs with 'cranktopo runs list'."
+        )
+    run = RunStore(path)
+    run.manifest()
+    return run
+
+
+def list_runs(root: Path = RUNS) -> list[RunStore]:
+    """The runs under `root`, oldest first; directories without a manifest are left out."""
+    return [RunStore(path.parent) for path in sorted(root.glob(f"*/{_MANIFEST}"))]
+
+
+def _check_empty(out: Path) -> None:
+    if not out.is_dir():
+        raise CranktopoError(f"output '{out}': exists and is a file.", hint="Choose another --out.")
+    if any(out.iterdir()):
+        raise CranktopoError(
+            f"output '{out}': exists and is not empty; runs are never overwritten.",
+            hint="Choose another --out.",
+        )
+
+
+def _fresh(root: Path, stem: str) -> Path:
+    """A directory that did not exist: the stem, with a number behind it when the stem is taken."""
+    number = 1
+    while True:
+        path = root / (stem if number == 1 else f"{stem}-{number}")
+        try:
+            path.mkdir(parents=True)
+        except FileExistsError:
+            number += 1
+        except OSError as error:
+            raise unwritable(path, error) from None
+        else:
+            return path
+
+
+def _own(out: Path) -> Path:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(out, error) from None
+    return out
+
+
+def _by_name(reference: str, root: Path) -> Path:
+    names = [run.path.name for run in list_runs(root)]
+    matches = [name for name in names if name.startswith(reference)] if reference else []
+    if reference in matches or len(matches) == 1:
+        return root / (reference if reference in matches else matches[0])
+    if matches:
+        raise CranktopoError(
+            f"run '{reference}': {len(matches)} runs begin so: {', '.join(matches[:4])}.",
+            hint="Give more of the name.",
+        )
+    raise CranktopoError(
+        f"run '{reference}': no such run under '{root}'.", hint="List runs with 'cranktopo runs list'."
+    )
+
+
+def _round_trip(data: Mapping[str, Any]) -> Any:
+    import json
+
+    return json.loads(json_text(data, "settings"))
+
+
+def _first_difference(before: Any, now: Any, key: str = "") -> str | None:
+    if isinstance(before, dict) and isinstance(now, dict):
+        for name in {**before, **now}:
+            child = f"{key}.{name}" if key else str(name)
+            found = _first_difference(before.get(name), now.get(name), child)
+            if found:
+                return found
+        return None
+    return None if before == now else f"{key}: {before!r} then, {now!r} now"
+
+
+def _number(text: str) -> int | float | str:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

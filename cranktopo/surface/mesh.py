@@ -1,0 +1,75 @@
+"""Triangle mesh of a closed surface, and its passage to and from the boolean engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import Manifold, Mesh64
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+
+Array = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class SurfaceMesh:
+    """Closed triangle mesh.
+
+    Attributes:
+        vertices_mm: (n, 3), mm, in the frame of `cranktopo.frames`.
+        faces: (m, 3) vertex numbers, counter-clockwise seen from outside.
+    """
+
+    vertices_mm: Array
+    faces: Faces
+
+    @property
+    def corners_mm(self) -> Array:
+        """Corner coordinates of the faces, (m, 3 corners, 3), mm."""
+        return self.vertices_mm[self.faces]
+
+    @property
+    def volume_mm3(self) -> float:
+        """Enclosed volume by the divergence theorem, mm3; negative when the faces point inward."""
+        a, b, c = np.moveaxis(self.corners_mm, 1, 0)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def solid_of(vertices_mm: Array, faces: Faces, what: str) -> Manifold:
+    """A closed mesh as a solid of the boolean engine.
+
+    Args:
+        vertices_mm: (n, 3), mm.
+        faces: (m, 3) vertex numbers, oriented outward.
+        what: name of the mesh for the message.
+
+    Raises:
+        CranktopoError: the mesh is not a closed oriented 2-manifold.
+    """
+    # Copies, because the engine takes only arrays that it may write to.
+    vertices = np.array(vertices_mm, np.float64, order="C")
+    solid = Manifold(Mesh64(vertices, np.array(faces, np.uint64, order="C")))
+    if solid.status().name != "NoError":
+        raise CranktopoError(
+            f"{what}: not a closed, consistently oriented surface ({solid.status().name}).",
+            hint="Repair the mesh (close its holes, orient its faces) and try again.",
+            code=ExitCode.INVALID_INPUT,
+        )
+    return solid
+
+
+def mesh_of(solid: Manifold) -> SurfaceMesh:
+    """The mesh of a solid, rounded to what a binary STL can hold and welded.
+
+    Rounding here and not in the writer means that every check sees the coordinates that are written.
+    """
+    mesh = solid.to_mesh64()
+    rounded = np.asarray(mesh.vert_properties)[:, :3].astype(np.float32) + np.float32(0)  # -0 becomes 0
+    faces = np.asarray(mesh.tri_verts).astype(np.int64)
+    vertices, number = np.unique(rounded, axis=0, return_inverse=True)
+    faces = number.reshape(-1)[faces]
+    collapsed = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    return SurfaceMesh(vertices.astype(np.float64), faces[~collapsed])

@@ -1,0 +1,133 @@
+"""Exact solids of the half throw: journals, bores, design envelope; as fine prisms in the boolean engine."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from manifold3d import CrossSection, FillRule, Manifold
+
+from cranktopo.errors import CranktopoError, invalid
+from cranktopo.scene import Scene
+from cranktopo.scene.geometry import Journal, StlEnvelope
+from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.mesh import solid_of
+
+CHORD_ERROR_MM = 0.002
+_BEYOND_MM = 1.0
+
+
+def segments(radius_mm: float) -> int:
+    """Number of sides whose chords stay within CHORD_ERROR_MM of the circle; a multiple of 8.
+
+    The chord error of a side that spans 2 pi / n is r (1 - cos(pi / n)).
+    """
+    sides = math.pi / math.acos(max(0.0, 1 - CHORD_ERROR_MM / radius_mm))
+    return max(32, 8 * math.ceil(sides / 8))
+
+
+def cylinder(radius_mm: float, y_mm: float, z_mm: tuple[float, float]) -> Manifold:
+    """Cylinder parallel to the crank axis at x = 0, with its vertices on the true circle.
+
+    Args:
+        radius_mm: radius.
+        y_mm: throw coordinate of its axis.
+        z_mm: lower and upper end.
+    """
+    solid = Manifold.cylinder(z_mm[1] - z_mm[0], radius_mm, radius_mm, segments(radius_mm))
+    return solid.translate((0.0, y_mm, z_mm[0]))
+
+
+def journal_halves(scene: Scene) -> tuple[Manifold, Manifold]:
+    """Half main journal (z = 0 to the web) and half crankpin (web to pitch / 2), with their bores."""
+    start, end = scene.web_z_mm
+    throw = scene.throw
+    main = _tube(throw.main_journal, 0.0, (0.0, start))
+    pin = _tube(throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2))
+    return main, pin
+
+
+def web_bores(scene: Scene) -> Manifold:
+    """What both bores take out of the web: each runs through it from face to face, and stops there."""
+    throw = scene.throw
+    start, end = scene.web_z_mm
+    through = (start - _BEYOND_MM, end + _BEYOND_MM)
+    pairs = ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm))
+    bores = [cylinder(j.bore_radius_mm, y, through) for j, y in pairs if j.bore_radius_mm > 0]
+    return sum(bores, Manifold())
+
+
+def journal_stubs(scene: Scene) -> Manifold:
+    """Continuation of both journals through the clearances that the envelope leaves at the web faces."""
+    envelope, throw = scene.envelope, scene.throw
+    start, end = scene.web_z_mm
+    stubs = Manifold()
+    if envelope is not None and envelope.bearing_clearance_mm > 0:
+        stubs += cylinder(throw.main_journal.radius_mm, 0.0, (start, start + envelope.bearing_clearance_mm))
+    if envelope is not None and envelope.rod_clearance_mm > 0:
+        stubs += cylinder(throw.crankpin.radius_mm, throw.radius_mm, (end - envelope.rod_clearance_mm, end))
+    return stubs
+
+
+def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
+    """Design envelope between the web faces less the clearances.
+
+    Args:
+        scene: without an envelope the extent of the grid bounds the web.
+        grid: density grid.
+
+    Raises:
+        CranktopoError: the envelope's STL is missing or not closed, or an outline crosses itself.
+    """
+    envelope = scene.envelope
+    start, end = scene.web_z_mm
+    if envelope is None:
+        return _prism(_rectangle(grid.origin_mm[:2], grid.upper_mm[:2]), start, end)
+    start, end = start + envelope.bearing_clearance_mm, end - envelope.rod_clearance_mm
+    if envelope.shape == "stl":
+        slab = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
+        return _stl_solid(envelope) ^ slab
+    if envelope.shape == "cylinder":
+        return cylinder(envelope.radius_mm, 0.0, (start, end))
+    if envelope.shape == "box":
+        half = envelope.half_width_mm
+        corners = np.array([[-half, envelope.y_min_mm], [half, envelope.y_max_mm]])
+        return _prism(_rectangle(*corners), start, end)
+    outline = np.array(envelope.points_mm)
+    return _prism(CrossSection([outline], FillRule.EvenOdd), start, end)
+
+
+def is_mirror_image(solid: Manifold) -> bool:
+    """Whether a solid is its own mirror image in the plane x = 0, to 1e-9 of its volume."""
+    return bool((solid - solid.mirror((1.0, 0.0, 0.0))).volume() <= 1e-9 * solid.volume())
+
+
+def _tube(journal: Journal, y_mm: float, z_mm: tuple[float, float]) -> Manifold:
+    body = cylinder(journal.radius_mm, y_mm, z_mm)
+    if journal.bore_radius_mm == 0:
+        return body
+    return body - cylinder(journal.bore_radius_mm, y_mm, (z_mm[0] - _BEYOND_MM, z_mm[1] + _BEYOND_MM))
+
+
+def _rectangle(lower: np.ndarray, upper: np.ndarray) -> CrossSection:
+    return CrossSection.square(tuple(upper - lower)).translate(tuple(lower))
+
+
+def _prism(section: CrossSection, start_mm: float, end_mm: float) -> Manifold:
+    return section.extrude(end_mm - start_mm).translate((0.0, 0.0, start_mm))
+
+
+def _stl_solid(envelope: StlEnvelope) -> Manifold:
+    import trimesh
+
+    path = envelope._folder / Path(envelope.file)
+    try:
+        mesh = trimesh.load_mesh(path)
+    except Exception as error:  # trimesh passes on whatever its many readers raise
+        raise CranktopoError(
+            f"envelope.file = '{path}': cannot be read: {error}.", hint="Give a closed STL in mm."
+        ) from None
+    if not mesh.is_watertight:
+        raise invalid("envelope.file", str(path), "must be a closed surface", "Close its holes.")
+    return solid_of(mesh.vertices, np.asarray(mesh.faces), f"envelope.file = '{path}'")
