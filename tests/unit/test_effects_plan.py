@@ -13,13 +13,16 @@ from cranktopo.loads import at_speed, extreme_states, load_cases
 from cranktopo.scene import load_scene
 from cranktopo.scene.geometry import CylinderPocket, Journal, OutlineEnvelope
 
-MIKRON = load_scene("mikron-iiic")
-OPPOSED = load_scene("opposed-piston")
 INERTIA = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
 
 
 def with_effects(scene, **update):
     return scene.model_copy(update={"effects": scene.effects.model_copy(update=update)})
+
+
+# The built-in designs switch the tangential case off; here the plan decides.
+MIKRON = with_effects(load_scene("mikron-iiic"), tangential="auto")
+OPPOSED = with_effects(load_scene("opposed-piston"), tangential="auto")
 
 
 def with_part(scene, name, **update):
@@ -39,9 +42,12 @@ def test_bending_and_torsion_are_on(scene):
 
 
 def test_default_scene():
-    decided = plan(MIKRON)
-    on = {"bending", "torsion", "tangential", "reciprocating_inertia", "rotating_rod_mass"}
-    assert decided.enabled == on | {"bores", "lateral_symmetry", "fillets", "fatigue"}
+    on = {"bending", "torsion", "reciprocating_inertia", "rotating_rod_mass"}
+    on |= {"bores", "lateral_symmetry", "fillets", "fatigue"}
+    assert plan(MIKRON).enabled == on | {"tangential"}
+    built_in = load_scene("mikron-iiic")
+    assert plan(built_in).enabled == on
+    assert [case.name for case in load_cases(built_in, plan(built_in).enabled)] == ["bending", "torsion"]
 
 
 def test_json_is_plain_data_with_the_contract_keys():
@@ -203,6 +209,7 @@ def test_unit_loads_without_an_engine():
         ("torsion", 0.0, 1.0),
     ]
     assert plan(scene)["tangential"].reason.startswith("unit loads cannot be compared")
+    assert {plan(scene)[name].estimate_percent for name in ("bending", "torsion", "tangential")} == {None}
 
 
 def test_given_peaks_are_taken_and_multiples_explained():
