@@ -52,22 +52,22 @@ def rotating_rod_mass(facts: Facts) -> Estimate:
 
 
 def _case(facts: Facts, kind: LoadKind, load: str) -> Estimate:
-    energy = facts.energy_Nmm
     rivals: tuple[LoadKind, ...] = ("bending", "torsion")
+    cost, changes = facts.costing.load_case(), f"no {kind} in the objective"
+    if facts.unit_loads:
+        why = "unit loads cannot be compared"
+        needed, absent = (why, "") if kind in rivals else ("", why)
+        return Estimate(None, load, changes, cost, absent=absent, needed=needed)
+    energy = facts.energy_Nmm
     dominant = max(rivals, key=lambda name: energy[name])
     percent = 100 * energy[kind] / energy[dominant] if energy[dominant] else 0.0
     because = f"{load}: strain energy {percent:.3g} % of {dominant}'s"
     if kind == dominant:
         because = f"{load}: the largest strain energy ({energy[kind] / 1000:.3g} J)"
-    absent = needed = ""
-    if kind in rivals and facts.unit_loads:
-        needed, because = "unit loads cannot be compared", load
-    elif facts.unit_loads:
-        absent, because = "unit loads cannot be compared", load
-    elif getattr(facts.scene.optimise.weights, kind) == 0:
-        absent = f"optimise.weights.{kind} is 0"
-    changes = f"no {kind} in the objective ({percent:.3g} % of the largest energy)"
-    return Estimate(percent, because, changes, facts.costing.load_case(), absent, needed)
+    weightless = getattr(facts.scene.optimise.weights, kind) == 0
+    absent = f"optimise.weights.{kind} is 0" if weightless else ""
+    changes += f" ({percent:.3g} % of the largest energy)"
+    return Estimate(percent, because, changes, cost, absent=absent)
 
 
 def _inertia(facts: Facts, name: str, what: str) -> Estimate:

@@ -149,7 +149,7 @@ def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
     """Integral of v^(n-1) dx from the start of burning to each angle (ascending, not before the start)."""
     nodes, weights = np.polynomial.legendre.leggauss(4)
     ends = np.concatenate([[model.start_deg], angle_deg])
-    # Long steps are halved until none exceeds 1 deg, so that the 4-point rule is exact to rounding.
+    # Long steps are halved until none exceeds 1 deg, so that the 4-point rule is good to 1e-8.
     parts = max(1, int(np.ceil(np.diff(ends).max(initial=0.0))))
     fine = np.linspace(ends[:-1], ends[1:], parts + 1, axis=1)
     half = np.diff(fine, axis=1)[..., None] / 2

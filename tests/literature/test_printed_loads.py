@@ -1,0 +1,93 @@
+"""Loads printed in theses: Dolezal 2024 (Walter Mikron III C), Voparil 2011, Kral 2014."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cranktopo.loads import analyse, bearing_spring_N_per_mm
+from cranktopo.loads.bearings import fit_roller_table
+from cranktopo.loads.kinematics import exact_motion, force_ratios
+from cranktopo.scene import load_scene
+from cranktopo.scene.engine import Gas
+from cranktopo.scene.supports import RollerBearing
+
+MIKRON = load_scene("mikron-iiic")
+
+
+@pytest.fixture
+def driven(tmp_path):
+    """The Mikron driven by a measured curve with 35 905 N of gas force at 11 deg."""
+    peak = 0.10133 + 35905 / (math.pi / 4 * 95**2)
+    update = {"peak_pressure_MPa": peak}
+    gas = MIKRON.engine.gas.model_copy(update=update)
+    modelled = analyse(MIKRON.model_copy(update={"engine": MIKRON.engine.model_copy(update={"gas": gas})}))
+    curve = modelled.cycle.pressure
+    file = tmp_path / "indicator.csv"
+    rows = np.column_stack([curve.angle_deg, curve.pressure_MPa * 10])[::4]
+    np.savetxt(file, rows, delimiter=",", header="crank_angle_deg,pressure_bar", comments="", fmt="%.10g")
+    measured = Gas(indicator_csv=str(file), ambient_pressure_MPa=0.10133)
+    return MIKRON.model_copy(update={"engine": MIKRON.engine.model_copy(update={"gas": measured})})
+
+
+def test_mikron_small_end(driven):
+    extremes = analyse(driven).cycle.extremes()
+    assert extremes["gas_force_N"][0].value == pytest.approx(35905, rel=1e-6)
+    assert extremes["gas_force_N"][0].deg == 11.0
+    assert extremes["small_end_force_N"][0].value == pytest.approx(34480, rel=0.002)
+    assert extremes["small_end_force_N"][0].deg == 11.0
+    assert extremes["inertia_force_N"][1].value == pytest.approx(-1469, abs=0.5)
+    assert extremes["inertia_force_N"][1].deg == 0.0
+
+
+def test_mikron_inertia_at_top_dead_centre():
+    r_w2 = 0.048 * (2100 * math.pi / 30) ** 2
+    acceleration = r_w2 * exact_motion(np.zeros(1), 48.0, 166.0).acceleration_ratio[0]
+    assert acceleration == pytest.approx(2992.56, abs=0.01)
+
+
+def test_mikron_decomposition_of_the_printed_force():
+    ratios = force_ratios(np.radians([11.0]), 48.0, 166.0)
+    assert np.degrees(ratios.rod_angle_rad[0]) == pytest.approx(3.1628, abs=5e-5)
+    assert 34480 * ratios.rod[0] == pytest.approx(34532.6, abs=0.05)
+    assert 34480 * ratios.tangential[0] == pytest.approx(8449.4, abs=0.05)
+    assert 34480 * ratios.radial[0] == pytest.approx(33483.0, abs=0.05)
+    assert 34480 * ratios.tangential[0] * 0.048 == pytest.approx(405.57, abs=0.005)
+
+
+def test_bearing_spring_of_the_opposed_piston_engine():
+    """0.5 max(F_p) / (0.8 clearance) = 1.072e6 N/mm for 85 730 N and 0.05 mm."""
+    scene = load_scene("opposed-piston")
+    supports = scene.supports.model_copy(
+        update={"bearing_spring_N_per_mm": None, "bearing_clearance_mm": 0.05}
+    )
+    assert bearing_spring_N_per_mm(scene.model_copy(update={"supports": supports})) == pytest.approx(
+        1.072e6, rel=5e-4
+    )
+    assert bearing_spring_N_per_mm(scene) == 1.072e6
+    assert bearing_spring_N_per_mm(MIKRON) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "slope", "intercept", "r2"),
+    [
+        ("HK4520", 52094, -30.808, 0.9982),
+        ("HK6020", 50987, -37.224, 0.9982),
+        ("AXW45", 49818, -38.845, 0.9978),
+    ],
+)
+def test_linear_fit_of_roller_tables(name, slope, intercept, r2):
+    fit = fit_roller_table(RollerBearing.model_validate({"name": name}))
+    assert fit.slope_N_per_mm == pytest.approx(slope, abs=0.5)
+    assert fit.intercept_N == pytest.approx(intercept, abs=5.1e-4)
+    assert fit.r2 == pytest.approx(r2, abs=5.1e-5)
+
+
+def test_roller_bearing_stiffness_in_a_scene():
+    """Z k / 4, against the sum over the rollers of the loaded half."""
+    bearing = RollerBearing.model_validate({"name": "HK6020"})
+    supports = MIKRON.supports.model_copy(update={"roller_bearing": bearing, "bending": "spring"})
+    got = bearing_spring_N_per_mm(MIKRON.model_copy(update={"supports": supports}))
+    angle = 2 * np.pi * (np.arange(40) + 0.5) / 40
+    rollers = np.maximum(np.cos(angle), 0) * np.cos(angle)
+    assert got == pytest.approx(rollers.sum() * fit_roller_table(bearing).slope_N_per_mm, rel=1e-12)
