@@ -20,6 +20,7 @@ from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.report.metrics import Timing, optimise_metrics
 from cranktopo.report.outputs import history_rows, write_outputs
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.loading import input_files
 from cranktopo.store import (
     RunStore,
     check_destination,
@@ -81,6 +82,7 @@ def start(
         scene=scene.model_dump(mode="json"),
         options={},
         command=command,
+        inputs=input_files(scene),
         out=out,
     )
     return run, prepared

@@ -77,14 +77,14 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
     lines = [
         f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
         "",
-        f"{'':24}{'optimised':>14}{'original web':>14}{'per kg':>9}",
+        f"{'':24}{'optimised':>14}{'original web':>14}{'gain per kg':>14}",
     ]
     for name, case in metrics["load_cases"].items():
         key = next(k for k in case if k.startswith("stiffness_"))
         unit, scale = ("kN m/rad", 1e-3) if key.endswith("rad") else ("kN/mm", 1e-3)
         gain = original["gain_of_stiffness_per_mass_percent"][name]
         values = f"{case[key] * scale:14.1f}{original['load_cases'][name][key] * scale:14.1f}"
-        lines.append(f"{name + ', ' + unit:24}{values}{gain:+8.1f}%")
+        lines.append(f"{name + ', ' + unit:24}{values}{gain:+12.1f} %")
     for part in ("throw", "web"):
         masses = f"{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
         lines.append(f"{'mass of ' + part + ', kg':24}{masses}")

@@ -33,6 +33,7 @@ Extent = Literal["quarter", "half", "full"]
 Target = Literal["envelope", "web"]
 Array = NDArray[np.float64]
 SAMPLES = 32
+STL_SECTIONS = 32
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,8 @@ def laterally_symmetric(scene: Scene, target: Target) -> bool:
     """Whether the geometry is its own mirror image in x."""
     if target == "web":
         return all(pocket.shape == "side" or pocket.x_mm == 0.0 for pocket in scene.web.pocket)
+    if scene.envelope is not None and scene.envelope.shape == "stl":
+        return False
     if scene.envelope is None or scene.envelope.shape != "outline":
         return True
     points = {(round(x, 9), round(y, 9)) for x, y in scene.envelope.points_mm}
@@ -166,7 +169,8 @@ def _web_cuts(scene: Scene, target: Target) -> list[float]:
     start, stop = scene.web_z_mm
     if target == "envelope":
         envelope = _envelope(scene)
-        return [start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm]
+        low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
+        return list(np.linspace(low, high, STL_SECTIONS + 1)) if envelope.shape == "stl" else [low, high]
     cuts: list[float] = []
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
@@ -193,7 +197,7 @@ def _web_layer(scene: Scene, target: Target, z: tuple[float, float]) -> _Layer:
         return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
     envelope = _envelope(scene)
     if start + envelope.bearing_clearance_mm < middle < stop - envelope.rod_clearance_mm:
-        shape = _without(envelope_outline(envelope), bores)
+        shape = _without(envelope_outline(envelope, middle), bores)
         return _Layer(z, fixed=None, design=shape, pin=None, web=shape)
     at_main = middle < start + envelope.bearing_clearance_mm
     stub = disc(throw.main_journal.radius_mm) if at_main else disc(throw.crankpin.radius_mm, throw.radius_mm)

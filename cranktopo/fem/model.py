@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cranktopo.domain.build import Domain
 from cranktopo.fem.lattice import Lattice
 from cranktopo.fem.supports import CaseSupports, SectionMotion, Supports, build_supports
+from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.loads.cases import LoadCase
 from cranktopo.scene.schema import Scene
 from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
@@ -97,7 +98,7 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
     free = _TORSION_FREE[scene.supports.torsion] if torsion else _BENDING_FREE[scene.supports.bending]
     kept = [m for m in free if not domain.mirrored_x or (m in _EVEN_IN_X) != odd_in_x]
     # A sprung quarter or half section carries its share of the bearing's spring, one bearing per section.
-    spring = (scene.supports.bearing_spring_N_per_mm or 0.0) * (0.5 if domain.mirrored_x else 1.0)
+    spring = (bearing_spring_N_per_mm(scene) or 0.0) * (0.5 if domain.mirrored_x else 1.0)
     stiffness = {"tx": spring, "ty": spring}
     torque = case.torque_Nm * NMM_PER_NM * (0.5 if domain.mirrored_x else 1.0)
     first = [SectionMotion(0, m, stiffness.get(m, 0.0), _torque_on(m, torque, domain)) for m in kept]

@@ -87,7 +87,8 @@ def build_supports(
     Returns:
         Supports, and section forces (cases, 3, nodes...).
     """
-    size = max(1, *(len(case.motions) for case in cases))
+    # One size for all supports of a throw, so that another support needs no new compilation.
+    size = max(len(MOTIONS), *(len(case.motions) for case in cases))
     parts = [_case_arrays(lattice, origin_mm, levels, case, size) for case in cases]
     basis, coarse, springs, loads = (jnp.asarray(np.stack(items)) for items in zip(*parts, strict=True))
     supports = Supports(

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field
 
 from cranktopo.scene.base import Finite, NonNegative, Positive, Table
 
@@ -156,7 +155,6 @@ class StlEnvelope(_EnvelopeBase):
 
     shape: Literal["stl"]
     file: str
-    _folder: Path = PrivateAttr(default=Path())
 
 
 Envelope = Annotated[

@@ -13,6 +13,8 @@ from cranktopo.scene.checks import check_scene
 from cranktopo.scene.messages import explain
 from cranktopo.scene.schema import Scene
 
+# Keys of the scene that name a file, relative to the design.
+FILE_KEYS = (("engine", "gas", "indicator_csv"), ("envelope", "file"))
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -62,13 +64,30 @@ def parse_scene(text: str, source: str = "scene", folder: Path | None = None) ->
 
 
 def _with_resolved_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The data with the indicator file's name made absolute; data of a wrong type is left for validation."""
-    engine = data.get("engine")
-    gas = engine.get("gas") if isinstance(engine, dict) else None
-    if not isinstance(gas, dict) or not isinstance(gas.get("indicator_csv"), str):
+    """The data with every file name made absolute; data of a wrong type is left for validation."""
+    for keys in FILE_KEYS:
+        data = _resolved(data, keys, folder)
+    return data
+
+
+def _resolved(data: Any, keys: tuple[str, ...], folder: Path) -> Any:
+    if not keys:
+        return str((folder / data).resolve()) if isinstance(data, str) else data
+    if not isinstance(data, dict) or keys[0] not in data:
         return data
-    file = str((folder / gas["indicator_csv"]).resolve())
-    return {**data, "engine": {**data["engine"], "gas": {**gas, "indicator_csv": file}}}
+    return {**data, keys[0]: _resolved(data[keys[0]], keys[1:], folder)}
+
+
+def input_files(scene: Scene) -> dict[str, Path]:
+    """Files that a scene refers to, by dotted key."""
+    found: dict[str, Path] = {}
+    for keys in FILE_KEYS:
+        value: Any = scene
+        for key in keys:
+            value = getattr(value, key, None)
+        if value is not None:
+            found[".".join(keys)] = Path(value)
+    return found
 
 
 def scene_from_dict(data: dict[str, Any], source: str = "scene") -> Scene:

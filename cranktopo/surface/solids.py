@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 from manifold3d import CrossSection, FillRule, Manifold
 
-from cranktopo.errors import CranktopoError, invalid
+from cranktopo.domain.stl import envelope_from_stl
 from cranktopo.scene import Scene
-from cranktopo.scene.geometry import Journal, StlEnvelope
+from cranktopo.scene.geometry import Journal
 from cranktopo.surface.grid import DensityGrid
-from cranktopo.surface.mesh import solid_of
 
 CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
@@ -87,7 +86,7 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     start, end = start + envelope.bearing_clearance_mm, end - envelope.rod_clearance_mm
     if envelope.shape == "stl":
         slab = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
-        return _stl_solid(envelope) ^ slab
+        return envelope_from_stl(Path(envelope.file)) ^ slab
     if envelope.shape == "cylinder":
         return cylinder(envelope.radius_mm, 0.0, (start, end))
     if envelope.shape == "box":
@@ -116,18 +115,3 @@ def _rectangle(lower: np.ndarray, upper: np.ndarray) -> CrossSection:
 
 def _prism(section: CrossSection, start_mm: float, end_mm: float) -> Manifold:
     return section.extrude(end_mm - start_mm).translate((0.0, 0.0, start_mm))
-
-
-def _stl_solid(envelope: StlEnvelope) -> Manifold:
-    import trimesh
-
-    path = envelope._folder / Path(envelope.file)
-    try:
-        mesh = trimesh.load_mesh(path)
-    except Exception as error:  # trimesh passes on whatever its many readers raise
-        raise CranktopoError(
-            f"envelope.file = '{path}': cannot be read: {error}.", hint="Give a closed STL in mm."
-        ) from None
-    if not mesh.is_watertight:
-        raise invalid("envelope.file", str(path), "must be a closed surface", "Close its holes.")
-    return solid_of(mesh.vertices, np.asarray(mesh.faces), f"envelope.file = '{path}'")

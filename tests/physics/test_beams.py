@@ -22,9 +22,9 @@ def end_deflection(lattice: Lattice, levels: int, component: int) -> float:
 @pytest.mark.parametrize("poisson", [0.0, 0.3])
 def test_axial_bar(float64: None, poisson: float) -> None:
     """P L / (E A); with nu = 0.3 the clamp holds the section and stiffens the last half width of the bar."""
-    lattice = Lattice((4, 4, 128), 0.5, 0.5, (0.5,) * 128, poisson)
-    exact = 64.0 / (MODULUS * 4.0)
-    assert end_deflection(lattice, 2, 2) == pytest.approx(exact, rel=1e-9 if poisson == 0 else 1e-3)
+    lattice = Lattice((2, 2, 128), 0.5, 0.5, (0.5,) * 128, poisson)
+    exact = 64.0 / (MODULUS * 1.0)
+    assert end_deflection(lattice, 1, 2) == pytest.approx(exact, rel=1e-9 if poisson == 0 else 1e-3)
 
 
 def test_cantilever_against_timoshenko(float64: None) -> None:
@@ -39,12 +39,12 @@ def test_cantilever_against_timoshenko(float64: None) -> None:
 
 
 def test_cantilever_converges_at_second_order(float64: None) -> None:
-    """Deflections on 3 meshes: error against the Richardson limit falls by 4 or more, and is small."""
+    """Error against the Richardson limit on 3 meshes; without Poisson's ratio the clamp is no singularity."""
     values = []
     for n in (1, 2, 4):
-        lattice = Lattice((2 * n, 4 * n, 16 * n), 1 / n, 1 / n, (1 / n,) * (16 * n), 0.3)
+        lattice = Lattice((2 * n, 4 * n, 16 * n), 1 / n, 1 / n, (1 / n,) * (16 * n), 0.0)
         values.append(end_deflection(lattice, 1, 1))
     limit = values[2] + (values[2] - values[1]) / 3
     errors = np.abs(np.array(values) / limit - 1)
-    assert errors[2] < 2e-3
+    assert errors[2] < 1e-3
     assert errors[0] / errors[1] > 3.0

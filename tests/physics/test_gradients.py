@@ -30,7 +30,7 @@ from cranktopo.optimise.material import (
 from cranktopo.scene import Scene
 from tests.physics.throw_cases import BENDING, TANGENTIAL, TORSION
 
-TIGHT = 1e-12
+TIGHT = 1e-11
 Response = Callable[[ThrowModel, jax.Array], jax.Array]
 RESPONSES: dict[str, Response] = {
     "bending compliance": lambda model, u: compliances(model, u)[0],

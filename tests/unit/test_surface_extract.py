@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 import trimesh
 from scipy.spatial import cKDTree
-from surface_cases import ball, everywhere, grid_of, obround, scene_with, united, without
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.surface import DensityGrid, WebSurface, check_surface, extract_half_throw
 from cranktopo.surface.extract import find_iso
 from cranktopo.surface.mesh import solid_of
+from tests.unit.surface_cases import ball, everywhere, grid_of, obround, scene_with, united, without
 
 BORES_MM2 = 2 * math.pi * 12**2
 MAIN_MM3 = math.pi * (21**2 - 12**2) * 20

@@ -10,11 +10,11 @@ import gmsh
 import numpy as np
 import pytest
 import trimesh
-from surface_cases import grid_of, obround, scene_with
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface import SurfaceMesh, WebSurface, check_surface, extract_half_throw, write_stl
 from cranktopo.surface.gates import check_manifold, shell_volumes_mm3
+from tests.unit.surface_cases import grid_of, obround, scene_with
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
 _FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])

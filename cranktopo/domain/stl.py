@@ -1,0 +1,60 @@
+"""Design envelopes given as closed surface meshes."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, invalid
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+_KEY = "envelope.file"
+
+
+def envelope_from_stl(path: Path) -> Manifold:
+    """The closed body in a surface mesh file, mm, in the frame of `cranktopo.frames`.
+
+    Raises:
+        CranktopoError: the file is missing, unreadable, or its surface is not closed.
+    """
+    from manifold3d import Manifold, Mesh64
+
+    vertices, faces = _closed_mesh(path)
+    # Copies, because the engine takes only arrays that it may write to.
+    body = Manifold(Mesh64(vertices.copy(), faces.copy()))
+    if body.status().name != "NoError" or body.volume() <= 0:
+        raise invalid(_KEY, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
+    return body
+
+
+def bounds_mm(path: Path) -> tuple[float, float, float, float]:
+    """Range of the body: (x_min, x_max, y_min, y_max), mm."""
+    box = envelope_from_stl(path).bounding_box()
+    return box[0], box[3], box[1], box[4]
+
+
+def section(path: Path, z_mm: float) -> list[NDArray[np.float64]]:
+    """Closed contours (n, 2) of the body's cross-section at a height, mm."""
+    return [np.asarray(contour) for contour in envelope_from_stl(path).slice(z_mm).to_polygons()]
+
+
+@lru_cache(maxsize=4)
+def _closed_mesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.uint64]]:
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(path)
+    except Exception as error:  # trimesh passes on whatever its many readers raise
+        raise CranktopoError(
+            f"{_KEY} = '{path}': cannot be read: {error}.", hint="Give a closed STL in mm."
+        ) from None
+    if not mesh.is_watertight:
+        raise invalid(_KEY, str(path), "must be a closed surface", "Close its holes.")
+    vertices = np.array(mesh.vertices, np.float64, order="C")
+    return vertices, np.array(mesh.faces, np.uint64, order="C")

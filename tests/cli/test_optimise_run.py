@@ -1,0 +1,195 @@
+"""The main job end to end on a coarse grid: files, numbers, interruption, resumption."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+import trimesh
+
+from cranktopo.cli.main import main
+from cranktopo.store import load_checkpoint
+
+COARSE = ["--resolution-mm", "4.5"]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished default run."""
+    out = tmp_path_factory.mktemp("runs") / "whole"
+    assert main(["optimise", "--volume-fraction", "0.3", *COARSE, "--out", str(out)]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def metrics(run: Path) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads((run / "metrics.json").read_text())
+    return data
+
+
+def test_files(run: Path, metrics: dict[str, Any]) -> None:
+    expected = {
+        "manifest.json",
+        "design.toml",
+        "run.log",
+        "history.csv",
+        "metrics.json",
+        "density.vtu",
+        "web.stl",
+        "result.png",
+        "checkpoint",
+        ".lock",
+    }
+    assert {path.name for path in run.iterdir()} == expected
+    assert all((run / name).stat().st_size > 100 for name in metrics["files"].values())
+    assert json.loads((run / "manifest.json").read_text())["status"] == "done"
+    assert (run / "result.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_metrics_follow_the_contract(metrics: dict[str, Any]) -> None:
+    assert metrics["schema_version"] == 1
+    assert metrics["design"] == "mikron-iiic"
+    assert metrics["status"] == "converged"
+    assert metrics["connected"] is True
+    assert metrics["volume_fraction"]["reached"] == pytest.approx(0.3, abs=1e-3)
+    assert set(metrics["load_cases"]) == {"bending", "torsion"}
+    assert metrics["load_cases"]["bending"]["support"] == "pinned"
+    assert metrics["load_cases"]["torsion"]["support"] == "free"
+    assert metrics["grid"]["symmetry"] == ["x = 0", "mid-pin plane"]
+    assert max(metrics["grid"]["cell_size_mm"].values()) == pytest.approx(metrics["grid"]["cell_mm"])
+    throw = metrics["mass_kg"]["throw"]
+    for name, unit in (("torsion", "stiffness_Nm_per_rad"), ("bending", "stiffness_N_per_mm")):
+        key = "torsion_Nm_per_rad_kg" if name == "torsion" else "bending_N_per_mm_kg"
+        ratio = metrics["load_cases"][name][unit] / throw
+        assert metrics["stiffness_per_mass"][key] == pytest.approx(ratio)
+    states = {effect["name"]: effect["state"] for effect in metrics["effects"]}
+    assert states["bending"] == states["torsion"] == "on"
+    assert all(effect["reason"] for effect in metrics["effects"])
+
+
+def test_mass_and_stiffness_beat_the_original_web(metrics: dict[str, Any]) -> None:
+    assert metrics["mass_kg"]["web"] == pytest.approx(0.458, abs=0.003)
+    assert metrics["original_web"]["mass_kg"]["web"] == pytest.approx(0.516, abs=0.003)
+    gain = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
+    assert gain["bending"] > 5.0
+    assert gain["torsion"] > 5.0
+
+
+def test_surface_is_a_solid_of_the_design_s_mass(run: Path, metrics: dict[str, Any]) -> None:
+    mesh = trimesh.load_mesh(run / "web.stl")
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert len(mesh.split()) == 1 + metrics["surface"]["cavities"]
+    kg = 2 * mesh.volume * 7850e-9
+    assert kg == pytest.approx(metrics["mass_kg"]["throw"], rel=5e-3)
+    np.testing.assert_allclose(mesh.bounds[:, 2], [0.0, 57.0], atol=1e-4)
+    np.testing.assert_allclose(mesh.bounds[0, 0], -mesh.bounds[1, 0], atol=1e-4)
+    radii = np.hypot(*mesh.vertices[mesh.vertices[:, 2] < 0.01][:, :2].T)
+    assert np.all(np.isclose(radii, 21.0, atol=1e-3) | np.isclose(radii, 12.0, atol=1e-3))
+
+
+def test_density_opens_and_holds_the_mass(run: Path, metrics: dict[str, Any]) -> None:
+    grid = meshio.read(run / "density.vtu")
+    cells = grid.cells_dict["hexahedron"]
+    corners = grid.points[cells]
+    volume = np.prod(corners.max(axis=1) - corners.min(axis=1), axis=1)
+    kg = 4 * float(volume @ grid.cell_data_dict["density"]["hexahedron"]) * 7850e-9
+    assert kg == pytest.approx(metrics["mass_kg"]["throw"], rel=1e-6)
+
+
+def test_history_matches_the_metrics(run: Path, metrics: dict[str, Any]) -> None:
+    with (run / "history.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == metrics["iterations"]
+    assert float(rows[-1]["greyness"]) == metrics["greyness"]
+    objective = [float(row["objective"]) for row in rows]
+    assert objective[-1] < 0.2 * objective[0]
+    # The reported compliance is solved more tightly than the history's.
+    last = float(rows[-1]["bending_compliance_N_mm"])
+    assert last == pytest.approx(metrics["load_cases"]["bending"]["compliance_N_mm"], rel=1e-4)
+
+
+def designs(run: Path) -> tuple[bytes, list[Any]]:
+    """Design variables and history without the wall times."""
+    saved = load_checkpoint(run / "checkpoint" / "state.npz")
+    rows = [{k: v for k, v in row.items() if k != "seconds"} for row in saved.state["history"]]
+    return saved.arrays["evaluated"].tobytes(), rows
+
+
+def test_stopped_run_continues_to_the_same_result(run: Path, tmp_path: Path) -> None:
+    out = tmp_path / "stopped"
+    arguments = ["--volume-fraction", "0.3", *COARSE, "--out", str(out), "--max-iterations", "9"]
+    assert main(["optimise", *arguments]) == 5
+    stopped = json.loads((out / "metrics.json").read_text())
+    assert stopped["status"] == "stopped"
+    assert stopped["iterations"] == 9
+    assert (out / "web.stl").is_file()
+    assert main(["optimise", "--resume", str(out), "--max-iterations", "150"]) == 0
+    assert designs(out) == designs(run)
+    assert (out / "web.stl").read_bytes() == (run / "web.stl").read_bytes()
+
+
+def start(out: Path, rows: int) -> subprocess.Popen[str]:
+    """A default run in its own process that has done at least `rows` iterations."""
+    command = [sys.executable, "-c", "from cranktopo.cli.main import main; main()"]
+    process = subprocess.Popen(
+        [*command, "optimise", "--volume-fraction", "0.3", *COARSE, "--out", str(out)],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    checkpoint = out / "checkpoint" / "state.npz"
+    deadline = time.monotonic() + 240
+    while time.monotonic() < deadline and process.poll() is None:
+        if checkpoint.is_file() and len(load_checkpoint(checkpoint).state["history"]) >= rows:
+            return process
+        time.sleep(0.02)
+    process.kill()
+    pytest.fail(f"the run ended before it was interrupted: {process.communicate()}")
+
+
+def test_interrupt_saves_and_resumes_bit_for_bit(run: Path, tmp_path: Path) -> None:
+    out = tmp_path / "interrupted"
+    process = start(out, 3)
+    process.send_signal(signal.SIGINT)
+    _, stderr = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert "--resume" in stderr
+    assert "Traceback" not in stderr
+    assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
+    assert not (out / "metrics.json").exists()
+    assert main(["optimise", "--resume", str(out)]) == 0
+    assert designs(out) == designs(run)
+    assert (out / "web.stl").read_bytes() == (run / "web.stl").read_bytes()
+
+
+def test_kill_leaves_a_run_that_resumes(run: Path, tmp_path: Path) -> None:
+    out = tmp_path / "killed"
+    process = start(out, 2)
+    process.kill()
+    process.communicate(timeout=60)
+    assert main(["optimise", "--resume", str(out)]) == 0
+    assert designs(out) == designs(run)
+    assert not list(out.rglob(".*.tmp*"))
+
+
+def test_damaged_checkpoint_says_so(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "damaged"
+    (out / "checkpoint").mkdir(parents=True)
+    (out / "manifest.json").write_bytes((run / "manifest.json").read_bytes())
+    content = bytearray((run / "checkpoint" / "state.npz").read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    (out / "checkpoint" / "state.npz").write_bytes(content)
+    assert main(["optimise", "--resume", str(out)]) == 3
+    assert "corrupted" in capsys.readouterr().err

@@ -1,0 +1,124 @@
+"""Filter, projection, optimality criteria and state: properties that hold for any design."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from cranktopo.domain.build import build_domain
+from cranktopo.optimise.criteria import update
+from cranktopo.optimise.material import (
+    CONTRAST,
+    Interpolation,
+    build_interpolation,
+    cone_kernel,
+    filtered,
+    greyness,
+    physical_density,
+    projected,
+    relative_moduli,
+    volume_fraction,
+)
+from cranktopo.optimise.state import Record, State, from_checkpoint, to_checkpoint
+from cranktopo.scene import Scene
+from cranktopo.store import load_checkpoint, save_checkpoint
+
+
+@pytest.fixture
+def chain(float64: None, mikron: Scene) -> Interpolation:
+    return build_interpolation(build_domain(mikron, 4.0), 8.0)
+
+
+def random_design(chain: Interpolation, seed: int = 0) -> jnp.ndarray:
+    return jnp.asarray(np.random.default_rng(seed).random(chain.design.shape))
+
+
+def test_cone_weights() -> None:
+    kernel = cone_kernel((1.0, 2.0, 1.0), 2.5)
+    assert kernel.shape == (5, 3, 5)
+    assert kernel[2, 1, 2] == 2.5
+    assert kernel[3, 1, 2] == 1.5
+    assert kernel[2, 2, 2] == 0.5
+    assert kernel[0, 0, 0] == 0.0
+
+
+def test_filter_keeps_constants_and_bounds(chain: Interpolation) -> None:
+    inside = np.asarray(chain.design) > 0
+    constant = filtered(chain, jnp.full(chain.design.shape, 0.37))
+    np.testing.assert_allclose(np.asarray(constant)[inside], 0.37, rtol=1e-12)
+    smooth = np.asarray(filtered(chain, random_design(chain)))[inside]
+    assert smooth.min() >= 0.0
+    assert smooth.max() <= 1.0
+    assert smooth.std() < 0.5 * np.asarray(random_design(chain))[inside].std()
+
+
+def test_filter_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scene) -> None:
+    """Reflection at x = 0, on a field that is not symmetric in y or z."""
+    quarter = build_interpolation(build_domain(mikron, 4.0), 8.0)
+    half = build_interpolation(build_domain(mikron, 4.0, extent="half"), 8.0)
+    x = np.asarray(random_design(quarter))
+    mirrored = np.zeros(half.design.shape)
+    n = x.shape[0]
+    mirrored[:n], mirrored[n : 2 * n] = x[::-1], x
+    result = np.asarray(filtered(half, jnp.asarray(mirrored)))[n : 2 * n]
+    inside = np.asarray(quarter.design) > 0
+    np.testing.assert_allclose(
+        result[inside], np.asarray(filtered(quarter, jnp.asarray(x)))[inside], rtol=1e-12
+    )
+
+
+def test_projection_is_a_step_in_the_limit(float64: None) -> None:
+    density = jnp.asarray([0.0, 0.2, 0.49, 0.5, 0.51, 1.0])
+    np.testing.assert_allclose(projected(density, 1e-6), density, atol=1e-9)
+    np.testing.assert_allclose(projected(density, 1e4), [0, 0, 0, 0.5, 1, 1], atol=1e-9)
+
+
+def test_moduli_of_full_and_empty_designs(chain: Interpolation) -> None:
+    first, last = chain.slab
+    full = relative_moduli(chain, jnp.ones(chain.design.shape))
+    empty = relative_moduli(chain, jnp.zeros(chain.design.shape))
+    np.testing.assert_allclose(full[:, :, first:last], chain.design, rtol=1e-12)
+    np.testing.assert_allclose(empty[:, :, first:last], CONTRAST * chain.design, rtol=1e-12)
+    assert float(volume_fraction(chain, jnp.ones(chain.design.shape))) == pytest.approx(1.0)
+    assert float(greyness(chain, jnp.full(chain.design.shape, 0.5))) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("beta", [1.0, 16.0])
+def test_update_meets_the_volume_and_moves_towards_stiffness(chain: Interpolation, beta: float) -> None:
+    x = jnp.full(chain.design.shape, 0.4)
+    by_moduli = -jnp.asarray(np.random.default_rng(3).random(chain.fixed.shape))
+    target, move = jnp.asarray(0.4), jnp.asarray(0.2)
+    new = update(chain, x, jnp.asarray(beta), by_moduli, target, move)
+    volume = volume_fraction(chain, physical_density(chain, new, beta))
+    assert float(volume) == pytest.approx(0.4, abs=1e-6)
+    assert float(jnp.abs(new - x).max()) <= 0.2 + 1e-12
+    change = relative_moduli(chain, physical_density(chain, new, beta)) - relative_moduli(
+        chain, physical_density(chain, x, beta)
+    )
+    assert float(jnp.sum(by_moduli * change)) < 0.0
+
+
+def test_state_survives_a_checkpoint_bit_for_bit(tmp_path_factory: pytest.TempPathFactory) -> None:
+    rng = np.random.default_rng(5)
+    record = Record(1, 1.0, 1.0 / 3.0, (0.1, 2e-17), 0.3, 0.9, 0.2, 12, 0.123456789)
+    state = State(
+        x=rng.random((3, 4, 5)),
+        evaluated=rng.random((3, 4, 5)),
+        displacements=rng.standard_normal((2, 3, 4, 5, 6)) * 1e-9,
+        beta=4.0,
+        stage_start=7,
+        initial_N_mm=(1.0 / 7.0, 3.0),
+        history=(record, replace(record, iteration=2, objective=0.1 + 0.2)),
+    )
+    path = tmp_path_factory.mktemp("checkpoint") / "checkpoint" / "state.npz"
+    save_checkpoint(path, *to_checkpoint(state))
+    saved = load_checkpoint(path)
+    back = from_checkpoint(saved.arrays, saved.state)
+    for name in ("x", "evaluated", "displacements"):
+        assert getattr(back, name).tobytes() == getattr(state, name).tobytes()
+
+    assert back.history == state.history
+    assert (back.beta, back.stage_start, back.initial_N_mm) == (4.0, 7, (1.0 / 7.0, 3.0))

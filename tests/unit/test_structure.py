@@ -1,0 +1,82 @@
+"""The shape of the house: imports run one way, help stays light, the code is clean."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[2] / "cranktopo"
+# Each room may import the rooms to its left. `store` knows only errors.
+ORDER = [
+    "errors",
+    "units",
+    "frames",
+    "scene",
+    "loads",
+    "effects",
+    "domain",
+    "fem",
+    "optimise",
+    "surface",
+    "remodel",
+    "evaluate",
+    "report",
+    "pipeline",
+    "cli",
+]
+HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")
+
+
+def imported_rooms(file: Path) -> set[str]:
+    rooms = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        names = []
+        if isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            assert node.level == 0, f"{file}: relative import"
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        rooms |= {name.split(".")[1] for name in names if name.startswith("cranktopo.")}
+    return rooms
+
+
+def room_of(file: Path) -> str:
+    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+@pytest.mark.parametrize("file", sorted(PACKAGE.rglob("*.py")), ids=lambda f: str(f.relative_to(PACKAGE)))
+def test_imports_run_one_way(file: Path) -> None:
+    room, imports = room_of(file), imported_rooms(file)
+    if room == "__init__":
+        return
+    if room == "store":
+        assert imports <= {"errors", "store"}
+        return
+    allowed = {*ORDER[: ORDER.index(room) + 1], "store"}
+    assert imports <= allowed
+    if room == "evaluate":
+        assert not imports & {"fem", "optimise"}, "the judge is independent of the optimiser"
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys; from cranktopo.cli.main import main; main(['--help']); "
+        f"print([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "optimise" in result.stdout
+    assert result.stderr.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    "command", [["ruff", "check", "."], ["ruff", "format", "--check", "."], ["mypy"]], ids=" ".join
+)
+def test_clean(command: list[str]) -> None:
+    result = subprocess.run(
+        [sys.executable, "-m", *command], cwd=PACKAGE.parent, capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
