@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.domain.grid import Grid, plan_grid
+from cranktopo.domain.grid import Extent, Grid, plan_grid
 from cranktopo.domain.outline import (
     Coordinates,
     Shape,
@@ -29,7 +29,6 @@ from cranktopo.errors import invalid
 from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.schema import Scene
 
-Extent = Literal["quarter", "half", "full"]
 Target = Literal["envelope", "web"]
 Array = NDArray[np.float64]
 SAMPLES = 32
@@ -133,8 +132,9 @@ def build_domain(
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = _layers(scene, target)
     grid = grid or _grid(scene, resolution_mm, target, extent)
+    sampled: dict[Shape, Array] = {}  # a shape serves as design and as web: sample it once
     planes = {
-        kind: _fractions(grid, [(layer.z, getattr(layer, kind)) for layer in layers])
+        kind: _fractions(grid, [(layer.z, getattr(layer, kind)) for layer in layers], sampled)
         for kind in ("fixed", "design", "pin", "web")
     }
     if extent == "full":
@@ -262,14 +262,13 @@ def throw_ranges_mm(scene: Scene, target: Target) -> tuple[tuple[float, float], 
 
 def _grid(scene: Scene, resolution_mm: float, target: Target, extent: Extent) -> Grid:
     x_range, y_range = throw_ranges_mm(scene, target)
-    if extent == "quarter":
-        x_range = (0.0, x_range[1])
-    half = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
-    planes = half if extent != "full" else half + tuple(scene.pitch_mm - z for z in half[-2::-1])
-    return plan_grid(x_range, y_range, planes, resolution_mm)
+    planes = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
+    return plan_grid(x_range, y_range, planes, resolution_mm, extent)
 
 
-def _fractions(grid: Grid, slabs: list[tuple[tuple[float, float], Shape | None]]) -> Array:
+def _fractions(
+    grid: Grid, slabs: list[tuple[tuple[float, float], Shape | None]], sampled: dict[Shape, Array]
+) -> Array:
     """Filled fraction of every cell for shapes extruded between z values."""
     result = np.zeros(grid.cells)
     heights = np.diff(grid.z_mm)
@@ -281,7 +280,9 @@ def _fractions(grid: Grid, slabs: list[tuple[tuple[float, float], Shape | None]]
         )
         # Rounding must not leave 1e-16 of a slab in its neighbour: that would be a void cell with stiffness.
         overlap[overlap < 1e-9] = 0.0
-        result += _plane_fraction(grid, shape)[:, :, None] * overlap
+        if shape not in sampled:
+            sampled[shape] = _plane_fraction(grid, shape)
+        result += sampled[shape][:, :, None] * overlap
     return np.minimum(result, 1.0)
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-# The coarsest grid is solved densely: stop halving once it has at most so many unknowns.
-_COARSEST_UNKNOWNS = 1500
+# The coarsest grid is solved densely: stop halving once the half throw has at most so many unknowns.
+_COARSEST_UNKNOWNS = 2400
+
+Extent = Literal["quarter", "half", "full"]
 
 
 @dataclass(frozen=True)
@@ -53,33 +56,45 @@ def plan_grid(
     y_range: tuple[float, float],
     z_planes: tuple[float, ...],
     resolution_mm: float,
+    extent: Extent = "half",
 ) -> Grid:
     """A grid whose cells are no larger than the resolution and whose planes meet the given ranges.
 
+    The half throw is planned, whatever the extent, so that quarter, half and full model have the same
+    cells and give the same stiffness.
+
     Args:
-        x_range: lateral range of the body, mm.
+        x_range: lateral range of the body, both sides, mm.
         y_range: range along the throw, mm.
-        z_planes: increasing z of planes that must be grid planes (ends, web faces, mirror), mm.
+        z_planes: increasing z of the half throw's planes that must be grid planes (ends, web faces), mm.
         resolution_mm: largest cell edge, mm.
+        extent: "quarter" keeps x >= 0, "full" adds the mirror image beyond the last z plane.
 
     Returns:
         Grid with cell counts divisible by 2**levels.
     """
     left, right, step = _lateral_counts(x_range, resolution_mm)
-    counts = [left + right, _count(y_range, resolution_mm)]
+    along = _count(y_range, resolution_mm)
     slabs = [_count(pair, resolution_mm) for pair in pairwise(z_planes)]
-    levels = _levels(counts[0], counts[1], sum(slabs))
+    levels = _levels(left + right, along, sum(slabs))
     factor = 1 << levels
-    pads = [-n % factor for n in counts]
     grown = _grow_slabs(slabs, z_planes, factor)
-    x = step * np.arange(-left, right + pads[0] + 1)
-    dy = (y_range[1] - y_range[0]) / counts[1]
-    y = y_range[0] + dy * np.arange(counts[1] + pads[1] + 1)
-    edges = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(z_planes, z_planes[1:], grown, strict=False)]
-    z = np.concatenate([*edges, [z_planes[-1]]])
+    first = 0 if extent == "quarter" else left
+    pad_x, pad_y = -(first + right) % factor, -along % factor
+    dy = (y_range[1] - y_range[0]) / along
     return Grid(
-        x.astype(np.float64), y.astype(np.float64), z, (pads[0], pads[1], sum(grown) - sum(slabs)), levels
+        x_mm=(step * np.arange(-first, right + pad_x + 1)).astype(np.float64),
+        y_mm=y_range[0] + dy * np.arange(along + pad_y + 1).astype(np.float64),
+        z_mm=_axial_nodes(z_planes, grown, extent == "full"),
+        padding=(pad_x, pad_y, sum(grown) - sum(slabs)),
+        levels=levels,
     )
+
+
+def _axial_nodes(planes: tuple[float, ...], counts: list[int], mirrored: bool) -> NDArray[np.float64]:
+    edges = [np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(planes), counts, strict=True)]
+    half = np.concatenate([*edges, [planes[-1]]])
+    return np.concatenate([half, 2 * planes[-1] - half[-2::-1]]) if mirrored else half
 
 
 def _count(span: tuple[float, float], resolution: float) -> int:

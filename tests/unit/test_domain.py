@@ -104,14 +104,16 @@ def test_envelope_shapes(mikron: Scene, tmp_path: Path) -> None:
 
 def test_quarter_is_half_of_the_half(mikron: Scene) -> None:
     quarter, half = build_domain(mikron, 3.0), build_domain(mikron, 3.0, extent="half")
-    middle = half.grid.x_mm.searchsorted(-1e-9)
-    right = half.design[middle : middle + quarter.grid.cells[0]]
+    middle = int(half.grid.x_mm.searchsorted(-1e-9))
+    right = half.design[middle:]
+    np.testing.assert_array_equal(half.grid.z_mm, quarter.grid.z_mm)
     np.testing.assert_allclose(right, quarter.design[: len(right)], atol=1e-12)
+    np.testing.assert_allclose(right, half.design[:middle][::-1], atol=1e-12)
 
 
 def test_grid_meets_the_faces_and_halves(mikron: Scene) -> None:
     planes = (0.0, 20.0, 39.0, 57.0)
-    grid = plan_grid((0.0, 48.0), (-34.0, 82.0), planes, 1.5)
+    grid = plan_grid((-48.0, 48.0), (-34.0, 82.0), planes, 1.5, "quarter")
     assert all(np.isclose(grid.z_mm, plane).any() for plane in planes)
     assert all(n % 2**grid.levels == 0 for n in grid.cells)
     assert max(step.max() for step in grid.steps_mm) <= 1.5 + 1e-12
