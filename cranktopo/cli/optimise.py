@@ -80,7 +80,9 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
         f"{'':24}{'optimised':>14}{'original web':>14}{'gain per kg':>14}",
     ]
     for name, case in metrics["load_cases"].items():
-        key = next(k for k in case if k.startswith("stiffness_"))
+        key = next((k for k in case if k.startswith("stiffness_")), None)
+        if key is None:  # a body force has no stiffness
+            continue
         unit, scale = ("kN m/rad", 1e-3) if key.endswith("rad") else ("kN/mm", 1e-3)
         gain = original["gain_of_stiffness_per_mass_percent"][name]
         values = f"{case[key] * scale:14.1f}{original['load_cases'][name][key] * scale:14.1f}"

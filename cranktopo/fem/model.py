@@ -16,7 +16,7 @@ from cranktopo.fem.supports import CaseSupports, SectionMotion, Supports, build_
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.loads.cases import LoadCase
 from cranktopo.scene.schema import Scene
-from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
+from cranktopo.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_tonne_per_mm3
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,8 @@ class ThrowModel:
         cases: the load cases, in order.
         modulus_MPa: Young's modulus of the solid.
         share: share of the full throw in the model.
+        spin: mass density times squared angular speed over the modulus per case, 1/mm2; 0: no body force.
+        arms_mm: distance (x, y) of the nodes from the crank axis, two arrays that broadcast to the nodes.
     """
 
     lattice: Lattice
@@ -47,6 +49,13 @@ class ThrowModel:
     cases: tuple[LoadCase, ...]
     modulus_MPa: float
     share: float
+    spin: tuple[float, ...] = ()
+    arms_mm: tuple[Array, Array] | None = None
+
+    @property
+    def spinning(self) -> bool:
+        """Whether any case has a body force; without one it costs nothing."""
+        return any(self.spin)
 
     @property
     def case_names(self) -> tuple[str, ...]:
@@ -82,6 +91,8 @@ def build_model(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Thro
         cases=tuple(cases),
         modulus_MPa=modulus,
         share=domain.share,
+        spin=tuple(_spin(scene, case) for case in cases),
+        arms_mm=(domain.grid.x_mm[:, None, None], domain.grid.y_mm[None, :, None]),
     )
 
 
@@ -110,6 +121,39 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
         last.append(SectionMotion(-1, "tz")) if "tz" not in kept else None
     first = [m for m in first if m.motion not in ("tz", "rz")]
     return CaseSupports(fixed_x, fixed_z, (*first, *last))
+
+
+def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
+    """Nodal forces of every case over the modulus, with the centrifugal force of the solid itself.
+
+    Args:
+        model: the discrete throw.
+        solid: solid fraction of every cell (nx, ny, nz).
+
+    Returns:
+        Forces (cases, 3, nodes...), mm2; differentiable by the solid fraction.
+    """
+    if not model.spinning or model.arms_mm is None:
+        return model.forces
+    nodal = jnp.pad(solid * jnp.asarray(_cell_volumes(model.lattice)) / 8, 1)
+    for axis in range(3):
+        size = nodal.shape[axis]
+        near = jax.lax.slice_in_dim(nodal, 0, size - 1, axis=axis)
+        nodal = near + jax.lax.slice_in_dim(nodal, 1, size, axis=axis)
+    x, y = model.arms_mm
+    outward = jnp.stack([nodal * x, nodal * y, jnp.zeros_like(nodal)])
+    return model.forces + jnp.asarray(model.spin)[:, None, None, None, None] * outward
+
+
+def _cell_volumes(lattice: Lattice) -> Array:
+    return lattice.dx_mm * lattice.dy_mm * np.array(lattice.dz_mm)[None, None, :]
+
+
+def _spin(scene: Scene, case: LoadCase) -> float:
+    if case.kind != "centrifugal":
+        return 0.0
+    density = density_tonne_per_mm3(scene.material.density_kg_m3)
+    return density * angular_speed_rad_s(case.speed_rpm) ** 2 / (scene.material.E_GPa * MPA_PER_GPA)
 
 
 def _torque_on(motion: str, torque: float, domain: Domain) -> float:

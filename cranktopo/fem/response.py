@@ -14,7 +14,7 @@ import jax.numpy as jnp
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.conjugate_gradients import Solution, conjugate_gradients
-from cranktopo.fem.model import ThrowModel
+from cranktopo.fem.model import ThrowModel, case_forces
 from cranktopo.fem.multigrid import build_hierarchy
 from cranktopo.fem.operator import strain_energy_density
 from cranktopo.fem.supports import section_coordinates
@@ -73,16 +73,37 @@ def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8)
     return field(moduli)
 
 
-def compliances(model: ThrowModel, u: jax.Array) -> jax.Array:
-    """Work of the loads of the full throw, F . u per case (cases,), N mm."""
-    return jnp.sum(model.forces * u, axis=(1, 2, 3, 4)) * model.modulus_MPa / model.share
+def compliances(model: ThrowModel, u: jax.Array, forces: jax.Array | None = None) -> jax.Array:
+    """Work of the loads of the full throw, F . u per case (cases,), N mm.
+
+    Args:
+        model: the discrete throw.
+        u: displacements (cases, 3, nodes...), mm.
+        forces: nodal forces over the modulus; the model's own, without body forces, by default.
+    """
+    load = model.forces if forces is None else forces
+    return jnp.sum(load * u, axis=(1, 2, 3, 4)) * model.modulus_MPa / model.share
 
 
 def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
-    """Derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint."""
+    """Derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint.
+
+    Body forces stay as they are: `compliance_gradients_by_solid` adds what changes with the mass.
+    """
     density = partial(strain_energy_density, model.lattice)
     each = jax.vmap(lambda v: density(v[None], v[None]))(u)
     return -each * model.modulus_MPa / model.share
+
+
+def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Array) -> jax.Array:
+    """Derivatives (cases, nx, ny, nz) of the compliances by the solid fraction that carries mass, N mm."""
+
+    def work(solid: jax.Array) -> jax.Array:
+        return jnp.sum(case_forces(model, solid) * u, axis=(1, 2, 3, 4))
+
+    # The load moves u as well: for a linear structure that doubles its direct effect on F . u.
+    by_load: jax.Array = jax.jacrev(work)(solid)
+    return 2 * by_load * model.modulus_MPa / model.share
 
 
 def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain, build_domain
-from cranktopo.fem.model import ThrowModel
+from cranktopo.fem.model import ThrowModel, case_forces
 from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.loop import Problem
 from cranktopo.optimise.material import relative_moduli
@@ -28,7 +28,7 @@ class CaseResult:
         name: of the load case.
         kind: of the load case.
         compliance_N_mm: work of the load.
-        stiffness: N m/rad for torsion, N/mm otherwise.
+        stiffness: N m/rad for torsion, N/mm for a pin force, None for a body force.
         cg_iterations: iterations of the solve.
         relative_residual: true relative residual reached.
     """
@@ -36,7 +36,7 @@ class CaseResult:
     name: str
     kind: str
     compliance_N_mm: float
-    stiffness: float
+    stiffness: float | None
     cg_iterations: int
     relative_residual: float
 
@@ -57,7 +57,7 @@ class Assessment:
 
     def stiffness_per_mass(self) -> dict[str, float]:
         """Stiffness per mass of the throw, by load case name, in N m/(rad kg) or N/(mm kg)."""
-        return {case.name: case.stiffness / self.throw_kg for case in self.cases}
+        return {c.name: c.stiffness / self.throw_kg for c in self.cases if c.stiffness is not None}
 
 
 def assess(problem: Problem, scene: Scene, domain: Domain, density: Array) -> Assessment:
@@ -86,14 +86,15 @@ def assess_original(problem: Problem, scene: Scene, domain: Domain) -> Assessmen
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
-    solution = solve(model, jnp.asarray(moduli), tolerance=TOLERANCE)
-    work = [float(c) for c in compliances(model, solution.displacements)]
+    forces = case_forces(model, jnp.asarray(solid))
+    solution = solve(model, jnp.asarray(moduli), forces=forces, tolerance=TOLERANCE)
+    work = [float(c) for c in compliances(model, solution.displacements, forces)]
     cases = tuple(
         CaseResult(
             name=case.name,
             kind=case.kind,
             compliance_N_mm=value,
-            stiffness=stiffness(model, value, case.name),
+            stiffness=None if case.kind == "centrifugal" else stiffness(model, value, case.name),
             cg_iterations=int(solution.iterations),
             relative_residual=float(residual),
         )

@@ -9,6 +9,7 @@ from cranktopo.optimise.material import (
     Interpolation,
     physical_density,
     relative_moduli,
+    solid_fraction,
     volume_fraction,
 )
 
@@ -16,7 +17,11 @@ _BISECTIONS = 50
 
 
 def design_gradients(
-    data: Interpolation, x: jax.Array, beta: jax.Array, by_moduli: jax.Array
+    data: Interpolation,
+    x: jax.Array,
+    beta: jax.Array,
+    by_moduli: jax.Array,
+    by_solid: jax.Array | None = None,
 ) -> tuple[jax.Array, jax.Array]:
     """Derivatives of the objective and of the volume fraction by the design variables.
 
@@ -25,13 +30,18 @@ def design_gradients(
         x: design variables (nx, ny, nw) in [0, 1].
         beta: projection steepness.
         by_moduli: derivative of the objective by the relative moduli (nx, ny, nz).
+        by_solid: derivative of the objective by the solid fraction (nx, ny, nz), for body forces.
 
     Returns:
         Two arrays of the shape of x.
     """
     _, pull_objective = jax.vjp(lambda v: relative_moduli(data, physical_density(data, v, beta)), x)
     _, pull_volume = jax.vjp(lambda v: volume_fraction(data, physical_density(data, v, beta)), x)
-    return pull_objective(by_moduli)[0], pull_volume(jnp.ones((), x.dtype))[0]
+    by_x = pull_objective(by_moduli)[0]
+    if by_solid is not None:
+        _, pull_solid = jax.vjp(lambda v: solid_fraction(data, physical_density(data, v, beta)), x)
+        by_x = by_x + pull_solid(by_solid)[0]
+    return by_x, pull_volume(jnp.ones((), x.dtype))[0]
 
 
 def update(
@@ -41,6 +51,7 @@ def update(
     by_moduli: jax.Array,
     target: jax.Array,
     move: jax.Array,
+    by_solid: jax.Array | None = None,
 ) -> jax.Array:
     """One optimality-criteria step that meets the volume fraction of the physical density.
 
@@ -51,6 +62,8 @@ def update(
         by_moduli: derivative of the objective by the relative moduli; never positive for compliance.
         target: volume fraction to meet.
         move: largest change of a variable.
+        by_solid: derivative of the objective by the solid fraction, when a case has a body force; where more
+            mass does more harm than good the variable shrinks as fast as the move allows.
 
     Returns:
         New design variables.
@@ -58,7 +71,7 @@ def update(
     Source: M. P. Bendsoe, Optimization of Structural Topology, Shape, and Material, 1995; the multiplier
     is bisected on the projected volume as in F. Wang et al., SMO 43, 2011.
     """
-    by_x, volume_by_x = design_gradients(data, x, beta, by_moduli)
+    by_x, volume_by_x = design_gradients(data, x, beta, by_moduli, by_solid)
     gain = jnp.maximum(0.0, -by_x) / jnp.where(volume_by_x > 0, volume_by_x, jnp.inf)
     low, high = jnp.maximum(x - move, 0.0), jnp.minimum(x + move, 1.0)
     top = jnp.log(jnp.max(gain))

@@ -13,8 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
-from cranktopo.fem.model import ThrowModel, build_model
-from cranktopo.fem.response import compliance_gradients, compliances, solve
+from cranktopo.fem.model import ThrowModel, build_model, case_forces
+from cranktopo.fem.response import (
+    compliance_gradients,
+    compliance_gradients_by_solid,
+    compliances,
+    solve,
+)
 from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise.criteria import update
 from cranktopo.optimise.material import (
@@ -24,6 +29,7 @@ from cranktopo.optimise.material import (
     greyness,
     physical_density,
     relative_moduli,
+    solid_fraction,
     volume_fraction,
 )
 from cranktopo.optimise.state import Record, State
@@ -124,16 +130,28 @@ def step(problem: Problem, state: State) -> State:
     model = problem.model
     beta = jnp.asarray(state.beta)
     x = jnp.asarray(state.x)
-    moduli, volume, grey = _design(problem.chain, x, beta)
-    solution = solve(model, moduli, guess=jnp.asarray(state.displacements), tolerance=TOLERANCE)
-    values = tuple(float(c) for c in compliances(model, solution.displacements))
+    moduli, solid, volume, grey = _design(problem.chain, x, beta)
+    forces = case_forces(model, solid)
+    guess = jnp.asarray(state.displacements)
+    solution = solve(model, moduli, forces=forces, guess=guess, tolerance=TOLERANCE)
+    values = tuple(float(c) for c in compliances(model, solution.displacements, forces))
     initial = state.initial_N_mm or values
     factors = jnp.asarray([w / c for w, c in zip(problem.weights, initial, strict=True)])
     factors = factors / sum(problem.weights)
     by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, solution.displacements))
+    by_solid = None
+    if model.spinning:
+        each = compliance_gradients_by_solid(model, solution.displacements, solid)
+        by_solid = jnp.einsum("b,bxyz->xyz", factors, each)
     new_x = np.asarray(
         _update(
-            problem.chain, x, beta, by_moduli, jnp.asarray(problem.target), jnp.asarray(_move(state.beta))
+            problem.chain,
+            x,
+            beta,
+            by_moduli,
+            jnp.asarray(problem.target),
+            jnp.asarray(_move(state.beta)),
+            by_solid,
         )
     )
     record = Record(
@@ -214,9 +232,12 @@ def _plateau(state: State, in_stage: int) -> float:
 
 
 @jax.jit
-def _design(chain: Interpolation, x: jax.Array, beta: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+def _design(
+    chain: Interpolation, x: jax.Array, beta: jax.Array
+) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     density = physical_density(chain, x, beta)
-    return relative_moduli(chain, density), volume_fraction(chain, density), greyness(chain, density)
+    moduli, solid = relative_moduli(chain, density), solid_fraction(chain, density)
+    return moduli, solid, volume_fraction(chain, density), greyness(chain, density)
 
 
 _update = jax.jit(update)

@@ -108,6 +108,11 @@ def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
     return data.fixed.at[:, :, data.slab[0] : data.slab[1]].add(web)
 
 
+def solid_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
+    """Solid fraction (nx, ny, nz) of all cells, which carries the mass, from the slab's physical density."""
+    return data.fixed.at[:, :, data.slab[0] : data.slab[1]].add(data.design * density)
+
+
 def volume_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
     """Share of the designable volume that is solid."""
     return jnp.sum(data.design * density) / data.total

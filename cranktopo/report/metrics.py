@@ -124,7 +124,7 @@ def _load_cases(scene: Scene, problem: Problem, result: Assessment) -> dict[str,
     supports = scene.supports
     return {
         case.name: {
-            _stiffness_key(case.kind): case.stiffness,
+            **({} if case.stiffness is None else {_stiffness_key(case.kind): case.stiffness}),
             "compliance_N_mm": case.compliance_N_mm,
             "support": supports.torsion if case.kind == "torsion" else supports.bending,
             "load": load.as_json(),

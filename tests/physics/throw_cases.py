@@ -12,6 +12,7 @@ from cranktopo.loads.cases import LoadCase
 
 BENDING = LoadCase("bending", "bending", radial_N=1000.0)
 TORSION = LoadCase("torsion", "torsion", torque_Nm=100.0)
+CENTRIFUGAL = LoadCase("centrifugal", "centrifugal", radial_N=-500.0, speed_rpm=3000.0)
 TANGENTIAL = LoadCase("tangential", "tangential", tangential_N=1000.0)
 
 

@@ -1,0 +1,130 @@
+"""An effect that is off costs nothing: solves, load columns, cells and assemblies are counted per scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax.numpy as jnp
+import pytest
+
+from cranktopo import pipeline
+from cranktopo.fem import response
+from cranktopo.fem.conjugate_gradients import Solution
+from cranktopo.fem.precision import double_precision
+from cranktopo.optimise import loop
+from cranktopo.scene import Scene, scene_from_dict
+
+
+@dataclass
+class Counts:
+    """What one design iteration asked of the solver."""
+
+    solves: int = 0
+    columns: int = 0
+    assemblies: int = 0
+    body_forces: int = 0
+    cells: int = 0
+    meshes: int = 0
+    cases: tuple[str, ...] = field(default=())
+
+
+@pytest.fixture
+def count(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Count one design iteration of a scene; the linear solve itself is replaced by the load."""
+
+    def run(scene: Scene) -> Counts:
+        counts = Counts()
+
+        def build(*_: object) -> None:
+            counts.assemblies += 1
+
+        def cg(lattice: Any, hierarchy: Any, supports: Any, moduli: Any, forces: Any, *_: Any) -> Solution:
+            counts.solves += 1
+            counts.columns += forces.shape[0]
+            return Solution(forces, jnp.zeros(forces.shape[0]), jnp.asarray(1))
+
+        by_solid = loop.compliance_gradients_by_solid
+
+        def body(*arguments: Any) -> Any:
+            counts.body_forces += 1
+            return by_solid(*arguments)
+
+        def mesh(*_: object) -> None:
+            counts.meshes += 1
+
+        monkeypatch.setattr(response, "build_hierarchy", build)
+        monkeypatch.setattr(response, "conjugate_gradients", cg)
+        monkeypatch.setattr(loop, "compliance_gradients_by_solid", body)
+        monkeypatch.setattr("gmsh.initialize", mesh)
+        with double_precision():
+            prepared = pipeline.prepare(scene)
+            problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
+            loop.step(problem, loop.init(problem))
+        counts.cells = int(jnp.prod(jnp.asarray(prepared.domain.grid.cells)))
+        counts.cases = problem.model.case_names
+        return counts
+
+    return run
+
+
+def variant(mikron: Scene, **changes: Any) -> Scene:
+    """The Mikron on a coarse grid with dotted keys changed."""
+    data = mikron.model_dump(mode="json", exclude_none=True)
+    data["optimise"]["resolution_mm"] = 4.5
+    for key, value in changes.items():
+        table: Any = data
+        *path, last = key.split("__")
+        for part in path:
+            table = table.setdefault(part, {})
+        table[last] = value
+    return scene_from_dict(data)
+
+
+@pytest.mark.parametrize(
+    ("changes", "cases"),
+    [
+        ({}, ("bending", "torsion")),
+        ({"effects__bending": "off"}, ("torsion",)),
+        ({"effects__torsion": "off"}, ("bending",)),
+        ({"effects__tangential": "on"}, ("bending", "torsion", "tangential")),
+        (
+            {"engine__overspeed_rpm": 9000.0, "optimise__weights__centrifugal": 0.5},
+            ("bending", "torsion", "centrifugal"),
+        ),
+        (
+            {"throw__main_journal__bore_diameter_mm": 0.0, "throw__crankpin__bore_diameter_mm": 0.0},
+            ("bending", "torsion"),
+        ),
+        ({"effects__fatigue": "on", "effects__fillets": "on"}, ("bending", "torsion")),
+        ({"supports__torsion": "held", "supports__bending": "clamped"}, ("bending", "torsion")),
+    ],
+    ids=[
+        "default",
+        "torsion only",
+        "bending only",
+        "tangential",
+        "high speed",
+        "no bores",
+        "with fatigue",
+        "held bearings",
+    ],
+)
+def test_what_a_scene_costs(
+    count: Any, mikron: Scene, changes: dict[str, Any], cases: tuple[str, ...]
+) -> None:
+    counts = count(variant(mikron, **changes))
+    assert counts.cases == cases
+    assert (counts.solves, counts.assemblies, counts.meshes) == (1, 1, 0)
+    assert counts.columns == len(cases)
+    assert counts.body_forces == ("centrifugal" in cases)
+
+
+def test_the_mirror_halves_the_cells(count: Any, mikron: Scene) -> None:
+    """An envelope that is not its own mirror image needs the half model, and no other scene does."""
+    points = [(-48, -34), (48, -34), (48, 82), (-48, 82)]
+    symmetric = count(variant(mikron, envelope={"shape": "outline", "points_mm": points}))
+    lopsided = count(variant(mikron, envelope={"shape": "outline", "points_mm": [(-40, -34), *points[1:]]}))
+    assert symmetric.cells == count(variant(mikron)).cells
+    assert lopsided.cells >= 1.5 * symmetric.cells
+    assert lopsided.columns == symmetric.columns
