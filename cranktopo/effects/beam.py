@@ -153,7 +153,10 @@ def _torsion_sum(scene: Scene, main: Journal, pin: Journal, web: _Web, fillets: 
     j, p = ((2 * q.radius_mm) ** 4 - (2 * q.bore_radius_mm) ** 4 for q in (main, pin))
     saving = [fillet_length_saving_mm(q) if fillets else 0.0 for q in (main, pin)]
     lj, lp = main.length_mm - saving[0], pin.length_mm - saving[1]
-    bar = web.thickness * web.width**3
+    # The bores run through the web and take (d / b)^2 of it around each axis. The formulae of Carter and Ker
+    # Wilson know no bored web; this share is within a fifth of finite elements for d / b up to one half.
+    bored = 2 * (main.bore_radius_mm**2 + pin.bore_radius_mm**2) / web.width**2
+    bar = web.thickness * web.width**3 * (1 - bored)
     carter = (lj + 0.8 * web.thickness) / j + 0.75 * lp / p + 1.5 * web.arm / bar
     wilson = (lj + 0.4 * main.outer_diameter_mm) / j + (lp + 0.4 * pin.outer_diameter_mm) / p
     wilson += web.length / bar

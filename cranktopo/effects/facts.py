@@ -61,6 +61,12 @@ class Facts:
         return rotating_forces(self.scene.engine, self.balance, self.scene.throw.radius_mm, speed_rpm)
 
     @property
+    def overspeed_pull_N(self) -> float:
+        """Outward pull of piston and rod on the pin at the highest speed, N; part of the centrifugal case."""
+        pulls = [state.case.radial_N for state in self.states if state.name == "overspeed_inertia"]
+        return -min([0.0, *pulls])
+
+    @property
     def top_speed_rpm(self) -> float:
         """Overspeed, else the engine's speed, rpm; 0 without an engine."""
         engine = self.scene.engine
@@ -73,7 +79,7 @@ class Facts:
         radial = self.state("bending").case.radial_N
         torque = self.state("torsion").case.torque_Nm * NMM_PER_NM
         tangential = self.state("tangential").case.tangential_N
-        spin = self.rotating(self.top_speed_rpm).throw_N
+        spin = self.overspeed_pull_N + self.rotating(self.top_speed_rpm).throw_N
         return {
             "bending": radial**2 * bend / 2,
             "torsion": torque**2 * self.compliance.torsion_rad_per_Nmm / 2,

@@ -31,14 +31,12 @@ def tangential(facts: Facts) -> Estimate:
 
 
 def centrifugal(facts: Facts) -> Estimate:
-    """Centrifugal force of the throw itself, as if it all acted on the pin (upper bound).
-
-    The pull of rod and piston at the same speed is a multiple of the bending case and adds no shape.
-    """
+    """Pull of piston and rod at overspeed and centrifugal force of the throw, as if all acted on the pin."""
     if facts.scene.engine is None or facts.top_speed_rpm == 0:
         return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
     speed = facts.top_speed_rpm
-    return _case(facts, "centrifugal", f"throw {facts.rotating(speed).throw_N:,.0f} N at {speed:g} rpm")
+    throw, pull = facts.rotating(speed).throw_N, facts.overspeed_pull_N
+    return _case(facts, "centrifugal", f"throw {throw:,.0f} N and rod {pull:,.0f} N at {speed:g} rpm")
 
 
 def reciprocating_inertia(facts: Facts) -> Estimate:

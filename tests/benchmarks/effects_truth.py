@@ -1,0 +1,132 @@
+"""The closed-form estimates of the effects plan against finite elements, on three engines.
+
+Run with `python -m tests.benchmarks.effects_truth`. Load cases are compared by strain energy relative to
+the larger one of bending and torsion, bores and bearings by stiffness; the scene's own web on 3 mm cells.
+The inertia effects are forces in closed form: their truth is the load analysis with and without them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax.numpy as jnp
+
+from cranktopo.domain.build import build_domain
+from cranktopo.effects import plan
+from cranktopo.fem.model import build_model, case_forces
+from cranktopo.fem.precision import double_precision
+from cranktopo.fem.response import compliances, solve, stiffness
+from cranktopo.loads.cases import DEFAULT_EFFECTS, load_cases
+from cranktopo.scene import Scene, load_scene, scene_from_dict
+
+CELL_MM = 3.0
+CASES = frozenset({"bending", "torsion", "tangential", "centrifugal"})
+
+# A passenger-car diesel throw: solid overlapping journals, short stroke to bore.
+CAR: dict[str, Any] = {
+    "name": "car-diesel",
+    "throw": {
+        "radius_mm": 44.0,
+        "main_journal": {"outer_diameter_mm": 56.0, "length_mm": 26.0, "fillet_mm": 2.0},
+        "crankpin": {"outer_diameter_mm": 48.0, "length_mm": 25.0, "fillet_mm": 2.0},
+    },
+    "web": {"thickness_mm": 18.0, "outline": "obround", "width_mm": 70.0},
+    "material": {"name": "42CrMo4"},
+    "supports": {"bearing_spring_N_per_mm": 1.5e6},
+    "engine": {
+        "bore_mm": 80.0,
+        "rod_length_mm": 140.0,
+        "speed_rpm": 2000.0,
+        "overspeed_rpm": 5200.0,
+        "gas": {"peak_pressure_MPa": 16.0, "peak_angle_deg": 10.0, "compression_ratio": 16.5},
+        "masses": {"piston_group_kg": 0.75, "rod_reciprocating_kg": 0.2, "rod_rotating_kg": 0.5},
+    },
+}
+
+
+def scenes() -> list[Scene]:
+    """The engines, each with a bearing spring and every load case wanted."""
+    found = []
+    for data in (
+        load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True),
+        load_scene("opposed-piston").model_dump(mode="json", exclude_none=True),
+        CAR,
+    ):
+        data["supports"].setdefault("bearing_spring_N_per_mm", 1e6)
+        data.setdefault("optimise", {}).setdefault("weights", {})["centrifugal"] = 0.5
+        data["effects"] = {}
+        for name, share in (("main_journal", 0.42), ("crankpin", 0.35)):  # bores where the engine has none
+            journal = data["throw"][name]
+            if not journal.get("bore_diameter_mm"):
+                journal["bore_diameter_mm"] = share * journal["outer_diameter_mm"]
+        found.append(scene_from_dict(data))
+    return found
+
+
+def solved(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
+    """Strain energies (N mm) of all load cases and stiffnesses of the loaded ones, own web."""
+    domain = build_domain(scene, CELL_MM, "web")
+    cases = load_cases(scene, DEFAULT_EFFECTS | CASES)
+    model = build_model(scene, domain, cases)
+    solid = jnp.asarray(domain.fixed)
+    forces = case_forces(model, solid)
+    u = solve(model, solid, forces=forces).displacements
+    work = {case.name: float(c) for case, c in zip(cases, compliances(model, u, forces), strict=True)}
+    rigid = {name: stiffness(model, work[name], name) for name in ("bending", "torsion")}
+    return {name: value / 2 for name, value in work.items()}, rigid
+
+
+def changed(scene: Scene, **tables: dict[str, Any]) -> Scene:
+    """The scene with some values of its tables changed."""
+    data = scene.model_dump(mode="json", exclude_none=True)
+    for name, values in tables.items():
+        data[name] = {**data[name], **values}
+    return scene_from_dict(data)
+
+
+def without_bores(scene: Scene) -> Scene:
+    """The scene with solid journals."""
+    throw = scene.throw.model_dump(mode="json")
+    solid = {k: {**throw[k], "bore_diameter_mm": 0.0} for k in ("main_journal", "crankpin")}
+    return changed(scene, throw=solid)
+
+
+def truths(scene: Scene) -> dict[str, float]:
+    """Computed size of each effect, percent."""
+    energy, rigid = solved(scene)
+    dominant = max(energy["bending"], energy["torsion"])
+    result = {name: 100 * value / dominant for name, value in energy.items()}
+    _, sprung = solved(changed(scene, supports={"bending": "spring"}))
+    result["bearing_compliance"] = 100 * (1 - sprung["bending"] / rigid["bending"])
+    if scene.throw.main_journal.bore_diameter_mm or scene.throw.crankpin.bore_diameter_mm:
+        _, solid = solved(without_bores(scene))
+        result["bores"] = 100 * (solid["torsion"] / rigid["torsion"] - 1)
+    full = _peak_radial(scene, DEFAULT_EFFECTS)
+    for name in ("reciprocating_inertia", "rotating_rod_mass"):
+        result[name] = 100 * abs(_peak_radial(scene, DEFAULT_EFFECTS - {name}) / full - 1)
+    return result
+
+
+def _peak_radial(scene: Scene, enabled: frozenset[str]) -> float:
+    return next(case.radial_N for case in load_cases(scene, enabled) if case.kind == "bending")
+
+
+def main() -> None:
+    """Print the table as Markdown."""
+    print("| engine | effect | estimate % | computed % | ratio |")
+    print("|---|---|---|---|---|")
+    with double_precision():
+        for scene in scenes():
+            effects, computed = plan(scene), truths(scene)
+            for effect in effects.effects:
+                estimate, truth = effect.estimate_percent, computed.get(effect.name)
+                if estimate is None or truth is None:
+                    continue
+                ratio = f"{estimate / truth:.2f}" if truth > 1e-9 else "-"
+                print(
+                    f"| {scene.name} | {effect.name} | {estimate:.3g} | {truth:.3g} | {ratio} |", flush=True
+                )
+
+
+if __name__ == "__main__":
+    main()
