@@ -15,6 +15,8 @@ from cranktopo.errors import CranktopoError, ExitCode, suggest
 # that `--help` stays fast.
 COMMANDS = {
     "optimise": "Optimise the web's density under bending and torsion; write a run with STL.",
+    "evaluate": "Judge designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
+    "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
 }
 
 _EPILOG = (

@@ -17,6 +17,7 @@ def check_scene(scene: Scene) -> None:
     _check_journal("throw.crankpin", scene.throw.crankpin)
     _check_bores_apart(scene)
     _check_engine(scene)
+    _check_shaft(scene)
     _check_supports(scene)
     _check_profile(scene)
     _check_envelope(scene)
@@ -41,11 +42,7 @@ def _check_journal(key: str, journal: Journal) -> None:
 def _check_bores_apart(scene: Scene) -> None:
     """Main and pin bores both run through the web: they must not meet there."""
     main, pin, radius = scene.throw.main_journal, scene.throw.crankpin, scene.throw.radius_mm
-    if (
-        main.bore_diameter_mm
-        and pin.bore_diameter_mm
-        and main.bore_radius_mm + pin.bore_radius_mm >= radius
-    ):
+    if main.bore_diameter_mm and pin.bore_diameter_mm and main.bore_radius_mm + pin.bore_radius_mm >= radius:
         raise invalid(
             "throw.crankpin.bore_diameter_mm",
             pin.bore_diameter_mm,
@@ -63,12 +60,20 @@ def _check_engine(scene: Scene) -> None:
         )
 
 
+def _check_shaft(scene: Scene) -> None:
+    shaft = scene.shaft
+    if shaft is not None and sorted(shaft.firing_order) != list(range(1, len(shaft.firing_order) + 1)):
+        raise invalid(
+            "shaft.firing_order",
+            list(shaft.firing_order),
+            f"must name each cylinder from 1 to {len(shaft.firing_order)} once",
+        )
+
+
 def _check_supports(scene: Scene) -> None:
     supports = scene.supports
     if "spring" in (supports.torsion, supports.bending) and supports.bearing_spring_N_per_mm is None:
-        raise invalid(
-            "supports.bearing_spring_N_per_mm", None, "must be > 0 N/mm when a support is 'spring'"
-        )
+        raise invalid("supports.bearing_spring_N_per_mm", None, "must be > 0 N/mm when a support is 'spring'")
 
 
 def _check_profile(scene: Scene) -> None:

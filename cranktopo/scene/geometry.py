@@ -75,6 +75,7 @@ Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator=
 
 class _WebBase(Table):
     thickness_mm: Positive
+    chamfer_mm: NonNegative = 0.0
     pocket: tuple[Pocket, ...] = ()
 
 
@@ -121,6 +122,27 @@ class ProfileWeb(_WebBase):
 Web = Annotated[
     ObroundWeb | RectangleWeb | EllipseWeb | TaperedWeb | ProfileWeb, Field(discriminator="outline")
 ]
+
+
+class Shaft(Table):
+    """The whole crankshaft: which cylinder fires when sets the angles of its throws."""
+
+    firing_order: tuple[int, ...] = Field(min_length=1)
+    strokes: Literal[2, 4] = 4
+
+    @property
+    def throw_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw about the crank axis, deg in [0, 360), cylinder 1 first and at 0.
+
+        Firing intervals are equal: the cylinder that fires j-th follows the first by j 180 strokes / n
+        degrees of crank rotation, and its throw reaches top dead centre by then.
+        """
+        cycle, count = 180.0 * self.strokes, len(self.firing_order)
+        first = self.firing_order.index(1)
+        return tuple(
+            (-(self.firing_order.index(cylinder) - first) * cycle / count) % 360.0
+            for cylinder in range(1, count + 1)
+        )
 
 
 class _EnvelopeBase(Table):

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from cranktopo.errors import invalid, suggest
 from cranktopo.scene.base import Finite, Fraction, NonNegative, Positive, Table
-from cranktopo.scene.geometry import Envelope, Throw, Web
+from cranktopo.scene.geometry import Envelope, Shaft, Throw, Web
 
 EffectState = Literal["auto", "on", "off"]
 
@@ -136,6 +136,7 @@ class Scene(Table):
     material: Material
     supports: Supports = Supports()
     engine: Engine | None = None
+    shaft: Shaft | None = None
     envelope: Envelope | None = None
     effects: Effects = Effects()
     optimise: Optimise = Optimise()
