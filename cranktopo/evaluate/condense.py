@@ -32,14 +32,15 @@ class Condensed:
     """Stiffness of the half throw over some motions of its section.
 
     With a force F on the full pin the mean pin displacement is load.q + F load_compliance / 2, where
-    stiffness q = F load / 2 + section forces.
+    stiffness q = F load / 2 + section forces. A radial force is symmetric in z and even in x: in the other
+    blocks `load` and `load_compliance` are zero.
 
     Attributes:
         motions: which of the six motions, in order.
         stiffness: shape (m, m), N/mm, N, N mm, of the half throw (both signs of x).
         load: mean of -u_y over the pin material per unit motion, shape (m,).
         load_compliance: mean of -u_y under unit force on the half pin, section fixed, mm/N.
-        displacement: unit-motion fields and the load field, shape (unknowns, m + 1).
+        displacement: unit-motion fields, then the load field where there is one, shape (unknowns, m [+ 1]).
     """
 
     motions: tuple[int, ...]
@@ -69,20 +70,23 @@ def condense(model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral) 
     section, held = _constraints(model, scene.pitch_mm / 2, parity, lateral)
     rigid = section_motions(model.nodes_mm, section)[:, motions]
     free = np.setdiff1d(np.arange(model.nodes_mm.size), held)
-    mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
-    loads = np.column_stack([-(model.stiffness @ rigid)[free], mean[free]])
+    loaded = parity == "symmetric" and lateral != "odd"
+    mean = np.zeros(model.nodes_mm.size)
+    if loaded:
+        mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
+    loads = np.column_stack([-(model.stiffness @ rigid)[free], *([mean[free]] if loaded else [])])
     matrix = model.stiffness[free][:, free]
     corners = free[free < model.prolongation.shape[1]]
-    fields = np.zeros((model.nodes_mm.size, len(motions) + 1))
+    fields = np.zeros((model.nodes_mm.size, loads.shape[1]))
     fields[free] = solve(matrix, loads, model.prolongation[free][:, corners])
-    fields[:, :-1] += rigid
+    units = fields[:, : len(motions)]
+    units += rigid
     parts = 1 if lateral == "none" else 2
-    units = fields[:, :-1]
     return Condensed(
         motions,
         parts * _symmetric(units.T @ (model.stiffness @ units)),
         units.T @ mean,
-        float(mean @ fields[:, -1]) / parts,
+        float(mean @ fields[:, -1]) / parts if loaded else 0.0,
         fields,
     )
 

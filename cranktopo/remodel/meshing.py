@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.remodel.curving import straighten_folded
 from cranktopo.remodel.features import laterally_symmetric
 from cranktopo.remodel.session import cad_session
 from cranktopo.remodel.throw_solid import (
@@ -111,7 +111,6 @@ def mesh_body(
     gmsh.option.setNumber("Mesh.Algorithm3D", 1)
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.setOrder(2)
-    _untangle(gmsh)
     return _extract(gmsh, mirrored)
 
 
@@ -154,43 +153,17 @@ def _ring_size(scene: Scene, size: float, y: float, radius: float, z: float, fil
     return f"{finest!r}+{_GROWTH!r}*Fabs({around}-{fillet!r})"
 
 
-def _untangle(gmsh: Any) -> None:
-    """Make every curved element valid: high-order optimisation, only when order 2 has folded one.
-
-    Raises:
-        CranktopoError: an element stays folded.
-    """
-    remedies: list[Callable[[], None]] = [
-        lambda: gmsh.model.mesh.optimize("HighOrderElastic"),
-        lambda: gmsh.model.mesh.optimize("HighOrder"),
-    ]
-    for remedy in remedies:
-        if _worst_jacobian(gmsh) > 0:
-            return
-        remedy()
-    if _worst_jacobian(gmsh) <= 0:
-        raise CranktopoError(
-            "mesh: a curved element stays folded after high-order optimisation.",
-            hint="Choose a smaller element size.",
-            code=ExitCode.SOLVER,
-        )
-
-
-def _worst_jacobian(gmsh: Any) -> float:
-    tags, _ = gmsh.model.mesh.getElementsByType(_TET10)
-    if len(tags) == 0:
-        raise CranktopoError(
-            "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
-        )
-    return float(np.min(gmsh.model.mesh.getElementQualities(tags, "minDetJac")))
-
-
 def _extract(gmsh: Any, mirrored: bool) -> TetMesh:
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, cell_nodes = gmsh.model.mesh.getElementsByType(_TET10)
+    if len(cell_nodes) == 0:
+        raise CranktopoError(
+            "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
+        )
     number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     number[tags] = np.arange(len(tags))
     cells = number[cell_nodes].reshape(-1, 10)[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)
-    points = coordinates.reshape(-1, 3)[used].T
-    return TetMesh(np.ascontiguousarray(points), compact.reshape(cells.shape).T.copy(), mirrored)
+    compact = np.ascontiguousarray(compact.reshape(cells.shape).T)
+    points, _ = straighten_folded(np.ascontiguousarray(coordinates.reshape(-1, 3)[used].T), compact)
+    return TetMesh(points, compact, mirrored)

@@ -178,6 +178,7 @@ def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, towa
     ]
     section = occ.addPlaneSurface([occ.addCurveLoop(curves)])
     made = occ.revolve([(2, section)], 0, y, 0, 0, 0, 1, 2 * math.pi)
+    occ.remove([(2, section)], recursive=True)
     return next((dim, tag) for dim, tag in made if dim == 3)
 
 
