@@ -116,10 +116,10 @@ class Evaluation:
 
 
 def default_element_size_mm(scene: Scene) -> float:
-    """General element size by default: a tenth of the thinner journal, at most a quarter of the web, mm."""
+    """General element size by default: a tenth of the thinner journal, at most a third of the web, mm."""
     throw = scene.throw
     journal = min(throw.main_journal.outer_diameter_mm, throw.crankpin.outer_diameter_mm)
-    return min(journal / 10, scene.web.thickness_mm / 4)
+    return min(journal / 10, scene.web.thickness_mm / 3)
 
 
 def evaluate(

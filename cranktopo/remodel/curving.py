@@ -77,7 +77,5 @@ def _shape_gradients(barycentric: Array) -> Array:
     """Gradients of the ten quadratic shape functions in (xi, eta, zeta), shape (points, 10, 3)."""
     slope = np.array([[-1.0, -1, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     corner = (4 * barycentric - 1)[:, :, None] * slope
-    edge = [
-        4 * (barycentric[:, a, None] * slope[b] + barycentric[:, b, None] * slope[a]) for a, b in EDGES
-    ]
+    edge = [4 * (barycentric[:, a, None] * slope[b] + barycentric[:, b, None] * slope[a]) for a, b in EDGES]
     return np.concatenate([corner, np.stack(edge, axis=1)], axis=1)

@@ -45,7 +45,9 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
     suffix = path.suffix.lower()
     if suffix not in (".step", ".stp", ".stl"):
         raise CranktopoError(
-            f"output file '{path}': unknown format {suffix!r}.", hint="Use .step or .stl.", code=ExitCode.USAGE
+            f"output file '{path}': unknown format {suffix!r}.",
+            hint="Use .step or .stl.",
+            code=ExitCode.USAGE,
         )
     partial = path.with_name(f".{path.stem}.partial{suffix}")
     try:

@@ -63,11 +63,8 @@ def _slab(
 
 def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
     surface = _read_surface(path, scene)
-    half = SolidProperties(
-        float(surface.volume),
-        tuple(float(c) for c in surface.center_mass),
-        _inertia_z(surface),
-    )
+    x, y, z = (float(c) for c in surface.center_mass)
+    half = SolidProperties(float(surface.volume), (x, y, z), _inertia_z(surface))
     with cad_session(f"surface of {path}") as gmsh:
         _classify(gmsh, np.asarray(surface.vertices), np.asarray(surface.faces))
         mesh = mesh_body(gmsh, scene, size, mirrored=False)
@@ -102,8 +99,8 @@ def _check_extent(path: Path, scene: Scene, low: float, high: float) -> None:
     end = scene.pitch_mm / 2
     if abs(low) > _SNAP_MM or abs(high - end) > _SNAP_MM:
         raise CranktopoError(
-            f"{path}: reaches from z = {low:.3f} to {high:.3f} mm, the half throw of '{scene.name}' from 0 to "
-            f"{end:g} mm.",
+            f"{path}: reaches from z = {low:.3f} to {high:.3f} mm, "
+            f"the half throw of '{scene.name}' from 0 to {end:g} mm.",
             hint="Give the design it was made from, in mm.",
         )
 

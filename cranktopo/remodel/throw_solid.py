@@ -14,7 +14,7 @@ from cranktopo.remodel.web_solid import DimTags, add_feature, add_web
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 
-VOLUME_TOLERANCE = 1e-5
+VOLUME_TOLERANCE = 1e-6
 """Relative difference between the CAD kernel's volume and the closed form that is let through."""
 
 
