@@ -57,7 +57,7 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
                 _triangulate(gmsh, facet_mm)
-            with _stdout_to_stderr():
+            with _quiet_stdout():
                 gmsh.write(str(partial))
         if suffix != ".stl":
             _read_back(partial, volume)
@@ -84,16 +84,17 @@ def _add(occ: Any, scene: Scene, part: PartName) -> DimTags:
 
 
 @contextmanager
-def _stdout_to_stderr() -> Iterator[None]:
+def _quiet_stdout() -> Iterator[None]:
     """The STEP writer of OCC prints statistics to the process's stdout, past any Python stream."""
     sys.stdout.flush()
-    kept = os.dup(1)
-    os.dup2(2, 1)
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
     try:
         yield
     finally:
         os.dup2(kept, 1)
         os.close(kept)
+        os.close(nowhere)
 
 
 def _triangulate(gmsh: Any, facet_mm: float) -> None:

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import os
+from itertools import cycle
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.report.comparison import Comparison
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_MARKERS = "osD^vP*X"
 _LINES = (0.8, 0.9, 1.0, 1.1, 1.2)
 _FORMATS = (".png", ".svg", ".pdf")
 
@@ -42,28 +48,34 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
         partial.unlink(missing_ok=True)
 
 
-def _panel(axes: object, comparison: Comparison, label: str, column: int) -> None:
-    import matplotlib.axes
-
-    if not isinstance(axes, matplotlib.axes.Axes):
-        raise TypeError(axes)
+def _panel(axes: Axes, comparison: Comparison, label: str, column: int) -> None:
     masses = [entry.values[0] for entry in comparison.entries]
     stiffness = [entry.values[column] for entry in comparison.entries]
-    low, high = 0.92 * min(masses), 1.08 * max(masses)
+    x_range = 0.92 * min(masses), 1.08 * max(masses)
+    y_range = 0.88 * min(stiffness), 1.12 * max(stiffness)
+    axes.set(xlim=x_range, ylim=y_range, xlabel="mass of the throw, kg", ylabel=label)
     ratio = stiffness[comparison.baseline] / masses[comparison.baseline]
-    axes.set_xlim(low, high)
-    axes.set_ylim(0.88 * min(stiffness), 1.12 * max(stiffness))
     for factor in _LINES:
-        line = [factor * ratio * low, factor * ratio * high]
-        axes.plot([low, high], line, "--", color="0.75", linewidth=1, zorder=1)
-        axes.annotate(f"{100 * factor:.0f} %", (high, line[1]), color="0.5", fontsize=8, annotation_clip=True)
-    axes.scatter(masses, stiffness, zorder=2)
-    for entry, x, y in zip(comparison.entries, masses, stiffness, strict=True):
-        axes.annotate(entry.evaluation.target, (x, y), (5, 5), textcoords="offset points", fontsize=8)
-    axes.set_xlabel("mass of the throw, kg")
-    axes.set_ylabel(label)
-    axes.set_title(f"dashed: equal stiffness per mass, % of {_baseline(comparison)}", fontsize=9)
+        _equal_ratio(axes, factor, factor * ratio, x_range, y_range[1])
+    for entry, x, y, marker in zip(comparison.entries, masses, stiffness, cycle(_MARKERS), strict=False):
+        axes.scatter([x], [y], marker=marker, label=entry.evaluation.target, zorder=2)
+    axes.legend(fontsize=8, loc="lower right")
+    baseline = comparison.entries[comparison.baseline].evaluation.target
+    axes.set_title(f"dashed: equal stiffness per mass, % of {baseline}", fontsize=9)
 
 
-def _baseline(comparison: Comparison) -> str:
-    return comparison.entries[comparison.baseline].evaluation.target
+def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, float], top: float) -> None:
+    """One dashed line through the origin, labelled where it leaves the picture."""
+    low, high = x_range
+    axes.plot([low, high], [slope * low, slope * high], "--", color="0.75", linewidth=1, zorder=1)
+    x = min(high, top / slope)
+    axes.annotate(
+        f"{100 * factor:.0f}",
+        (x, slope * x),
+        (-3, -3),
+        textcoords="offset points",
+        color="0.45",
+        fontsize=8,
+        ha="right",
+        va="top",
+    )

@@ -78,7 +78,7 @@ _UNITS = {
     "percent": "%",
     "mm": "mm",
     "s": "s",
-    "Hz": "Hz",
+    "deg": "deg",
 }
 
 
