@@ -17,6 +17,10 @@ COMMANDS = {
     "optimise": "Optimise the web's density under bending and torsion; write a run with STL.",
     "plan": "Which effects a design calls for, why, and what each would cost.",
     "loads": "Forces over the working cycle, their extremes, and the load cases.",
+    "evaluate": "Judge designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
+    "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
+    "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
+    "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
 }
 
 _EPILOG = (

@@ -1,1 +1,1 @@
-"""Body-fitted evaluation: the independent judge."""
+"""The independent judge: tet10 finite elements on the body-fitted solid, condensed to 6 x 6 stiffnesses."""

@@ -1,1 +1,1 @@
-"""Parametric web model and its exact solid."""
+"""Exact solids: the throw of a scene as an OCC body through gmsh, its checks, its mesh, STEP and STL."""

@@ -73,6 +73,19 @@ class Engine(Table):
         return 180.0 * self.strokes
 
     @property
+    def throw_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw about the crank axis, deg in [0, 360), cylinder 1 first and at 0.
+
+        Firing intervals are equal: the cylinder that fires j-th follows the first by j 180 strokes / n
+        degrees of crank rotation, and its throw reaches top dead centre by then.
+        """
+        count, first = len(self.order), self.order.index(1)
+        return tuple(
+            (-(self.order.index(cylinder) - first) * self.cycle_deg / count) % 360.0
+            for cylinder in range(1, count + 1)
+        )
+
+    @property
     def order(self) -> tuple[int, ...]:
         """Cylinder numbers in the order of firing."""
         return self.firing_order or (1,)

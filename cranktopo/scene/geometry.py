@@ -74,6 +74,7 @@ Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator=
 
 class _WebBase(Table):
     thickness_mm: Positive
+    chamfer_mm: NonNegative = 0.0
     pocket: tuple[Pocket, ...] = ()
 
 

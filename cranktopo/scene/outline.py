@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.scene.geometry import RectangleWeb, Web
+from cranktopo.errors import invalid
+from cranktopo.scene.geometry import ObroundWeb, ProfileWeb, RectangleWeb, TaperedWeb, Web
 
 Array = NDArray[np.float64]
 
@@ -59,6 +60,46 @@ def largest_half_width_mm(web: Web) -> float:
     if web.outline == "ellipse":
         return web.semi_axis_lateral_mm
     return max(web.half_widths_mm)
+
+
+def outline_kinks_mm(web: Web, radius_mm: float) -> list[float]:
+    """Positions along the throw where the half-width is not smooth, ends included, mm, sorted."""
+    kinks = list(y_range_mm(web, radius_mm))
+    if isinstance(web, ObroundWeb):
+        kinks += [0.0, radius_mm]
+    elif isinstance(web, RectangleWeb):
+        kinks += [kinks[0] + web.corner_radius_mm, kinks[1] - web.corner_radius_mm]
+    elif isinstance(web, TaperedWeb):
+        sine = tangent_sine(web, radius_mm)
+        kinks += [web.main_radius_mm * sine, radius_mm + web.pin_radius_mm * sine]
+    elif isinstance(web, ProfileWeb):
+        kinks += list(web.stations_mm)
+    return sorted(set(kinks))
+
+
+def tangent_sine(web: TaperedWeb, radius_mm: float) -> float:
+    """Sine of the slope of a tapered web's straight flank: (main - pin radius) / throw radius.
+
+    Raises:
+        CranktopoError: one circle contains the other, so there is no flank.
+    """
+    difference = web.main_radius_mm - web.pin_radius_mm
+    if abs(difference) >= radius_mm:
+        raise invalid(
+            "web.main_radius_mm",
+            web.main_radius_mm,
+            f"must differ from web.pin_radius_mm = {web.pin_radius_mm:g} mm by less than the throw radius "
+            f"{radius_mm:g} mm",
+        )
+    return difference / radius_mm
+
+
+def profile_slopes(web: ProfileWeb) -> Array:
+    """Slope of the half-width at each station of a profile (dimensionless), shape (stations,)."""
+    from scipy.interpolate import PchipInterpolator
+
+    curve = PchipInterpolator(web.stations_mm, web.half_widths_mm)
+    return np.asarray(curve.derivative()(web.stations_mm), dtype=np.float64)
 
 
 def _root(value: Array) -> Array:

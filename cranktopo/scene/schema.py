@@ -91,6 +91,14 @@ class Optimise(Table):
     weights: Weights = Weights()
 
 
+class Published(Table):
+    """Values printed for this variant elsewhere, to be shown beside the computed ones as ratios only."""
+
+    source: str
+    mass_kg: Positive
+    torsional_stiffness_kNm_per_rad: Positive
+
+
 class Scene(Table):
     """One throw, its loads, its design space and the settings of each stage."""
 
@@ -105,6 +113,7 @@ class Scene(Table):
     envelope: Envelope | None = None
     effects: Effects = Effects()
     optimise: Optimise = Optimise()
+    published: Published | None = None
 
     @property
     def pitch_mm(self) -> float:

@@ -1,0 +1,41 @@
+"""Options that `evaluate` and `compare` share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+
+def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
+    """The number of percent in `1%` or `1`, as an option's callback.
+
+    Raises:
+        click.BadParameter: not a number above 0 and below 100.
+    """
+    if value is None:
+        return None
+    try:
+        number = float(value.strip().removesuffix("%"))
+    except ValueError:
+        raise click.BadParameter(f"{value!r} is not a percentage such as 1%.", context, parameter) from None
+    if not 0 < number < 100:
+        raise click.BadParameter(f"{value!r} must be above 0% and below 100%.", context, parameter)
+    return number
+
+
+def mesh_options(function: Any) -> Any:
+    """Add --element-size-mm, --accuracy and --design to a command."""
+    for option in (
+        click.option("--design", help="Design for the journals and material of STL and STEP targets."),
+        click.option(
+            "--accuracy", metavar="PERCENT", callback=percent, help="Refine until the estimate is below."
+        ),
+        click.option(
+            "--element-size-mm",
+            type=click.FloatRange(min=0, min_open=True),
+            help="General element size; by default a tenth of the thinner journal's diameter.",
+        ),
+    ):
+        function = option(function)
+    return function

@@ -1,0 +1,60 @@
+"""`cranktopo shaft`: the whole crankshaft from condensed throws."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, get_args
+
+import click
+
+if TYPE_CHECKING:
+    from cranktopo.evaluate.chain import Bearings
+    from cranktopo.evaluate.shaft import ShaftEvaluation
+
+
+@click.command()
+@click.argument("design", default="mikron-iiic")
+@click.option(
+    "--bearings",
+    type=click.Choice(["rigid", "spring", "free"]),
+    default="rigid",
+    show_default=True,
+    help="Radial support of every mid-journal section; all of them let it tilt.",
+)
+@click.option("--element-size-mm", type=click.FloatRange(min=0, min_open=True), help="General element size.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
+def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:
+    """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies."""
+    from cranktopo.evaluate.chain import Bearings
+    from cranktopo.evaluate.shaft import evaluate_shaft
+    from cranktopo.scene import load_scene
+
+    scene = load_scene(design)
+    click.echo(f"{scene.name}: condensing one throw", err=True)
+    support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
+    shaft = evaluate_shaft(scene, support, element_size_mm)
+    click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else _text(shaft))
+
+
+def _text(shaft: ShaftEvaluation) -> str:
+    from cranktopo.report.tables import Table, terminal
+
+    throws = terminal(
+        Table(
+            columns=("throw", "angle_deg", "torsion_kNm_per_rad"),
+            rows=tuple(
+                (str(i + 1), angle, k / 1000)
+                for i, (angle, k) in enumerate(
+                    zip(shaft.angles_deg, shaft.stiffness.throws_Nm_per_rad, strict=True)
+                )
+            ),
+            digits=(0, 0, 2),
+        )
+    )
+    frequencies = ", ".join(f"{f:.0f}" for f in shaft.disks.natural_frequencies_Hz())
+    end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
+    return (
+        f"{throws}\n\nmass of the throws        {shaft.mass_kg:.3f} kg\n"
+        f"end to end, {shaft.bearings} bearings {end:.2f} kN m/rad\n"
+        f"natural frequencies       {frequencies} Hz (shaft and moving masses alone, free ends)"
+    )

@@ -1,0 +1,138 @@
+"""The half throw condensed to the rigid motions of its mid-journal section.
+
+Motions (ux, uy, uz, rx, ry, rz) of the section z = 0: translations of its centre and rotations about its
+axes, mm and rad. The mid-pin plane carries u_z = 0 for symmetric and u_x = u_y = 0 for antisymmetric motion.
+With the mirror x = 0 each of the two splits again into motions even and odd in x.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
+from cranktopo.evaluate.linear import solve
+from cranktopo.frames import Parity
+from cranktopo.scene import Scene
+
+Array = NDArray[np.float64]
+Lateral = Literal["even", "odd", "none"]
+
+UX, UY, UZ, RX, RY, RZ = range(6)
+EVEN, ODD = (UY, UZ, RX), (UX, RY, RZ)
+_PLANE_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """Stiffness of the half throw over some motions of its section.
+
+    With a force F on the full pin the mean pin displacement is load.q + F load_compliance / 2, where
+    stiffness q = F load / 2 + section forces. A radial force is symmetric in z and even in x: in the other
+    blocks `load` and `load_compliance` are zero.
+
+    Attributes:
+        motions: which of the six motions, in order.
+        stiffness: shape (m, m), N/mm, N, N mm, of the half throw (both signs of x).
+        load: mean of -u_y over the pin material per unit motion, shape (m,).
+        load_compliance: mean of -u_y under unit force on the half pin, section fixed, mm/N.
+        displacement: unit-motion fields, then the load field where there is one, shape (unknowns, m [+ 1]).
+    """
+
+    motions: tuple[int, ...]
+    stiffness: Array
+    load: Array
+    load_compliance: float
+    displacement: Array
+
+    def index(self, *motions: int) -> list[int]:
+        """Positions of motions in this block."""
+        return [self.motions.index(m) for m in motions]
+
+
+def condense(model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral) -> Condensed:
+    """Condense the half throw to the motions of its rigid section.
+
+    Args:
+        model: half throw, or its half x >= 0 when lateral is not "none".
+        scene: the throw (web position, pitch).
+        parity: motion about the mid-pin plane.
+        lateral: motions even or odd in x of a quarter model, or all six of a half model.
+
+    Raises:
+        CranktopoError: the solve failed, or a plane of the model is missing.
+    """
+    motions = {"even": EVEN, "odd": ODD, "none": tuple(range(6))}[lateral]
+    section, held = _constraints(model, scene.pitch_mm / 2, parity, lateral)
+    rigid = section_motions(model.nodes_mm, section)[:, motions]
+    free = np.setdiff1d(np.arange(model.nodes_mm.size), held)
+    loaded = parity == "symmetric" and lateral != "odd"
+    mean = np.zeros(model.nodes_mm.size)
+    if loaded:
+        mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
+    loads = np.column_stack([-(model.stiffness @ rigid)[free], *([mean[free]] if loaded else [])])
+    matrix = model.stiffness[free][:, free]
+    corners = free[free < model.prolongation.shape[1]]
+    fields = np.zeros((model.nodes_mm.size, loads.shape[1]))
+    fields[free] = solve(matrix, loads, model.prolongation[free][:, corners])
+    units = fields[:, : len(motions)]
+    units += rigid
+    parts = 1 if lateral == "none" else 2
+    return Condensed(
+        motions,
+        parts * _symmetric(units.T @ (model.stiffness @ units)),
+        units.T @ mean,
+        float(mean @ fields[:, -1]) / parts if loaded else 0.0,
+        fields,
+    )
+
+
+def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
+    """The six rigid motions of the nodes of the section z = 0, shape (unknowns, 6)."""
+    x, y = nodes_mm[0, section], nodes_mm[1, section]
+    motions = np.zeros((nodes_mm.size, 6))
+    for axis in range(3):
+        motions[3 * section + axis, axis] = 1.0
+    motions[3 * section + 2, RX] = y
+    motions[3 * section + 2, RY] = -x
+    motions[3 * section, RZ] = -y
+    motions[3 * section + 1, RZ] = x
+    return motions
+
+
+def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.intp]:
+    """Nodes on a coordinate plane.
+
+    Raises:
+        CranktopoError: none there.
+    """
+    found = np.nonzero(np.abs(nodes_mm[axis] - position_mm) < _PLANE_MM)[0]
+    if found.size == 0:
+        raise CranktopoError(
+            f"mesh: no nodes on the plane {'xyz'[axis]} = {position_mm:g} mm.",
+            hint="The part must reach from z = 0 to half the pitch.",
+            code=ExitCode.SOLVER,
+        )
+    return found
+
+
+def _constraints(
+    model: Elasticity, half_pitch: float, parity: Parity, lateral: Lateral
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Section nodes, and all unknowns that are not free."""
+    section = plane_nodes(model.nodes_mm, 2, 0.0)
+    middle = plane_nodes(model.nodes_mm, 2, half_pitch)
+    held = [(3 * section[:, None] + np.arange(3)).ravel()]
+    held += [3 * middle + axis for axis in ((2,) if parity == "symmetric" else (0, 1))]
+    if lateral != "none":
+        mirror = plane_nodes(model.nodes_mm, 0, 0.0)
+        held += [3 * mirror + axis for axis in ((0,) if lateral == "even" else (1, 2))]
+    return section, np.unique(np.concatenate(held))
+
+
+def _symmetric(matrix: Array) -> Array:
+    return (matrix + matrix.T) / 2

@@ -1,0 +1,122 @@
+"""Linear elasticity on ten-node tetrahedra: stiffness matrix and mean displacement, through scikit-fem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.remodel.meshing import TetMesh
+
+Array = NDArray[np.float64]
+
+_CHUNK = 4000
+_ORDER = 2
+"""Quadrature order of the stiffness: four points, exact on straight elements, as C3D10 elsewhere."""
+_LOAD_ORDER = 6
+
+
+@dataclass(frozen=True)
+class Elasticity:
+    """An assembled elastic body.
+
+    Attributes:
+        nodes_mm: node coordinates, shape (3, nodes); corner nodes come first.
+        stiffness: matrix over unknowns 3 node + axis, N/mm.
+        prolongation: linear to quadratic interpolation over unknowns, shape (3 nodes, 3 corners).
+        mesh: scikit-fem mesh (curved).
+        volume_mm3: volume of the mesh.
+    """
+
+    nodes_mm: Array
+    stiffness: sp.csr_matrix
+    prolongation: sp.csr_matrix
+    mesh: Any
+    volume_mm3: float
+
+
+def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float) -> Elasticity:
+    """Assemble the isotropic stiffness matrix.
+
+    Args:
+        mesh: ten-node tetrahedra.
+        youngs_MPa: Young's modulus.
+        poisson: Poisson's ratio.
+
+    Raises:
+        CranktopoError: an element is inverted at a quadrature point.
+    """
+    from skfem import Basis, ElementTetP2, MeshTet2
+
+    body = MeshTet2(mesh.points_mm, mesh.cells)
+    unknowns = 3 * mesh.points_mm.shape[1]
+    stiffness = sp.csr_matrix((unknowns, unknowns))
+    volume = 0.0
+    for start in range(0, body.nelements, _CHUNK):
+        elements = np.arange(start, min(start + _CHUNK, body.nelements))
+        basis = Basis(body, ElementTetP2(), intorder=_ORDER, elements=elements)
+        if basis.dx.min() <= 0:
+            raise CranktopoError(
+                "mesh: an element is inverted.", hint="Choose another element size.", code=ExitCode.SOLVER
+            )
+        stiffness = stiffness + _chunk_matrix(basis, youngs_MPa, poisson, unknowns)
+        volume += float(basis.dx.sum())
+    return Elasticity(body.doflocs, stiffness, _prolongation(body), body, volume)
+
+
+def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
+    """Vector m with m.u = mean of one displacement component over the material beyond z, shape (unknowns,).
+
+    The same vector, times a force, is the load of that force spread evenly over that material. Elements that
+    straddle z are integrated over their inside quadrature points.
+
+    Args:
+        model: the body.
+        axis: 0, 1, 2 for x, y, z.
+        z_from_mm: start of the material.
+    """
+    from skfem import Basis, ElementTetP2
+
+    heights = model.mesh.p[2][model.mesh.t]
+    elements = np.nonzero(heights.max(axis=0) > z_from_mm + 1e-9)[0]
+    basis = Basis(model.mesh, ElementTetP2(), intorder=_LOAD_ORDER, elements=elements)
+    inside = basis.dx * (basis.global_coordinates().value[2] > z_from_mm)
+    weights = np.stack([(phi[0].value * inside).sum(axis=1) for phi in basis.basis])
+    mean = np.zeros(model.nodes_mm.size)
+    np.add.at(mean, 3 * basis.element_dofs + axis, weights)
+    return np.asarray(mean / inside.sum(), dtype=np.float64)
+
+
+def _chunk_matrix(basis: Any, youngs: float, poisson: float, unknowns: int) -> sp.csr_matrix:
+    """Sum of the element matrices of a chunk: lambda div u div v + 2 mu eps(u):eps(v)."""
+    lame = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    shear = youngs / (2 * (1 + poisson))
+    gradients = np.ascontiguousarray(np.stack([phi[0].grad for phi in basis.basis]).transpose(2, 3, 0, 1))
+    weighted = gradients * basis.dx[:, :, None, None]
+    count, points = basis.dx.shape
+    flat = gradients.reshape(count, points, 30)
+    outer = np.matmul(weighted.reshape(count, points, 30).transpose(0, 2, 1), flat)
+    outer = outer.reshape(count, 10, 3, 10, 3)
+    matrix = lame * outer + shear * outer.transpose(0, 1, 4, 3, 2)
+    trace = shear * np.einsum("eaibi->eab", outer)
+    for axis in range(3):
+        matrix[:, :, axis, :, axis] += trace
+    rows = (3 * basis.element_dofs.T[:, :, None] + np.arange(3)).reshape(count, 30).astype(np.int32)
+    return sp.coo_matrix(
+        (matrix.ravel(), (np.repeat(rows, 30, axis=1).ravel(), np.tile(rows, (1, 30)).ravel())),
+        shape=(unknowns, unknowns),
+    ).tocsr()
+
+
+def _prolongation(body: Any) -> sp.csr_matrix:
+    """Corner nodes keep their value, edge nodes take the mean of their two corners."""
+    corners, edges = body.nvertices, body.edges
+    count = edges.shape[1]
+    half = sp.csr_matrix(
+        (np.full(2 * count, 0.5), edges.T.ravel(), np.arange(0, 2 * count + 1, 2)), shape=(count, corners)
+    )
+    return sp.kron(sp.vstack([sp.eye(corners), half]), sp.eye(3)).tocsr()

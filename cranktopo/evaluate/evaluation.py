@@ -1,0 +1,265 @@
+"""Evaluation of one throw: mass properties, stiffness for every support, and an error estimate."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.condense import condense
+from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.supports import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
+from cranktopo.evaluate.targets import Target
+from cranktopo.loads.bearings import bearing_spring_N_per_mm
+from cranktopo.remodel.meshing import Part, mesh_throw
+from cranktopo.scene import Scene
+from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
+
+SCHEMA_VERSION = 1
+RATIO = 1.5
+"""Element size of the coarse mesh over that of the fine one in the error estimate."""
+_ORDER_FILLET, _ORDER_SHARP = 2.0, 1.09
+_COARSEST, _RUNGS = 2, 6
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """Stiffnesses of the full throw on one mesh; spring values are None without a bearing spring.
+
+    Attributes:
+        torsion: N m/rad by support "free", "held", "spring".
+        bending: N/mm by support "pinned", "clamped", "spring".
+        nodes: number of mesh nodes.
+        element_size_mm: general element size.
+        mesh_seconds, solve_seconds: wall time.
+    """
+
+    torsion: dict[str, float | None]
+    bending: dict[str, float | None]
+    nodes: int
+    element_size_mm: float
+    mesh_seconds: float
+    solve_seconds: float
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All that is reported about one target; units in the field names.
+
+    Attributes:
+        target: name.
+        throw_kg, web_kg: mass of the throw, and of one web between its faces.
+        inertia_kg_mm2: about the crank axis.
+        unbalance_kg_mm: mass times y of the centre of mass.
+        fine: stiffnesses reported.
+        torsion_support, bending_support: the supports that the scene asks for.
+        torsion_error_percent, bending_error_percent: estimated discretisation error.
+        total_seconds: wall time of everything.
+    """
+
+    target: str
+    throw_kg: float
+    web_kg: float
+    inertia_kg_mm2: float
+    unbalance_kg_mm: float
+    fine: Stiffness
+    torsion_support: str
+    bending_support: str
+    torsion_error_percent: float
+    bending_error_percent: float
+    total_seconds: float
+
+    @property
+    def torsion_Nm_per_rad(self) -> float:
+        """Torsional stiffness with the scene's support."""
+        return _known(self.fine.torsion[self.torsion_support])
+
+    @property
+    def bending_N_per_mm(self) -> float:
+        """Bending stiffness with the scene's support."""
+        return _known(self.fine.bending[self.bending_support])
+
+    @property
+    def error_percent(self) -> float:
+        """The larger of the two error estimates."""
+        return max(self.torsion_error_percent, self.bending_error_percent)
+
+    def as_json(self) -> dict[str, Any]:
+        """The evaluation as one entry of `evaluate --json`."""
+        fine = self.fine
+        return {
+            "target": self.target,
+            "mass_kg": {"throw": self.throw_kg, "web": self.web_kg},
+            "inertia_kg_mm2": self.inertia_kg_mm2,
+            "unbalance_kg_mm": self.unbalance_kg_mm,
+            "torsion": {f"{name}_Nm_per_rad": value for name, value in fine.torsion.items()},
+            "bending": {f"{name}_N_per_mm": value for name, value in fine.bending.items()},
+            "supports": {"torsion": self.torsion_support, "bending": self.bending_support},
+            "stiffness_per_mass": {
+                "torsion_Nm_per_rad_kg": self.torsion_Nm_per_rad / self.throw_kg,
+                "bending_N_per_mm_kg": self.bending_N_per_mm / self.throw_kg,
+            },
+            "mesh": {"element_size_mm": fine.element_size_mm, "nodes": fine.nodes, "order": 2},
+            "error_estimate_percent": {
+                "torsion": self.torsion_error_percent,
+                "bending": self.bending_error_percent,
+            },
+            "seconds": {
+                "mesh": fine.mesh_seconds,
+                "solve": fine.solve_seconds,
+                "total": self.total_seconds,
+            },
+        }
+
+
+def default_element_size_mm(scene: Scene) -> float:
+    """General element size by default: a tenth of the thinner journal, at most a third of the web, mm."""
+    throw = scene.throw
+    journal = min(throw.main_journal.outer_diameter_mm, throw.crankpin.outer_diameter_mm)
+    return min(journal / 10, scene.web.thickness_mm / 3)
+
+
+def evaluate(
+    target: Target, element_size_mm: float | None = None, progress: Progress = lambda _: None
+) -> Evaluation:
+    """Evaluate a target on a mesh of the given size and on one 1.5 times coarser.
+
+    Args:
+        target: what to evaluate.
+        element_size_mm: general element size; by default as `default_element_size_mm`.
+        progress: called with one line per step.
+
+    Raises:
+        CranktopoError: impossible geometry or a failed solve.
+    """
+    size = element_size_mm or default_element_size_mm(target.scene)
+    return next(_ladder(target, iter((size * RATIO, size)), progress))
+
+
+def evaluate_to_accuracy(
+    target: Target, percent: float, progress: Progress = lambda _: None
+) -> tuple[Evaluation, bool]:
+    """Evaluate on finer and finer meshes until the error estimate is small enough.
+
+    Args:
+        target: what to evaluate.
+        percent: wanted error of torsional and bending stiffness, %.
+        progress: called with one line per step.
+
+    Returns:
+        The first evaluation that reaches the accuracy, or the finest one, and whether it does.
+
+    Raises:
+        CranktopoError: as `evaluate`.
+    """
+    start = default_element_size_mm(target.scene) * RATIO**_COARSEST
+    sizes = (start / RATIO**rung for rung in range(_RUNGS))
+    for evaluation in _ladder(target, sizes, progress):
+        if evaluation.error_percent <= percent:
+            return evaluation, True
+    return evaluation, False
+
+
+def condensed_stiffness(part: Part, scene: Scene, element_size_mm: float, mesh_seconds: float) -> Stiffness:
+    """Stiffnesses of a meshed half throw for every support: two condensations.
+
+    Args:
+        part: meshed half throw.
+        scene: material, supports, positions.
+        element_size_mm: reported with the result.
+        mesh_seconds: reported with the result.
+
+    Raises:
+        CranktopoError: a failed solve.
+    """
+    start = time.perf_counter()
+    model = assemble(part.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+    mirrored = part.mesh.mirrored
+    twist = condense(model, scene, "antisymmetric", "odd" if mirrored else "none")
+    bend = condense(model, scene, "symmetric", "even" if mirrored else "none")
+    spring = bearing_spring_N_per_mm(scene)
+    torsion: dict[str, float | None] = {
+        "free": torsional_stiffness_Nm_per_rad(twist, "free"),
+        "held": torsional_stiffness_Nm_per_rad(twist, "held"),
+        "spring": torsional_stiffness_Nm_per_rad(twist, "spring", spring) if spring else None,
+    }
+    bending: dict[str, float | None] = {
+        "pinned": bending_stiffness_N_per_mm(bend, "pinned"),
+        "clamped": bending_stiffness_N_per_mm(bend, "clamped"),
+        "spring": bending_stiffness_N_per_mm(bend, "spring", spring) if spring else None,
+    }
+    nodes, seconds = part.mesh.points_mm.shape[1], time.perf_counter() - start
+    return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds)
+
+
+def _ladder(target: Target, sizes: Iterator[float], progress: Progress) -> Iterator[Evaluation]:
+    """An evaluation for each size after the first, its error judged against the size before."""
+    begin = time.perf_counter()
+    coarse: Stiffness | None = None
+    for size in sizes:
+        progress(f"{target.name}: element size {size:.3g} mm")
+        start = time.perf_counter()
+        part = _mesh(target, size)
+        fine = condensed_stiffness(part, target.scene, size, time.perf_counter() - start)
+        if coarse is not None:
+            yield _evaluation(target, part, coarse, fine, time.perf_counter() - begin)
+        coarse = fine
+
+
+def _mesh(target: Target, size: float) -> Part:
+    if target.file is None:
+        return mesh_throw(target.scene, size)
+    from cranktopo.remodel.imported import mesh_file
+
+    return mesh_file(target.file, target.scene, size)
+
+
+def _evaluation(target: Target, part: Part, coarse: Stiffness, fine: Stiffness, seconds: float) -> Evaluation:
+    scene = target.scene
+    supports = scene.supports
+    density = density_tonne_per_mm3(scene.material.density_kg_m3) * KG_PER_TONNE
+    order = _order(target)
+    return Evaluation(
+        target=target.name,
+        throw_kg=2 * density * part.half.volume_mm3,
+        web_kg=density * part.web_volume_mm3,
+        inertia_kg_mm2=2 * density * part.half.inertia_z_mm5,
+        unbalance_kg_mm=2 * density * part.half.volume_mm3 * part.half.centre_mm[1],
+        fine=fine,
+        torsion_support=supports.torsion,
+        bending_support=supports.bending,
+        torsion_error_percent=_richardson(coarse.torsion, fine.torsion, supports.torsion, order),
+        bending_error_percent=_richardson(coarse.bending, fine.bending, supports.bending, order),
+        total_seconds=seconds,
+    )
+
+
+def _order(target: Target) -> float:
+    """Convergence order of the stiffness in the element size.
+
+    A sharp re-entrant ring (90 degrees) has a stress singularity of exponent 0.545 (Williams, 1952), so the
+    energy converges with twice that. With fillets the measured order on practical meshes is two.
+    """
+    throw = target.scene.throw
+    sharp = target.file is not None or not (throw.main_journal.fillet_mm and throw.crankpin.fillet_mm)
+    return _ORDER_SHARP if sharp else _ORDER_FILLET
+
+
+def _richardson(
+    coarse: dict[str, float | None], fine: dict[str, float | None], support: str, order: float
+) -> float:
+    """Relative error of the fine value by Richardson extrapolation, %."""
+    low, high = _known(fine[support]), _known(coarse[support])
+    return float(100 * abs(high - low) / (RATIO**order - 1) / low)
+
+
+def _known(value: float | None) -> float:
+    if value is None:
+        raise CranktopoError(
+            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm.", code=ExitCode.INTERNAL
+        )
+    return value

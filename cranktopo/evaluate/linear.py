@@ -1,0 +1,146 @@
+"""Sparse symmetric solves: direct for small systems, two-level p-multigrid CG for large ones.
+
+Measured on the Mikron quarter throw (four right-hand sides, 2 cores; README): SuperLU is the quickest to
+about 15 000 unknowns and then grows fast; conjugate gradients with linear tetrahedra as the coarse level
+take 14-27 cycles to 1e-9 whatever the size and a fraction of the memory. Both need nothing but SciPy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as sla
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+
+Array = NDArray[np.float64]
+
+DIRECT_LIMIT = 15_000
+"""Most unknowns for the direct solver."""
+RESIDUAL_LIMIT = 1e-8
+"""Largest accepted relative residual of any solve."""
+_CG_TOLERANCE = 1e-10
+_CG_CYCLES = 400
+_SMOOTHING = 3
+_BAND = 10.0
+"""Chebyshev smoothing acts on the upper part of the spectrum, lambda_max / band and above."""
+
+
+def solve(matrix: sp.csr_matrix, loads: Array, prolongation: sp.csr_matrix, method: str = "auto") -> Array:
+    """Solve a symmetric positive definite system for several right-hand sides.
+
+    Args:
+        matrix: shape (n, n).
+        loads: shape (n, k).
+        prolongation: interpolation from linear elements, shape (n, coarse).
+        method: "direct", "multigrid", or "auto" by size.
+
+    Returns:
+        Solutions, shape (n, k).
+
+    Raises:
+        CranktopoError: singular matrix, or a residual above the limit.
+    """
+    direct = method == "direct" or (method == "auto" and matrix.shape[0] <= DIRECT_LIMIT)
+    if direct:
+        solution = _factorise(matrix)(loads)
+    else:
+        solution = _conjugate_gradients(matrix, loads, _cycle(matrix, prolongation))
+    _check_residual(matrix, loads, solution)
+    return solution
+
+
+def _factorise(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
+    options = {"SymmetricMode": True}
+    try:
+        factor = sla.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except (RuntimeError, MemoryError) as error:
+        raise CranktopoError(
+            f"solver: factorisation of {matrix.shape[0]} unknowns failed: {error}.",
+            hint="Choose a larger element size.",
+            code=ExitCode.SOLVER,
+        ) from None
+    solver: Callable[[Array], Array] = factor.solve
+    return solver
+
+
+def _check_residual(matrix: sp.csr_matrix, loads: Array, solution: Array) -> None:
+    scale = np.linalg.norm(loads, axis=0)
+    residual = np.linalg.norm(matrix @ solution - loads, axis=0) / np.where(scale > 0, scale, 1.0)
+    if not (residual <= RESIDUAL_LIMIT).all():
+        raise CranktopoError(
+            f"solver: relative residual {residual.max():.1e} is above {RESIDUAL_LIMIT:.0e}.",
+            hint="Choose a smaller element size: badly shaped elements spoil the matrix.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def _cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Callable[[Array], Array]:
+    """Symmetric V-cycle over quadratic and linear elements; the linear level is solved directly."""
+    restriction = prolongation.T.tocsr()
+    coarse = _factorise((restriction @ matrix @ prolongation).tocsc())
+    smooth = _chebyshev(matrix)
+
+    def cycle(residual: Array) -> Array:
+        x = smooth(residual, np.zeros_like(residual))
+        x += prolongation @ coarse(restriction @ (residual - matrix @ x))
+        return smooth(residual, x)
+
+    return cycle
+
+
+def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array, Array], Array]:
+    """Chebyshev iteration on the Jacobi-scaled matrix (Saad, Iterative Methods, algorithm 12.1)."""
+    inverse = 1.0 / matrix.diagonal()[:, None]
+    upper = 1.1 * _largest_eigenvalue(matrix, inverse)
+    lower = upper / _BAND
+    centre, half = (upper + lower) / 2, (upper - lower) / 2
+
+    def smooth(load: Array, x: Array) -> Array:
+        residual = load - matrix @ x
+        rho = half / centre
+        step = inverse * residual / centre
+        x = x + step
+        for _ in range(_SMOOTHING - 1):
+            residual = residual - matrix @ step
+            following = 1.0 / (2 * centre / half - rho)
+            step = following * rho * step + 2 * following / half * (inverse * residual)
+            rho = following
+            x = x + step
+        return x
+
+    return smooth
+
+
+def _largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
+    vector = np.random.default_rng(0).standard_normal((matrix.shape[0], 1))
+    value = 1.0
+    for _ in range(15):
+        image = inverse * (matrix @ vector)
+        value = float(np.linalg.norm(image) / np.linalg.norm(vector))
+        vector = image / np.linalg.norm(image)
+    return value
+
+
+def _conjugate_gradients(matrix: sp.csr_matrix, loads: Array, cycle: Callable[[Array], Array]) -> Array:
+    """Preconditioned CG, all right-hand sides in step."""
+    x, residual = np.zeros_like(loads), loads.copy()
+    z = cycle(residual)
+    direction, energy = z.copy(), (residual * z).sum(axis=0)
+    goal = _CG_TOLERANCE * np.linalg.norm(loads, axis=0)
+    for _ in range(_CG_CYCLES):
+        image = matrix @ direction
+        curvature = (direction * image).sum(axis=0)
+        step = energy / np.where(curvature > 0, curvature, 1.0)
+        x += step * direction
+        residual -= step * image
+        if (np.linalg.norm(residual, axis=0) <= goal).all():
+            break
+        z = cycle(residual)
+        following = (residual * z).sum(axis=0)
+        direction = z + following / np.where(energy > 0, energy, 1.0) * direction
+        energy = following
+    return x

@@ -1,0 +1,63 @@
+"""Every support of a throw as algebra on its condensed matrices: no new solve."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.condense import RX, RY, RZ, UX, UY, UZ, Condensed
+from cranktopo.units import NMM_PER_NM
+
+Array = NDArray[np.float64]
+TorsionSupport = Literal["free", "held", "spring"]
+BendingSupport = Literal["pinned", "clamped", "spring"]
+
+
+def torsional_stiffness_Nm_per_rad(
+    block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0
+) -> float:
+    """Torsional stiffness of the full throw: torque over relative rotation of its sections, T / (2 phi).
+
+    Args:
+        block: antisymmetric block holding ux, ry, rz (and more).
+        support: "free" to translate and tilt, "held" against both, "spring" radial springs.
+        spring_N_per_mm: radial stiffness of each bearing, for "spring".
+    """
+    released = {RZ, UZ} if support == "held" else {UX, UY, UZ, RX, RY, RZ}
+    springs = {UX: spring_N_per_mm, UY: spring_N_per_mm} if support == "spring" else {}
+    torque = np.array([1.0 if m == RZ else 0.0 for m in block.motions])
+    twist = _response(block, released, springs, torque)
+    return 1.0 / (2.0 * float(torque @ twist)) / NMM_PER_NM
+
+
+def bending_stiffness_N_per_mm(
+    block: Condensed, support: BendingSupport, spring_N_per_mm: float = 0.0
+) -> float:
+    """Bending stiffness of the full throw: pin force over mean radial displacement of the pin material.
+
+    Args:
+        block: symmetric block holding uy, uz, rx (and more).
+        support: "pinned" section centre, "clamped" (no tilt either), or "spring" radial springs.
+        spring_N_per_mm: radial stiffness of each bearing, for "spring".
+    """
+    released = {
+        "pinned": {UZ, RX, RY, RZ},
+        "clamped": {UZ},
+        "spring": {UX, UY, UZ, RX, RY, RZ},
+    }[support]
+    springs = {UX: spring_N_per_mm, UY: spring_N_per_mm} if support == "spring" else {}
+    motion = _response(block, released, springs, block.load)
+    return 2.0 / (block.load_compliance + float(block.load @ motion))
+
+
+def _response(block: Condensed, released: set[int], springs: dict[int, float], force: Array) -> Array:
+    """Section motion under a section force, held motions at zero; rigid motions of the whole stay at zero."""
+    index = [i for i, m in enumerate(block.motions) if m in released]
+    stiffness = block.stiffness + np.diag([springs.get(m, 0.0) for m in block.motions])
+    length = np.array([1.0 if m < RX else 1.0 / 50.0 for m in block.motions])[index]
+    scaled = stiffness[np.ix_(index, index)] * np.outer(length, length)
+    motion = np.zeros(len(block.motions))
+    motion[index] = length * (np.linalg.pinv(scaled, rcond=1e-7, hermitian=True) @ (length * force[index]))
+    return motion

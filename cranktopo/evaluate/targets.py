@@ -1,0 +1,64 @@
+"""What can be evaluated: a design, a run directory, or an STL or STEP file with a design for its journals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.scene import Scene, load_scene
+
+_GEOMETRY = (".stl", ".step", ".stp")
+_RUN_DESIGN, _RUN_SURFACE = "design.toml", "web.stl"
+
+
+@dataclass(frozen=True)
+class Target:
+    """Something to evaluate.
+
+    Attributes:
+        name: shown in tables.
+        scene: journals, material, supports; the whole geometry where `file` is None.
+        file: STL or STEP of the half throw, mm, or None.
+    """
+
+    name: str
+    scene: Scene
+    file: Path | None = None
+
+
+def resolve_target(text: str, design: str | None = None) -> Target:
+    """A target from what the user typed.
+
+    Args:
+        text: design name, TOML path, run directory, STL or STEP path.
+        design: design for the journals of an STL or STEP file.
+
+    Raises:
+        CranktopoError: nothing of that name, an unfinished run, or a geometry file without a design.
+    """
+    path = Path(text)
+    if path.is_dir():
+        return _run(path)
+    if path.suffix.lower() not in _GEOMETRY:
+        scene = load_scene(text)
+        return Target(scene.name, scene)
+    if not path.is_file():
+        raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
+    if design is None:
+        raise CranktopoError(
+            f"target '{text}': needs a design for its journals and material.",
+            hint="Add --design NAME.",
+            code=ExitCode.USAGE,
+        )
+    return Target(path.name, load_scene(design), path)
+
+
+def _run(folder: Path) -> Target:
+    for name in (_RUN_DESIGN, _RUN_SURFACE):
+        if not (folder / name).is_file():
+            raise CranktopoError(
+                f"target '{folder}': {name} is missing, so this is no finished run.",
+                hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
+            )
+    return Target(folder.name, load_scene(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)

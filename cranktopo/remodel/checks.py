@@ -1,0 +1,117 @@
+"""Refusals before any solid is built: dimensions that would give a broken or a silently wrong body."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cranktopo.errors import CranktopoError, invalid
+from cranktopo.remodel.features import Disc, Feature, bores, pockets
+from cranktopo.scene import Scene
+from cranktopo.scene.geometry import CylinderPocket, Journal, Pocket, RectangleWeb
+from cranktopo.scene.outline import half_width_mm, y_range_mm
+
+SHOULDER_MM = 0.1
+"""Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
+
+
+def check_solid(scene: Scene) -> None:
+    """Check that the throw's dimensions describe one sound body.
+
+    Raises:
+        CranktopoError: fillet larger than the shoulder, bore through the rim, pocket outside the web, too
+            deep, or cutting a bore.
+    """
+    if isinstance(scene.web, RectangleWeb):
+        _check_corner(scene.web)
+    _check_journal(scene, "throw.main_journal", scene.throw.main_journal, 0.0)
+    _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
+    for index, pocket in enumerate(scene.web.pocket):
+        _check_depth(scene, f"web.pocket[{index}]", pocket)
+    for feature in pockets(scene):
+        _check_pocket(scene, feature)
+
+
+def shoulder_mm(scene: Scene, y_mm: float) -> float:
+    """Least distance from the axis (0, y) to the edge of the web's outline, mm.
+
+    The chamfer is taken off. The outline is sampled at 4001 points of a cosine grid.
+    """
+    low, high = y_range_mm(scene.web, scene.throw.radius_mm)
+    y = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 4001))) / 2
+    half = half_width_mm(scene.web, scene.throw.radius_mm, y)
+    ends = min(y_mm - low, high - y_mm)
+    return float(min(np.hypot(half, y - y_mm).min(), ends)) - scene.web.chamfer_mm
+
+
+def _check_corner(web: RectangleWeb) -> None:
+    if web.corner_radius_mm >= web.width_mm / 2:
+        raise invalid(
+            "web.corner_radius_mm",
+            web.corner_radius_mm,
+            f"must be smaller than half of web.width_mm ({web.width_mm / 2:g} mm)",
+            "Use the obround outline for fully round ends.",
+        )
+
+
+def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
+    edge = shoulder_mm(scene, y)
+    if edge <= 0:
+        raise CranktopoError(
+            f"web: its outline does not reach around the axis of {key} at y = {y:g} mm.",
+            hint="Widen or lengthen the outline.",
+        )
+    if journal.bore_radius_mm >= edge - SHOULDER_MM:
+        raise invalid(
+            f"{key}.bore_diameter_mm",
+            journal.bore_diameter_mm,
+            f"breaks through the web's rim; must be smaller than {2 * (edge - SHOULDER_MM):.4g} mm",
+        )
+    if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - SHOULDER_MM:
+        room = edge - SHOULDER_MM - journal.radius_mm
+        allowed = f"at most {room:.4g} mm fits" if room > 0 else "no fillet fits"
+        raise invalid(
+            f"{key}.fillet_mm",
+            journal.fillet_mm,
+            f"larger than the shoulder: the web's edge is {edge:.4g} mm from the axis, {allowed}",
+            "Reduce the fillet or widen the web.",
+        )
+
+
+def _check_depth(scene: Scene, key: str, pocket: Pocket) -> None:
+    thickness = scene.web.thickness_mm
+    if isinstance(pocket, CylinderPocket):
+        if (pocket.depth_mm is None) != (pocket.face == "through"):
+            allowed = "is missing" if pocket.depth_mm is None else "has no meaning for a through pocket"
+            raise invalid(f"{key}.depth_mm", pocket.depth_mm, f"{allowed} with face = {pocket.face!r}")
+        depth: float | None = pocket.depth_mm
+        name = "depth_mm"
+    elif pocket.shape == "side":
+        depth, name = pocket.height_mm, "height_mm"
+    else:
+        depth, name = pocket.depth_mm, "depth_mm"
+    if depth is not None and depth >= thickness:
+        raise invalid(f"{key}.{name}", depth, f"must be smaller than web.thickness_mm = {thickness:g} mm")
+
+
+def _check_pocket(scene: Scene, feature: Feature) -> None:
+    if not _touches_web(scene, feature):
+        raise CranktopoError(
+            f"{feature.key}: lies outside the web's outline and removes nothing.", hint="Move or remove it."
+        )
+    for bore in bores(scene):
+        if _distance(feature, bore) < SHOULDER_MM:
+            raise CranktopoError(
+                f"{feature.key}: cuts the bore {bore.key} = {2 * bore.radius_mm:g} mm.",
+                hint=f"Keep at least {SHOULDER_MM:g} mm of web between the pocket and the bore.",
+            )
+
+
+def _distance(feature: Feature, bore: Disc) -> float:
+    return feature.distance_mm(bore.y_mm) - bore.radius_mm
+
+
+def _touches_web(scene: Scene, feature: Feature) -> bool:
+    y = np.linspace(*feature.y_range_mm, 401)
+    start, end = feature.spans(y)
+    half = half_width_mm(scene.web, scene.throw.radius_mm, y)
+    return bool(((np.minimum(end, half) - np.maximum(start, -half)) > 0).any())

@@ -1,0 +1,114 @@
+"""STEP and STL files of web, half throw, full throw and crankshaft."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.remodel.checks import check_solid
+from cranktopo.remodel.session import cad_session
+from cranktopo.remodel.throw_solid import (
+    add_crankshaft,
+    add_full_throw,
+    add_half_throw,
+    check_body,
+)
+from cranktopo.remodel.volume import web_volume_mm3
+from cranktopo.remodel.web_solid import DimTags, add_web
+from cranktopo.scene import Scene
+
+PartName = Literal["web", "half", "throw", "crankshaft"]
+STEP_TOLERANCE = 1e-6
+"""Largest relative change of the volume when a written STEP file is read back."""
+
+
+def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0) -> float:
+    """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
+
+    Args:
+        scene: the throw.
+        part: which body.
+        path: target, suffix .step, .stp or .stl; mm, in the frame of `cranktopo.frames`.
+        facet_mm: edge length of STL facets.
+
+    Returns:
+        Volume of the exact body, mm3.
+
+    Raises:
+        CranktopoError: impossible dimensions, unknown suffix, or a STEP file that does not read back.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in (".step", ".stp", ".stl"):
+        raise CranktopoError(
+            f"output file '{path}': unknown format {suffix!r}.",
+            hint="Use .step or .stl.",
+            code=ExitCode.USAGE,
+        )
+    partial = path.with_name(f".{path.stem}.partial{suffix}")
+    try:
+        with cad_session(f"{part} of {scene.name}") as gmsh:
+            body = _add(gmsh.model.occ, scene, part)
+            volume = float(gmsh.model.occ.getMass(*body[0]))
+            gmsh.model.occ.synchronize()
+            if suffix == ".stl":
+                _triangulate(gmsh, facet_mm)
+            with _quiet_stdout():
+                gmsh.write(str(partial))
+        if suffix != ".stl":
+            _read_back(partial, volume)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return volume
+
+
+def step_volume_mm3(path: Path) -> float:
+    """Volume of all bodies of a STEP file, mm3."""
+    with cad_session(str(path)) as gmsh:
+        bodies = gmsh.model.occ.importShapes(str(path))
+        return sum(float(gmsh.model.occ.getMass(*pair)) for pair in bodies if pair[0] == 3)
+
+
+def _add(occ: Any, scene: Scene, part: PartName) -> DimTags:
+    if part == "web":
+        check_solid(scene)
+        web = add_web(occ, scene)
+        check_body(occ, web, web_volume_mm3(scene), "web")
+        return web
+    return {"half": add_half_throw, "throw": add_full_throw, "crankshaft": add_crankshaft}[part](occ, scene)
+
+
+@contextmanager
+def _quiet_stdout() -> Iterator[None]:
+    """The STEP writer of OCC prints statistics to the process's stdout, past any Python stream."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def _triangulate(gmsh: Any, facet_mm: float) -> None:
+    gmsh.option.setNumber("Mesh.MeshSizeMax", facet_mm)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", facet_mm)
+    gmsh.option.setNumber("Mesh.Binary", 1)
+    gmsh.model.mesh.generate(2)
+
+
+def _read_back(path: Path, volume: float) -> None:
+    found = step_volume_mm3(path)
+    if abs(found - volume) > STEP_TOLERANCE * volume:
+        raise CranktopoError(
+            f"STEP file: reads back with {found:.3f} mm3 instead of {volume:.3f} mm3.",
+            hint="Export STL, or change the dimensions slightly.",
+            code=ExitCode.SOLVER,
+        )

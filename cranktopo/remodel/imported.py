@@ -1,0 +1,135 @@
+"""Half throws that come as a file: a STEP solid, or a watertight STL remeshed as a body-fitted solid."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError
+from cranktopo.remodel.meshing import Part, mesh_body
+from cranktopo.remodel.session import cad_session
+from cranktopo.remodel.throw_solid import SolidProperties, solid_properties
+from cranktopo.scene import Scene
+
+_FEATURE_ANGLE_DEG = 40.0
+_SNAP_MM = 0.05
+"""Largest distance of an end section from its plane; closer vertices are moved onto it."""
+
+
+def mesh_file(path: Path, scene: Scene, element_size_mm: float) -> Part:
+    """Mesh of the half throw in an STL or STEP file.
+
+    Args:
+        path: STL or STEP, mm, frame of `cranktopo.frames`, z from 0 to half the pitch. A STEP file may also
+            hold the full throw (z to the full pitch).
+        scene: design of its journals.
+        element_size_mm: general element size.
+
+    Raises:
+        CranktopoError: not watertight, several bodies, wrong extent, or no valid mesh.
+    """
+    if path.suffix.lower() == ".stl":
+        return _mesh_stl(path, scene, element_size_mm)
+    with cad_session(f"solid of {path}") as gmsh:
+        occ = gmsh.model.occ
+        body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]
+        if len(body) != 1:
+            raise CranktopoError(f"{path}: holds {len(body)} solids, not one.", hint="Fuse them first.")
+        low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
+        if abs(high - scene.pitch_mm) < _SNAP_MM:
+            body = _slab(occ, body, -1.0, scene.pitch_mm / 2, scene)
+            high = scene.pitch_mm / 2
+        _check_extent(path, scene, low, high)
+        half = solid_properties(occ, body)
+        web = _slab(occ, occ.copy(body), *scene.web_z_mm, scene)
+        web_volume = sum(occ.getMass(*pair) for pair in web)
+        occ.remove(web, recursive=True)
+        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=False)
+    return Part(mesh, half, web_volume)
+
+
+def _slab(
+    occ: Any, body: list[tuple[int, int]], start: float, end: float, scene: Scene
+) -> list[tuple[int, int]]:
+    size = 20 * scene.pitch_mm
+    box = occ.addBox(-size, -size, start, 2 * size, 2 * size, end - start)
+    kept, _ = occ.intersect(body, [(3, box)])
+    return list(kept)
+
+
+def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
+    surface = _read_surface(path, scene)
+    x, y, z = (float(c) for c in surface.center_mass)
+    half = SolidProperties(float(surface.volume), (x, y, z), _inertia_z(surface))
+    with cad_session(f"surface of {path}") as gmsh:
+        _classify(gmsh, np.asarray(surface.vertices), np.asarray(surface.faces))
+        mesh = mesh_body(gmsh, scene, size, mirrored=False)
+    return Part(mesh, half, _slab_volume(surface, scene.web_z_mm))
+
+
+def _read_surface(path: Path, scene: Scene) -> Any:
+    """The checked surface, its end sections snapped onto their planes."""
+    import trimesh
+
+    try:
+        surface = trimesh.load_mesh(path)
+    except Exception as error:
+        raise CranktopoError(f"{path}: cannot be read as STL: {error}.", hint="Export it again.") from None
+    if len(surface.faces) == 0 or not surface.is_watertight:
+        raise CranktopoError(f"{path}: the surface is not watertight.", hint="Repair it, then try again.")
+    if surface.body_count != 1:
+        raise CranktopoError(
+            f"{path}: holds {surface.body_count} separate bodies.", hint="Remove the loose parts."
+        )
+    if surface.volume < 0:
+        surface.invert()
+    _check_extent(path, scene, *surface.bounds[:, 2])
+    z = surface.vertices[:, 2].copy()
+    for plane in (0.0, scene.pitch_mm / 2):
+        z[np.abs(z - plane) < _SNAP_MM / 10] = plane
+    surface.vertices = np.column_stack([surface.vertices[:, :2], z])
+    return surface
+
+
+def _check_extent(path: Path, scene: Scene, low: float, high: float) -> None:
+    end = scene.pitch_mm / 2
+    if abs(low) > _SNAP_MM or abs(high - end) > _SNAP_MM:
+        raise CranktopoError(
+            f"{path}: reaches from z = {low:.3f} to {high:.3f} mm, "
+            f"the half throw of '{scene.name}' from 0 to {end:g} mm.",
+            hint="Give the design it was made from, in mm.",
+        )
+
+
+def _inertia_z(surface: Any) -> float:
+    """Integral of x2 + y2 over the volume, about the crank axis."""
+    x, y, _ = surface.center_mass
+    return float(surface.moment_inertia[2, 2] + surface.volume * (x**2 + y**2))
+
+
+def _slab_volume(surface: Any, z_mm: tuple[float, float]) -> float:
+    """Volume of a closed surface between two heights, mm3."""
+    import manifold3d
+
+    mesh = manifold3d.Mesh64(
+        np.asarray(surface.vertices, dtype=np.float64), np.asarray(surface.faces, dtype=np.uint64)
+    )
+    body = manifold3d.Manifold(mesh)
+    slab = body.trim_by_plane([0, 0, 1], z_mm[0]).trim_by_plane([0, 0, -1], -z_mm[1])
+    return float(slab.volume())
+
+
+def _classify(gmsh: Any, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> None:
+    """Patches split at sharp edges and given a parametrisation, so that gmsh can mesh them anew."""
+    surface = gmsh.model.addDiscreteEntity(2)
+    gmsh.model.mesh.addNodes(2, surface, np.arange(1, len(vertices) + 1), vertices.ravel())
+    gmsh.model.mesh.addElementsByType(surface, 2, [], (faces + 1).ravel())
+    gmsh.model.mesh.classifySurfaces(math.radians(_FEATURE_ANGLE_DEG), True, True, math.pi)
+    gmsh.model.mesh.createGeometry()
+    patches = [tag for _, tag in gmsh.model.getEntities(2)]
+    gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop(patches)])
+    gmsh.model.geo.synchronize()

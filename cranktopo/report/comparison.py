@@ -1,0 +1,196 @@
+"""Targets beside a baseline: absolute values, percent, the best of each column, published percentages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import SCHEMA_VERSION, Evaluation
+from cranktopo.report.tables import Table, records
+from cranktopo.scene.schema import Published
+
+_COLUMNS: tuple[tuple[str, int, int], ...] = (
+    ("mass_kg", 3, -1),
+    ("torsion_kNm_per_rad", 2, 1),
+    ("bending_kN_per_mm", 2, 1),
+    ("torsion_per_mass_kNm_per_rad_kg", 2, 1),
+    ("bending_per_mass_kN_per_mm_kg", 2, 1),
+    ("inertia_kg_mm2", 0, -1),
+    ("unbalance_kg_mm", 2, -1),
+)
+"""Name, decimals, and which way is better (+1 more, -1 less)."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A compared target: its evaluation and what was published for it, if anything."""
+
+    evaluation: Evaluation
+    published: Published | None = None
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values of the columns, in order."""
+        e = self.evaluation
+        torsion, bending = e.torsion_Nm_per_rad / 1000, e.bending_N_per_mm / 1000
+        return (
+            e.throw_kg,
+            torsion,
+            bending,
+            torsion / e.throw_kg,
+            bending / e.throw_kg,
+            e.inertia_kg_mm2,
+            e.unbalance_kg_mm,
+        )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Entries and which of them is the baseline."""
+
+    entries: tuple[Entry, ...]
+    baseline: int
+
+    def percent(self, row: int, column: int) -> float:
+        """A value in percent of the baseline's."""
+        return 100 * self.entries[row].values[column] / self.entries[self.baseline].values[column]
+
+
+def compare(entries: list[Entry], baseline: str) -> Comparison:
+    """A comparison against the entry of that name.
+
+    Raises:
+        CranktopoError: the baseline is not among the entries, or the supports differ.
+    """
+    names = [entry.evaluation.target for entry in entries]
+    if baseline not in names:
+        raise CranktopoError(
+            f"baseline '{baseline}' is not among the targets {', '.join(names)}.", code=ExitCode.USAGE
+        )
+    supports = {(e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries}
+    if len(supports) > 1:
+        raise CranktopoError(
+            "the targets have different [supports], so their stiffnesses do not compare.",
+            hint="Give all of them the same.",
+        )
+    return Comparison(tuple(entries), names.index(baseline))
+
+
+def value_table(comparison: Comparison) -> Table:
+    """Absolute values, the best of each column marked."""
+    return _table(
+        comparison, [name for name, _, _ in _COLUMNS], [entry.values for entry in comparison.entries]
+    )
+
+
+def percent_table(comparison: Comparison) -> Table:
+    """Percent of the baseline, the best of each column marked."""
+    rows = [
+        tuple(comparison.percent(r, c) for c in range(len(_COLUMNS))) for r in range(len(comparison.entries))
+    ]
+    names = [f"{_quantity(name)}_percent" for name, _, _ in _COLUMNS]
+    return _table(comparison, names, rows, digits=1)
+
+
+def published_table(comparison: Comparison) -> Table | None:
+    """Our percentages, the published ones and their difference; None where nothing was published."""
+    base = comparison.entries[comparison.baseline].published
+    if base is None or not any(e.published for e in comparison.entries if e.published is not base):
+        return None
+    rows = []
+    for index, entry in enumerate(comparison.entries):
+        row: list[str | float | None] = [entry.evaluation.target]
+        for column, printed in zip((0, 1, 3), _published(entry.published, base), strict=True):
+            ours = comparison.percent(index, column)
+            row += [ours, printed, None if printed is None else ours - printed]
+        rows.append(tuple(row))
+    names = [
+        f"{quantity}_{kind}_percent"
+        for quantity in ("mass", "torsion", "torsion_per_mass")
+        for kind in ("ours", "published", "difference")
+    ]
+    return Table(("target", *names), tuple(rows), (0, *[1] * len(names)))
+
+
+def flat_table(comparison: Comparison) -> Table:
+    """Values, percentages and published percentages side by side: one header for a CSV file."""
+    parts = [value_table(comparison), percent_table(comparison)]
+    published = published_table(comparison)
+    if published is not None:
+        parts.append(published)
+    return Table(
+        columns=("target", *(name for part in parts for name in part.columns[1:])),
+        rows=tuple(
+            (entry.evaluation.target, *(value for part in parts for value in part.rows[row][1:]))
+            for row, entry in enumerate(comparison.entries)
+        ),
+        digits=(0, *(d for part in parts for d in part.digits[1:])),
+    )
+
+
+def as_json(comparison: Comparison) -> dict[str, Any]:
+    """The comparison as the object that `compare --json` prints."""
+    published = published_table(comparison)
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "baseline": comparison.entries[comparison.baseline].evaluation.target,
+        "evaluations": [entry.evaluation.as_json() for entry in comparison.entries],
+        "percent_of_baseline": records(percent_table(comparison)),
+        "best": {
+            name: comparison.entries[row].evaluation.target
+            for (name, _, _), row in zip(_COLUMNS, _best(comparison), strict=True)
+        },
+        "published": None if published is None else records(published),
+    }
+
+
+def _table(
+    comparison: Comparison,
+    names: list[str],
+    values: list[tuple[float, ...]],
+    digits: int | None = None,
+) -> Table:
+    best = _best(comparison)
+    return Table(
+        columns=("target", *names),
+        rows=tuple(
+            (entry.evaluation.target, *row) for entry, row in zip(comparison.entries, values, strict=True)
+        ),
+        digits=(0, *(decimals if digits is None else digits for _, decimals, _ in _COLUMNS)),
+        marks=frozenset((row, column + 1) for column, row in enumerate(best)),
+    )
+
+
+def _best(comparison: Comparison) -> list[int]:
+    """Row of the best entry of each column."""
+    values = [entry.values for entry in comparison.entries]
+    rows = range(len(values))
+    return [
+        max(rows, key=lambda row: better * values[row][column])
+        for column, (_, _, better) in enumerate(_COLUMNS)
+    ]
+
+
+def _quantity(name: str) -> str:
+    for unit in (
+        "_kNm_per_rad_kg",
+        "_kN_per_mm_kg",
+        "_kNm_per_rad",
+        "_kN_per_mm",
+        "_kg_mm2",
+        "_kg_mm",
+        "_kg",
+    ):
+        if name.endswith(unit):
+            return name.removesuffix(unit)
+    return name
+
+
+def _published(printed: Published | None, base: Published) -> tuple[float | None, float | None, float | None]:
+    """Published mass, stiffness and stiffness per mass in percent of the published baseline."""
+    if printed is None:
+        return None, None, None
+    mass = printed.mass_kg / base.mass_kg
+    stiffness = printed.torsional_stiffness_kNm_per_rad / base.torsional_stiffness_kNm_per_rad
+    return 100 * mass, 100 * stiffness, 100 * stiffness / mass

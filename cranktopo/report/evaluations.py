@@ -1,0 +1,56 @@
+"""The table that `evaluate` prints."""
+
+from __future__ import annotations
+
+from cranktopo.evaluate.evaluation import Evaluation
+from cranktopo.report.tables import Table
+
+_COLUMNS: tuple[tuple[str, int], ...] = (
+    ("target", 0),
+    ("throw_kg", 3),
+    ("web_kg", 3),
+    ("inertia_kg_mm2", 0),
+    ("unbalance_kg_mm", 2),
+    ("torsion_free_kNm_per_rad", 2),
+    ("held_kNm_per_rad", 2),
+    ("bending_pinned_kN_per_mm", 2),
+    ("clamped_kN_per_mm", 1),
+    ("torsion_error_percent", 2),
+    ("bending_error_percent", 2),
+    ("size_mm", 2),
+    ("nodes", 0),
+    ("time_s", 1),
+)
+
+
+def evaluation_table(evaluations: list[Evaluation]) -> Table:
+    """One row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds."""
+    return Table(
+        columns=tuple(name for name, _ in _COLUMNS),
+        rows=tuple(_row(e) for e in evaluations),
+        digits=tuple(digits for _, digits in _COLUMNS),
+    )
+
+
+def _row(e: Evaluation) -> tuple[str | float | None, ...]:
+    torsion, bending = e.fine.torsion, e.fine.bending
+    return (
+        e.target,
+        e.throw_kg,
+        e.web_kg,
+        e.inertia_kg_mm2,
+        e.unbalance_kg_mm,
+        _kilo(torsion["free"]),
+        _kilo(torsion["held"]),
+        _kilo(bending["pinned"]),
+        _kilo(bending["clamped"]),
+        e.torsion_error_percent,
+        e.bending_error_percent,
+        e.fine.element_size_mm,
+        float(e.fine.nodes),
+        e.total_seconds,
+    )
+
+
+def _kilo(value: float | None) -> float | None:
+    return None if value is None else value / 1000

@@ -1,0 +1,95 @@
+"""One table, four faces: terminal, Markdown, CSV, JSON rows."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Format = Literal["table", "markdown", "csv", "json"]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of text and numbers.
+
+    Attributes:
+        columns: machine name of each column, unit included, e.g. `mass_kg`.
+        rows: one tuple per row; None prints as a dash.
+        digits: decimals per column (ignored for text).
+        marks: (row, column) cells to mark as best.
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str | float | None, ...], ...]
+    digits: tuple[int, ...]
+    marks: frozenset[tuple[int, int]] = frozenset()
+
+    def cell(self, row: int, column: int) -> str:
+        """A cell as text, rounded, with a trailing `*` where it is marked."""
+        value = self.rows[row][column]
+        if value is None:
+            return "-"
+        text = value if isinstance(value, str) else f"{value:.{self.digits[column]}f}"
+        return f"{text}*" if (row, column) in self.marks else text
+
+
+def terminal(table: Table) -> str:
+    """The table for a terminal: right-aligned numbers, a column's head broken at its unit."""
+    heads = [_head(name) for name in table.columns]
+    body = [[table.cell(r, c) for c in range(len(table.columns))] for r in range(len(table.rows))]
+    lines = [[head[part] for head in heads] for part in (0, 1)] + body
+    widths = [max(len(line[c]) for line in lines) for c in range(len(heads))]
+    return "\n".join(_align(line, widths) for line in [*lines[:2], ["-" * w for w in widths], *lines[2:]])
+
+
+def markdown(table: Table) -> str:
+    """The table as GitHub Markdown."""
+    head = " | ".join(" ".join(_head(name)).strip() for name in table.columns)
+    rule = " | ".join(["---", *["---:"] * (len(table.columns) - 1)])
+    rows = [" | ".join(table.cell(r, c) for c in range(len(table.columns))) for r in range(len(table.rows))]
+    return "\n".join(f"| {line} |" for line in (head, rule, *rows))
+
+
+def comma_separated(table: Table) -> str:
+    """The table as CSV with machine names and full precision."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(table.columns)
+    writer.writerows(table.rows)
+    return stream.getvalue().rstrip("\n")
+
+
+def records(table: Table) -> list[dict[str, Any]]:
+    """The rows as objects keyed by machine name, full precision."""
+    return [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+
+
+_UNITS = {
+    "kg": "kg",
+    "kg_mm": "kg mm",
+    "kg_mm2": "kg mm2",
+    "kNm_per_rad": "kN m/rad",
+    "kNm_per_rad_kg": "kN m/rad/kg",
+    "kN_per_mm": "kN/mm",
+    "kN_per_mm_kg": "kN/mm/kg",
+    "percent": "%",
+    "mm": "mm",
+    "s": "s",
+    "deg": "deg",
+}
+
+
+def _head(name: str) -> tuple[str, str]:
+    """Label and unit of a machine name: `torsion_kNm_per_rad` gives ("torsion", "kN m/rad")."""
+    for suffix in sorted(_UNITS, key=len, reverse=True):
+        if name.endswith(f"_{suffix}"):
+            return name[: -len(suffix) - 1].replace("_", " "), _UNITS[suffix]
+    return name.replace("_", " "), ""
+
+
+def _align(cells: Sequence[str], widths: Sequence[int]) -> str:
+    numbers = [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
+    return "  ".join([cells[0].ljust(widths[0]), *numbers]).rstrip()
