@@ -96,9 +96,16 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
         f"{seconds['total']:.1f} s (compiling {seconds['compile']:.1f} s, "
         f"{seconds['per_iteration_median']:.2f} s per iteration), {metrics['peak_memory_MiB']:.0f} MiB",
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
+        *_cavity_warning(metrics["surface"]["cavities"]),
         *(f"{folder / metrics['files'][name]}" for name in ("stl", "picture", "vtu", "history", "metrics")),
     ]
     return "\n".join(lines)
+
+
+def _cavity_warning(cavities: int) -> list[str]:
+    if not cavities:
+        return []
+    return [f"{cavities} closed hollow{'s' * (cavities > 1)} inside: no forging die or cutter reaches there"]
 
 
 def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:
