@@ -1,25 +1,44 @@
-"""Conjugate gradients in float64 with the multigrid cycle as preconditioner, all cases at once."""
+"""Conjugate gradients in float64, all cases at once, preconditioned by the multigrid cycle or by Jacobi."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 
-from cranktopo.fem.lattice import Lattice
 from cranktopo.fem.multigrid import Hierarchy, apply_cycle, project
-from cranktopo.fem.operator import apply_stiffness
+from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.fem.supports import Supports, add_section, section_coordinates
 
+# Aim a little lower: the recursive residual that is watched drifts from the true one by rounding.
+_AIM = 0.9
 
-class Solution(NamedTuple):
-    """Displacements and how well they satisfy equilibrium.
+
+class System(NamedTuple):
+    """Equilibrium K(moduli) u = f of every case.
+
+    Attributes:
+        blocks: reflection blocks (8, 3, 3, nz) of the layers.
+        supports: supports of all cases.
+        moduli: modulus per cell, float64.
+        forces: (cases, 3, nodes...), float64.
+    """
+
+    blocks: jax.Array
+    supports: Supports
+    moduli: jax.Array
+    forces: jax.Array
+
+
+class Result(NamedTuple):
+    """What an iteration arrived at.
 
     Attributes:
         displacements: (cases, 3, nodes...).
-        relative_residual: (cases,) norm of the true residual over that of the load.
+        relative_residual: (cases,) norm of the true residual, computed afresh, over that of the load.
         iterations: number of iterations, shared by all cases.
     """
 
@@ -34,70 +53,125 @@ class _State(NamedTuple):
     p: jax.Array
     rz: jax.Array
     error: jax.Array
+    true_error: jax.Array
     done: jax.Array
+    measure: jax.Array
+    stop: jax.Array
 
 
-def stiffness_product(lattice: Lattice, supports: Supports, moduli: jax.Array, u: jax.Array) -> jax.Array:
-    """K u with the springs of the rigid sections."""
+def stiffness_product(system: System, u: jax.Array) -> jax.Array:
+    """K u with the springs of the rigid sections, as far as admissible displacements feel it.
+
+    The reactions are projected out: far larger than a residual, they would drown it in float32.
+    """
+    supports = system.supports
     springs = jnp.einsum("bmn,bn->bm", supports.springs, section_coordinates(supports, u))
-    return add_section(supports, apply_stiffness(lattice, moduli, u), springs)
+    forces = apply_stiffness(system.blocks, system.moduli, u)
+    return project(supports, add_section(supports, forces, springs))
 
 
-@partial(jax.jit, static_argnames=("lattice",))
-def conjugate_gradients(
-    lattice: Lattice,
+@jax.jit
+def multigrid_cg(
+    system: System,
     hierarchy: Hierarchy,
-    supports: Supports,
-    moduli: jax.Array,
-    forces: jax.Array,
+    degree: jax.Array,
     guess: jax.Array,
     tolerance: jax.Array,
     max_iterations: jax.Array,
-) -> Solution:
-    """Solve K(moduli) u = f for every case.
+) -> Result:
+    """Conjugate gradients with the multigrid cycle.
 
     Args:
-        lattice: the grid.
-        hierarchy: preconditioner, built from these moduli or from similar ones.
-        supports: supports of all cases.
-        moduli: modulus per cell, float64.
-        forces: (cases, 3, nodes...), float64.
-        guess: start values in the admissible space, e.g. the last solution or zeros.
+        system: the equations.
+        hierarchy: built from the system's moduli or from similar ones.
+        degree: smoothing steps before and after each coarse correction.
+        guess: start values (cases, 3, nodes...), e.g. the last solution or zeros.
         tolerance: relative residual at which all cases must arrive.
         max_iterations: cap.
 
     Returns:
-        Solution with the true residual, computed afresh at the end.
+        Result; the tolerance is missed where the cap is reached, where the preconditioner or the matrix is
+        not positive definite in floating point, and where rounding stops all progress.
     """
-    precondition = partial(apply_cycle, lattice, hierarchy, supports)
-    forces = project(supports, forces)
+    precondition = partial(apply_cycle, hierarchy, system.supports, degree)
+    return _iterate(system, precondition, guess, tolerance, max_iterations)
+
+
+@jax.jit
+def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterations: jax.Array) -> Result:
+    """Conjugate gradients with the inverse diagonal; arguments and result as of `multigrid_cg`."""
+    diagonal = stiffness_diagonal(system.blocks, system.moduli)
+    inverse = jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1.0), 0.0)
+
+    def precondition(residual: jax.Array) -> jax.Array:
+        return project(system.supports, inverse * residual)
+
+    return _iterate(system, precondition, guess, tolerance, max_iterations)
+
+
+def _iterate(
+    system: System,
+    precondition: Callable[[jax.Array], jax.Array],
+    guess: jax.Array,
+    tolerance: jax.Array,
+    max_iterations: jax.Array,
+) -> Result:
+    """The iteration as one loop of two kinds of steps, so that the product is compiled only once.
+
+    A measuring step scales u per case to the least energy of its error and computes the true residual: it
+    makes the most of the guess at the start and checks the result at the end. Where the recursive residual
+    has drifted from the true one, the iteration goes on from there, as long as that still helps.
+    """
+    forces = project(system.supports, system.forces)
     load = _norm(forces)
     load = jnp.where(load > 0, load, 1.0)
 
-    # Section reactions are far larger than the residual: taken along, they would drown it in float32.
-    def product(u: jax.Array) -> jax.Array:
-        return project(supports, stiffness_product(lattice, supports, moduli, u))
+    def measured(s: _State) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+        return s.u, jnp.zeros_like(s.u), forces, _dot(forces, s.u)
 
-    def begin(u: jax.Array) -> _State:
-        r = forces - product(u)
-        none = jnp.ones(forces.shape[0], forces.dtype)
-        return _State(u, r, jnp.zeros_like(u), none, _norm(r) / load, jnp.zeros((), jnp.int32))
-
-    # The direction is updated first, so that the cycle and the product are compiled only once.
-    def step(s: _State) -> _State:
+    def conjugate(s: _State) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
         z = precondition(s.r)
         rz = _dot(s.r, z)
-        p = z + _wide(_ratio(rz, s.rz)) * s.p
-        image = product(p)
-        alpha = _wide(_ratio(rz, _dot(p, image)))
-        r = s.r - alpha * image
-        return _State(s.u + alpha * p, r, p, rz, _norm(r) / load, s.done + 1)
+        return z + _wide(_ratio(rz, s.rz)) * s.p, s.u, s.r, rz
 
-    def unfinished(s: _State) -> jax.Array:
-        return jnp.any(s.error > tolerance) & (s.done < max_iterations) & jnp.all(jnp.isfinite(s.error))
+    def step(s: _State) -> _State:
+        direction, u, r, slope = jax.lax.cond(s.measure, measured, conjugate, s)
+        image = stiffness_product(system, direction)
+        curvature = _dot(direction, image)
+        alpha = _ratio(slope, curvature)
+        u, r = u + _wide(alpha) * direction, r - _wide(alpha) * image
+        error = _norm(r) / load
+        sound = jnp.all((slope > 0) & (curvature > 0) | (error == 0))
+        done = s.done + jnp.where(s.measure, 0, 1)
+        checked = s.measure & (s.done > 0)
+        settled = jnp.all(error <= tolerance)
+        stuck = checked & (jnp.max(error) > 0.5 * jnp.max(s.true_error))
+        return _State(
+            u=u,
+            r=r,
+            p=direction,
+            rz=jnp.where(s.measure, 0.0, slope),
+            error=error,
+            true_error=jnp.where(s.measure, error, s.true_error),
+            done=done,
+            measure=~s.measure & (jnp.all(error <= _AIM * tolerance) | ~sound | (done >= max_iterations)),
+            stop=s.measure & (settled | stuck | (done >= max_iterations)),
+        )
 
-    final = jax.lax.while_loop(unfinished, step, begin(guess))
-    return Solution(final.u, _norm(forces - product(final.u)) / load, final.done)
+    none = jnp.zeros(forces.shape[0], forces.dtype)
+    first = _State(
+        u=project(system.supports, guess),
+        r=forces,
+        p=jnp.zeros_like(forces),
+        rz=none,
+        error=none,
+        true_error=none,
+        done=jnp.zeros((), jnp.int32),
+        measure=jnp.asarray(True),
+        stop=jnp.asarray(False),
+    )
+    final = jax.lax.while_loop(lambda s: ~s.stop, step, first)
+    return Result(final.u, final.true_error, final.done)
 
 
 def _dot(a: jax.Array, b: jax.Array) -> jax.Array:
@@ -113,5 +187,5 @@ def _wide(scalars: jax.Array) -> jax.Array:
 
 
 def _ratio(a: jax.Array, b: jax.Array) -> jax.Array:
-    """a / b, and 0 where a case is already solved exactly."""
-    return jnp.where(b != 0, a / jnp.where(b != 0, b, 1.0), 0.0)
+    """a / b, and 0 where there is nothing to divide by: a zero guess, a case that is already solved."""
+    return jnp.where(b > 0, a / jnp.where(b > 0, b, 1.0), 0.0)

@@ -1,13 +1,15 @@
 """Galerkin coarse operators of the multigrid hierarchy, stored as 27-point stencils of 3 x 3 blocks.
 
-A coarse cell's stiffness is linear in the moduli of the fine cells it holds, so every level is one
-constant matrix times those moduli.
+A coarse cell's stiffness is linear in the moduli of the fine cells it holds. Trilinear weights inside a
+coarse cell are linear in the fine cell's position, products of two of them quadratic, so over x and y the
+moduli enter only through nine moments per layer: every level is one small matrix product.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
 from itertools import product
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,41 +17,111 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.fem.element import CORNERS
-from cranktopo.fem.lattice import Lattice, layer_stiffness
+from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
 
 OFFSETS = list(product((-1, 0, 1), repeat=3))
 
 
-def coarse_stencil(lattice: Lattice, moduli: jax.Array, level: int) -> jax.Array:
-    """Stencil of the Galerkin operator P^T K P after `level` halvings of the grid.
+class CoarseMap(NamedTuple):
+    """Constants that turn the moduli of the fine cells into the stiffness of the coarse cells.
+
+    Attributes:
+        weights_x: moments over the fine cells along x in a coarse cell (moments, cells).
+        weights_y: likewise along y.
+        matrices: per coarse layer, moment (x, y) and fine layer in it, the (8, 3, 8, 3) matrix of P^T K_e P,
+            shape (coarse nz, moments, 576).
+        bound: bound of the Jacobi-scaled spectrum of the coarse operator, whatever the moduli.
+    """
+
+    weights_x: Array
+    weights_y: Array
+    matrices: Array
+    bound: Array
+
+
+@lru_cache(maxsize=32)
+def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
+    """Constants of one coarse grid.
 
     Args:
         lattice: the fine grid.
-        moduli: modulus per fine cell (nx, ny, nz).
-        level: 1 or more.
-
-    Returns:
-        Array (27, 3, 3, coarse nodes...): block that couples a node to its neighbour at OFFSETS[i].
+        factors: fine cells per coarse cell along (x, y, z).
     """
-    matrices = _coarse_cell_matrices(lattice, moduli, level)  # (8, 3, 8, 3, cells...)
-    blocks: dict[tuple[int, ...], list[jax.Array]] = {offset: [] for offset in OFFSETS}
-    for a, corner in enumerate(CORNERS):
-        for b, other in enumerate(CORNERS):
-            widths = [(0, 0), (0, 0), *((int(c), int(1 - c)) for c in corner)]
-            blocks[tuple(int(v) for v in other - corner)].append(jnp.pad(matrices[a, :, b], widths))
-    return jnp.stack([sum(parts[1:], start=parts[0]) for parts in blocks.values()])
+    stacks = [lattice.dz_mm[k : k + factors[2]] for k in range(0, lattice.cells[2], factors[2])]
+    layers = [_layer_map(lattice, factors, heights) for heights in stacks]
+    return CoarseMap(
+        weights_x=_moment_weights(factors[0]),
+        weights_y=_moment_weights(factors[1]),
+        matrices=np.stack([matrix for matrix, _ in layers]),
+        bound=np.asarray(max(bound for _, bound in layers)),
+    )
+
+
+def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
+    """Stiffness matrices (8, 3, 8, 3, coarse cells...) of the Galerkin operator P^T K P.
+
+    Args:
+        coarse: constants of the coarse grid.
+        moduli: modulus per fine cell (nx, ny, nz).
+    """
+    across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
+    nz = coarse.matrices.shape[0]
+    nx, ny = moduli.shape[0] // across, moduli.shape[1] // along
+    weights_x, weights_y, matrices = (
+        jnp.asarray(a, moduli.dtype) for a in (coarse.weights_x, coarse.weights_y, coarse.matrices)
+    )
+    fine = moduli.reshape(nx, across, ny, along, nz, -1)
+    moments = jnp.einsum("pi,qj,xiyjzk->zpqkxy", weights_x, weights_y, fine).reshape(nz, -1, nx * ny)
+    cells = jnp.einsum("zmr,zmc->rcz", matrices, moments)
+    return cells.reshape(8, 3, 8, 3, nx, ny, nz)
+
+
+def assemble_stencil(cells: jax.Array) -> jax.Array:
+    """Stencil (27, 3, 3, nodes...) of cell matrices: blocks that couple a node to its neighbours."""
+    shape = cells.shape[4:]
+    pairs = [(a, b, _index(CORNERS[b] - CORNERS[a])) for a in range(8) for b in range(8)]
+
+    # A loop: as one expression the 64 shifted sums take seconds to compile.
+    def add(number: jax.Array, stencil: jax.Array) -> jax.Array:
+        a, b, offset = jnp.asarray(pairs)[number]
+        i, j, k = jnp.asarray(CORNERS)[a]
+        at = offset, 0, 0, i, j, k
+        there = jax.lax.dynamic_slice(stencil, at, (1, 3, 3, *shape))
+        part = jax.lax.dynamic_slice(cells, (a, 0, b, 0, 0, 0, 0), (1, 3, 1, 3, *shape))
+        return jax.lax.dynamic_update_slice(stencil, there + part.reshape(there.shape), at)
+
+    empty = jnp.zeros((27, 3, 3, *(n + 1 for n in shape)), cells.dtype)
+    return jax.lax.fori_loop(0, len(pairs), add, empty)
+
+
+def assemble_dense(cells: jax.Array) -> jax.Array:
+    """Dense matrix (n, n) of cell matrices; degrees of freedom in the order of a field (3, nodes...)."""
+    shape = cells.shape[4:]
+    nodes = np.arange(int(np.prod([n + 1 for n in shape]))).reshape([n + 1 for n in shape])
+    corners = np.stack(
+        [nodes[i : i + shape[0], j : j + shape[1], k : k + shape[2]].ravel() for i, j, k in CORNERS]
+    )
+    freedoms = (corners[:, None] + nodes.size * np.arange(3)[None, :, None]).reshape(24, -1)
+    size = 3 * nodes.size
+    dense = jnp.zeros((size, size), cells.dtype)
+    return dense.at[freedoms[:, None], freedoms[None]].add(cells.reshape(24, 24, -1))
 
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
     """Product of a stencil operator (27, 3, 3, nodes...) with fields (cases, 3, nodes...)."""
-    shape = field.shape[2:]
-    padded = jnp.pad(field, ((0, 0), (0, 0), (1, 1), (1, 1), (1, 1)))
-    result = jnp.zeros_like(field)
+    cases, _, nx, ny, nz = field.shape
+    size, reach = nx * ny * nz, ny * nz + nz + 1
+    # One flat axis: the blocks that would reach beyond the grid are 0. Without the barriers XLA recomputes
+    # whatever made the field once per neighbour.
+    flat = field.reshape(cases, 3, size)
+    padded = jax.lax.optimization_barrier(jnp.pad(flat, ((0, 0), (0, 0), (reach, reach))))
+    blocks = stencil.reshape(27, 3, 3, size)
+    result = jnp.zeros_like(flat)
     for index, (i, j, k) in enumerate(OFFSETS):
-        part = padded[:, :, 1 + i : 1 + i + shape[0], 1 + j : 1 + j + shape[1], 1 + k : 1 + k + shape[2]]
+        first = reach + (i * ny + j) * nz + k
         for d in range(3):
-            result = result + stencil[index, :, d] * part[:, d : d + 1]
-    return result
+            result = result + blocks[index, :, d] * padded[:, d : d + 1, first : first + size]
+    return jax.lax.optimization_barrier(result).reshape(field.shape)
 
 
 def stencil_diagonal(stencil: jax.Array) -> jax.Array:
@@ -58,41 +130,52 @@ def stencil_diagonal(stencil: jax.Array) -> jax.Array:
     return jnp.stack([centre[c, c] for c in range(3)])
 
 
-def _coarse_cell_matrices(lattice: Lattice, moduli: jax.Array, level: int) -> jax.Array:
-    nx, ny, nz = lattice.coarsened(level)
-    n = 1 << level
-    children = moduli.reshape(nx, n, ny, n, nz, n).transpose(1, 3, 5, 0, 2, 4).reshape(n**3, nx, ny, nz)
-    parts = []
-    for start, stop, maps in _layer_maps(lattice, level):
-        part = children[..., start:stop].reshape(n**3, -1)
-        parts.append((jnp.asarray(maps.T, moduli.dtype) @ part).reshape(8, 3, 8, 3, nx, ny, stop - start))
-    return jnp.concatenate(parts, axis=-1)
+def _index(offset: NDArray[np.int64]) -> int:
+    return OFFSETS.index((int(offset[0]), int(offset[1]), int(offset[2])))
 
 
-@lru_cache(maxsize=32)
-def _layer_maps(lattice: Lattice, level: int) -> tuple[tuple[int, int, NDArray[np.float64]], ...]:
-    """Runs of coarse layers with the same fine layer heights: (start, stop, map (8^level, 576))."""
-    n = 1 << level
-    heights = [lattice.dz_mm[k : k + n] for k in range(0, lattice.cells[2], n)]
-    starts = [k for k in range(len(heights)) if k == 0 or heights[k] != heights[k - 1]]
-    stops = [*starts[1:], len(heights)]
-    return tuple((a, b, _children_map(lattice, level, a * n)) for a, b in zip(starts, stops, strict=True))
+def _samples(n: int) -> list[int]:
+    """Positions among n fine cells in a row at which quadratics are sampled."""
+    return sorted({0, (n - 1) // 2, n - 1}) if n > 2 else list(range(n))
 
 
-def _children_map(lattice: Lattice, level: int, first_layer: int) -> NDArray[np.float64]:
-    """(P^T K_e P) of each fine cell inside a coarse cell, flattened: shape (8^level, 576)."""
-    n = 1 << level
-    result = np.empty((n, n, n, 8, 3, 8, 3))
-    for k in range(n):
-        stiffness = layer_stiffness(lattice, first_layer + k).reshape(8, 3, 8, 3)
-        for i, j in product(range(n), repeat=2):
-            weights = _interpolation((i, j, k), n)
-            result[i, j, k] = np.einsum("ap,acbd,bq->pcqd", weights, stiffness, weights, optimize=True)
-    return result.reshape(n**3, 576)
+def _moment_weights(n: int) -> Array:
+    """Lagrange polynomials of the sample positions at every fine cell in a row (samples, n)."""
+    samples = _samples(n)
+    weights = np.ones((len(samples), n))
+    for row, here in zip(weights, samples, strict=True):
+        for other in samples:
+            if other != here:
+                row *= (np.arange(n) - other) / (here - other)
+    return weights
 
 
-def _interpolation(cell: tuple[int, int, int], n: int) -> NDArray[np.float64]:
-    """Trilinear weights (8 fine corners, 8 coarse corners) of fine cell `cell` among n^3 in a coarse cell."""
-    position = (np.array(cell) + CORNERS) / n  # (8, 3) in [0, 1]
-    factors = np.where(CORNERS[None] == 1, position[:, None], 1 - position[:, None])
-    return np.asarray(np.prod(factors, axis=2))
+@lru_cache(maxsize=64)
+def _layer_map(lattice: Lattice, factors: Cells, heights: tuple[float, ...]) -> tuple[Array, float]:
+    """Map (moments, 576) of a coarse layer from sampled P^T K_e P, and the bound of its spectrum.
+
+    Every K_i <= b_i diag(K_i), so a sum of them with positive moduli is at most max b_i times its diagonal.
+    """
+    across, along = _samples(factors[0]), _samples(factors[1])
+    result = np.empty((len(across), len(along), len(heights), 24, 24))
+    bound = 0.0
+    for k, height in enumerate(heights):
+        stiffness = layer_stiffness(lattice, lattice.dz_mm.index(height))
+        for (p, i), (q, j) in product(enumerate(across), enumerate(along)):
+            weights = np.kron(_interpolation((i, j, k), factors), np.eye(3))
+            result[p, q, k] = weights.T @ stiffness @ weights
+            bound = max(bound, jacobi_bound(result[p, q, k]))
+    return result.reshape(-1, 576), bound
+
+
+def jacobi_bound(stiffness: Array) -> float:
+    """Largest eigenvalue of diag(K)^-1 K of a cell."""
+    root = 1 / np.sqrt(np.diag(stiffness))
+    return float(np.linalg.eigvalsh(root[:, None] * stiffness * root).max())
+
+
+def _interpolation(cell: Cells, factors: Cells) -> Array:
+    """Trilinear weights (8 fine corners, 8 coarse corners) of a fine cell inside its coarse cell."""
+    position = (np.array(cell) + CORNERS) / np.array(factors)  # (8, 3) in [0, 1]
+    weights = np.where(CORNERS[None] == 1, position[:, None], 1 - position[:, None])
+    return np.asarray(np.prod(weights, axis=2))

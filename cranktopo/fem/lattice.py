@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -11,6 +12,10 @@ from numpy.typing import NDArray
 from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks
 
 Array = NDArray[np.float64]
+Cells = tuple[int, int, int]
+
+# The dense inverse of the coarsest grid takes about as long as one V-cycle at this size.
+_DENSE_UNKNOWNS = 450
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,7 @@ class Lattice:
         poisson: Poisson's ratio of every cell.
     """
 
-    cells: tuple[int, int, int]
+    cells: Cells
     dx_mm: float
     dy_mm: float
     dz_mm: tuple[float, ...]
@@ -42,10 +47,23 @@ class Lattice:
         """Shape of a displacement field: component, then nodes."""
         return (3, *self.nodes)
 
-    def coarsened(self, level: int) -> tuple[int, int, int]:
-        """Cell counts after `level` halvings of every axis."""
-        nx, ny, nz = (n >> level for n in self.cells)
-        return nx, ny, nz
+    def coarsenings(self, levels: int) -> tuple[Cells, ...]:
+        """Fine cells per coarse cell along (x, y, z) on every coarse grid of the multigrid hierarchy.
+
+        All axes are halved `levels` times; then those that still can, until a dense solve is cheap.
+        """
+        factors = [(1 << level, 1 << level, 1 << level) for level in range(1, levels + 1)]
+        while self._coarse_unknowns(factors[-1]) > _DENSE_UNKNOWNS:
+            halved = tuple(
+                2 * f if n % (2 * f) == 0 else f for n, f in zip(self.cells, factors[-1], strict=True)
+            )
+            if halved == factors[-1]:
+                break
+            factors.append((halved[0], halved[1], halved[2]))
+        return tuple(factors)
+
+    def _coarse_unknowns(self, factors: Cells) -> int:
+        return 3 * math.prod(n // f + 1 for n, f in zip(self.cells, factors, strict=True))
 
 
 @lru_cache(maxsize=64)

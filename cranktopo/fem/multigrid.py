@@ -2,72 +2,122 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from typing import NamedTuple
+from functools import lru_cache, partial
+from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.galerkin import apply_stencil, coarse_stencil, stencil_diagonal
-from cranktopo.fem.lattice import Lattice, layer_stiffness
+from cranktopo.fem.galerkin import (
+    CoarseMap,
+    apply_stencil,
+    assemble_dense,
+    assemble_stencil,
+    coarse_cells,
+    coarse_map,
+    jacobi_bound,
+    stencil_diagonal,
+)
+from cranktopo.fem.lattice import Array, Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.fem.supports import Supports, add_section, interior_mask, section_coordinates
 
-# Chebyshev smoothing damps the upper part [largest / SPREAD, largest] of the Jacobi-scaled spectrum.
-SPREAD = 8.0
+_Smoothing = tuple[jax.Array, jax.Array, jax.Array]
+Precision = Literal["float32", "float64"]
+
 _POWER_STEPS = 10
 _POWER_MARGIN = 1.15
+# Shift of the coarsest matrix relative to its diagonal: void around an island leaves it singular.
+_SHIFT = 1e-13
+
+
+class Tables(NamedTuple):
+    """Constants of a lattice; arguments of the compiled functions, so that grids of one size share them.
+
+    Attributes:
+        blocks: reflection blocks (8, 3, 3, nz) of the layers.
+        bound: bound of the Jacobi-scaled spectrum on the finest level.
+        coarse: constants of the coarse grids.
+    """
+
+    blocks: Array
+    bound: Array
+    coarse: tuple[CoarseMap, ...]
 
 
 class Hierarchy(NamedTuple):
     """Everything the V-cycle needs for one set of moduli.
 
     Attributes:
-        moduli: relative moduli of the finest cells, float32.
-        inverse_diagonals: per level above the coarsest, (3, nodes...), 0 in void.
-        largest: per level above the coarsest, bound of the Jacobi-scaled spectrum.
+        blocks: reflection blocks of the finest layers; all arrays have the precision of the cycle.
+        moduli: moduli of the finest cells over the largest one.
+        steps: per level above the coarsest, inverse diagonal over the largest eigenvalue of the
+            Jacobi-scaled operator, (3, nodes...), 0 in void.
         stencils: Galerkin stencils of the intermediate levels.
         coarse_inverse: (cases, n, n) inverse on the coarsest grid, supports included.
     """
 
+    blocks: jax.Array
     moduli: jax.Array
-    inverse_diagonals: tuple[jax.Array, ...]
-    largest: tuple[jax.Array, ...]
+    steps: tuple[jax.Array, ...]
     stencils: tuple[jax.Array, ...]
     coarse_inverse: jax.Array
 
 
-@partial(jax.jit, static_argnames=("lattice", "levels"))
-def build_hierarchy(lattice: Lattice, levels: int, supports: Supports, moduli: jax.Array) -> Hierarchy:
+@lru_cache(maxsize=4)
+def build_tables(lattice: Lattice, levels: int) -> Tables:
+    """Constants of a lattice and of its coarse grids.
+
+    Args:
+        lattice: the finest grid.
+        levels: how often all axes can be halved, at least 1.
+    """
+    heights = {lattice.dz_mm.index(h) for h in lattice.dz_mm}
+    bound = max(jacobi_bound(layer_stiffness(lattice, layer)) for layer in heights)
+    coarse = tuple(coarse_map(lattice, factors) for factors in lattice.coarsenings(levels))
+    return Tables(layer_blocks(lattice), np.asarray(bound), coarse)
+
+
+@partial(jax.jit, static_argnames=("precision",))
+def build_hierarchy(
+    tables: Tables, supports: Supports, moduli: jax.Array, precision: Precision = "float32"
+) -> Hierarchy:
     """Coarse operators and smoothers for one set of moduli.
 
     Args:
-        lattice: the finest grid.
-        levels: number of halvings, at least 1.
+        tables: constants of the grid.
         supports: supports of all cases; springs in the unit of `moduli`.
-        moduli: modulus per cell (nx, ny, nz), scaled so that the largest is about 1.
+        moduli: modulus per cell (nx, ny, nz), float64.
+        precision: of the cycle.
     """
-    moduli = moduli.astype(jnp.float32)
-    stencils = tuple(coarse_stencil(lattice, moduli, level) for level in range(1, levels))
-    diagonals = (stiffness_diagonal(lattice, moduli), *(stencil_diagonal(s) for s in stencils))
-    inverses = tuple(_safe_inverse(d) for d in diagonals)
-    largest = (
-        jnp.asarray(_element_bound(lattice), jnp.float32),
-        *(_largest_eigenvalue(s, d) for s, d in zip(stencils, inverses[1:], strict=True)),
-    )
-    coarse = coarse_stencil(lattice, moduli.astype(supports.springs.dtype), levels)
-    return Hierarchy(moduli, inverses, largest, stencils, _coarse_inverse(coarse, supports))
+    scale = jnp.max(moduli)
+    moduli = moduli / scale
+    rounded = moduli.astype(precision)
+    # Above the first coarse level the moments of the moduli cancel: they are summed in float64.
+    fields = (rounded if len(tables.coarse) > 1 else moduli, *(moduli for _ in tables.coarse[1:]))
+    cells = [coarse_cells(c, field) for c, field in zip(tables.coarse, fields, strict=True)]
+    stencils = tuple(assemble_stencil(c.astype(precision)) for c in cells[:-1])
+    blocks = jnp.asarray(tables.blocks, precision)
+    fine = _safe_inverse(stiffness_diagonal(blocks, rounded)) / jnp.asarray(tables.bound, precision)
+    # The bounds hold whatever the moduli, estimates need a third fewer cycles: the fast method takes those.
+    bounds = [None if precision == "float32" else c.bound for c in tables.coarse]
+    steps = fine, *(_jacobi_steps(s, b) for s, b in zip(stencils, bounds, strict=False))
+    springs = supports.springs / scale
+    inverse = _coarse_inverse(assemble_dense(cells[-1]), supports._replace(springs=springs))
+    return Hierarchy(blocks, rounded, steps, stencils, inverse.astype(precision))
 
 
-def apply_cycle(lattice: Lattice, hierarchy: Hierarchy, supports: Supports, residual: jax.Array) -> jax.Array:
+def apply_cycle(
+    hierarchy: Hierarchy, supports: Supports, degree: jax.Array, residual: jax.Array
+) -> jax.Array:
     """One V-cycle: an approximate, symmetric positive definite inverse applied to a residual.
 
     Args:
-        lattice: the finest grid.
         hierarchy: from `build_hierarchy`.
         supports: supports of all cases.
+        degree: smoothing steps before and after the coarse correction on the finest level; twice as many on
+            the next, and so on.
         residual: projected nodal forces (cases, 3, nodes...), any float type.
 
     Returns:
@@ -75,42 +125,65 @@ def apply_cycle(lattice: Lattice, hierarchy: Hierarchy, supports: Supports, resi
     """
     norm = jnp.sqrt(jnp.sum(residual**2, axis=(1, 2, 3, 4), keepdims=True))
     scale = jnp.where(norm > 0, norm, 1.0)
-    correction = _cycle(lattice, hierarchy, supports, (residual / scale).astype(jnp.float32), 0)
-    # Rounding to float32 bends the rigid sections by 1e-7; the energy of that would ruin CG.
+    correction = _cycle(hierarchy, supports, degree, (residual / scale).astype(hierarchy.moduli.dtype), 0)
+    # Rounding in the cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
     return project(supports, correction.astype(residual.dtype) * scale)
 
 
 def _cycle(
-    lattice: Lattice, hierarchy: Hierarchy, supports: Supports, residual: jax.Array, level: int
+    hierarchy: Hierarchy, supports: Supports, degree: jax.Array, residual: jax.Array, level: int
 ) -> jax.Array:
-    if level == len(hierarchy.inverse_diagonals):
+    """Smoothing, coarse correction, smoothing, as one loop: the product is compiled once per level.
+
+    Fourth-kind Chebyshev-Jacobi smoothing, a recursion over (field, residual, next correction). It starts
+    with the first Chebyshev correction, and again, after the coarse correction, with that.
+
+    Source: J. Lottes, Optimal polynomial smoothers for multigrid V-cycles, Numer. Linear Algebra Appl. 30,
+    2023, algorithm 1.
+    """
+    if level == len(hierarchy.steps):
         return _solve_coarse(hierarchy, residual)
 
     def product(field: jax.Array) -> jax.Array:
         if level == 0:
-            return apply_stiffness(lattice, hierarchy.moduli, field)
+            return apply_stiffness(hierarchy.blocks, hierarchy.moduli, field)
         return apply_stencil(hierarchy.stencils[level - 1], field)
 
+    def correct(residual: jax.Array) -> jax.Array:
+        coarse = restrict(residual, _coarser_nodes(hierarchy, supports, level))
+        return prolong(_cycle(hierarchy, supports, degree, coarse, level + 1), nodes)
+
     nodes = (residual.shape[2], residual.shape[3], residual.shape[4])
-    inverse = hierarchy.inverse_diagonals[level] * interior_mask(supports, nodes, residual.dtype)
-    smooth = partial(_chebyshev, product, inverse, hierarchy.largest[level])
-    field = smooth(residual)
-    coarse = _cycle(lattice, hierarchy, supports, restrict(residual - product(field)), level + 1)
-    field = field + prolong(coarse)
-    return field + smooth(residual - product(field))
+    step = hierarchy.steps[level] * interior_mask(supports, nodes, residual.dtype)
+
+    # Coarse levels cost little: smoothing them more saves a third of the cycles.
+    count = degree * (level + 1)
+
+    def sweep(index: jax.Array, state: _Smoothing) -> _Smoothing:
+        field, residual, correction = state
+        residual = residual - product(correction)
+        k = jnp.where(index < count, index + 1, index - count).astype(residual.dtype)
+        keep = jnp.maximum(2 * k - 1, 0) / (2 * k + 3)
+        fresh = (8 * k + 4) / (2 * k + 3)
+        following = jax.lax.cond(
+            index == count - 1,
+            lambda: correct(residual),
+            lambda: keep * correction + fresh * step * residual,
+        )
+        return field + correction, residual, following
+
+    first = 4 / 3 * step * residual
+    field, _, last = jax.lax.fori_loop(0, 2 * count, sweep, (jnp.zeros_like(first), residual, first))
+    return field + last
 
 
-def _chebyshev(
-    product: Callable[[jax.Array], jax.Array], inverse: jax.Array, largest: jax.Array, residual: jax.Array
-) -> jax.Array:
-    """Two Chebyshev steps from a zero guess (Adams et al., Parallel multigrid smoothing, JCP 188, 2003)."""
-    centre = largest * (1 + 1 / SPREAD) / 2
-    width = largest * (1 - 1 / SPREAD) / 2
-    ratio = centre / width
-    first = inverse * residual / centre
-    weight = 1 / (2 * ratio - 1 / ratio)
-    second = weight / ratio * first + 2 * weight / width * inverse * (residual - product(first))
-    return first + second
+def _coarser_nodes(hierarchy: Hierarchy, supports: Supports, level: int) -> Cells:
+    if level + 1 < len(hierarchy.steps):
+        _, nx, ny, nz = hierarchy.steps[level + 1].shape
+    else:
+        nx, ny = supports.coarse_basis.shape[4:]
+        nz = hierarchy.coarse_inverse.shape[-1] // (3 * nx * ny)
+    return nx, ny, nz
 
 
 def _solve_coarse(hierarchy: Hierarchy, residual: jax.Array) -> jax.Array:
@@ -118,36 +191,41 @@ def _solve_coarse(hierarchy: Hierarchy, residual: jax.Array) -> jax.Array:
     return jnp.einsum("bij,bj->bi", hierarchy.coarse_inverse, flat).reshape(residual.shape)
 
 
-def _coarse_inverse(stencil: jax.Array, supports: Supports) -> jax.Array:
-    """Dense inverse per case in the space of free nodes and section motions, float32 from float64."""
-    nodes = (stencil.shape[3], stencil.shape[4], stencil.shape[5])
-    size = 3 * int(np.prod(nodes))
-    identity = jnp.eye(size, dtype=stencil.dtype).reshape(size, 3, *nodes)
-    dense = apply_stencil(stencil, identity).reshape(size, size)
+def _coarse_inverse(dense: jax.Array, supports: Supports) -> jax.Array:
+    """Dense inverse per case in the space of free nodes and section motions; 0 where it has none."""
+    nodes = (supports.coarse_basis.shape[4], supports.coarse_basis.shape[5])
+    size = dense.shape[0]
+    layers = size // (3 * nodes[0] * nodes[1])
     diagonal = jnp.diagonal(dense)
-    free = interior_mask(supports, nodes, stencil.dtype).reshape(-1, size) * (diagonal > 0)
+    free = interior_mask(supports, (*nodes, layers), dense.dtype).reshape(-1, size) * (diagonal > 0)
     count = supports.springs.shape[1]
-    motions = jnp.zeros((free.shape[0], count, 3, *nodes), stencil.dtype)
+    motions = jnp.zeros((free.shape[0], count, 3, *nodes, layers), dense.dtype)
     motions = motions.at[..., 0].set(supports.coarse_basis[:, :, 0])
     motions = motions.at[..., -1].add(supports.coarse_basis[:, :, 1])
     motions = motions.reshape(free.shape[0], count, size)
 
     def invert(free: jax.Array, motions: jax.Array, springs: jax.Array) -> jax.Array:
+        forces = motions @ dense
+        mixed = forces * free
+        section = forces @ motions.T + springs
+        matrix = jnp.block([[dense * free * free[:, None], mixed.T], [mixed, section]])
+        diagonal = jnp.diagonal(matrix)
+        shift = jnp.where(diagonal > 0, _SHIFT * diagonal, jnp.max(diagonal))
         columns = jnp.concatenate([jnp.diag(free), motions])  # (n + m, n): admissible displacements
-        matrix = columns @ dense @ columns.T
-        matrix = matrix.at[size:, size:].add(springs)
-        unused = jnp.diagonal(matrix) <= 0
-        matrix = matrix + jnp.diag(jnp.where(unused, jnp.mean(diagonal), 0.0))
-        solved = jax.scipy.linalg.cho_solve(jax.scipy.linalg.cho_factor(matrix), columns)
-        return columns.T @ solved
+        factor = jax.scipy.linalg.cho_factor(matrix + jnp.diag(shift))
+        solved = jax.scipy.linalg.cho_solve(factor, columns)
+        inverse = free[:, None] * solved[:size] + motions.T @ solved[size:]
+        return jnp.where(jnp.all(jnp.isfinite(inverse)), inverse, 0.0)
 
-    return jax.vmap(invert)(free, motions, supports.springs).astype(jnp.float32)
+    return jax.vmap(invert)(free, motions, supports.springs)
 
 
-def restrict(field: jax.Array) -> jax.Array:
-    """Transpose of trilinear interpolation: fine nodal forces to coarse ones."""
-    for axis in (2, 3, 4):
+def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
+    """Transpose of trilinear interpolation: fine nodal forces to a coarser grid with so many nodes."""
+    for axis, count in zip((2, 3, 4), nodes, strict=True):
         size = field.shape[axis]
+        if size == count:
+            continue
         even = jax.lax.slice_in_dim(field, 0, size, 2, axis)
         odd = jax.lax.slice_in_dim(field, 1, size, 2, axis) * 0.5
         low, high = [(0, 0)] * 5, [(0, 0)] * 5
@@ -156,10 +234,12 @@ def restrict(field: jax.Array) -> jax.Array:
     return field
 
 
-def prolong(field: jax.Array) -> jax.Array:
-    """Trilinear interpolation of a coarse field to the next finer grid."""
-    for axis in (4, 3, 2):
+def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
+    """Trilinear interpolation of a coarse field to the next finer grid with so many nodes."""
+    for axis, count in zip((4, 3, 2), reversed(nodes), strict=True):
         size = field.shape[axis]
+        if size == count:
+            continue
         near = jax.lax.slice_in_dim(field, 0, size - 1, 1, axis)
         far = jax.lax.slice_in_dim(field, 1, size, 1, axis)
         pairs = jnp.stack([near, (near + far) * 0.5], axis=axis + 1)
@@ -184,19 +264,14 @@ def _safe_inverse(diagonal: jax.Array) -> jax.Array:
     return jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1), 0)
 
 
-def _element_bound(lattice: Lattice) -> float:
-    """Largest eigenvalue of diag(K_e)^-1 K_e over the layers; it bounds that of the assembled matrix."""
-    bound = 0.0
-    for layer in {lattice.dz_mm.index(h) for h in lattice.dz_mm}:
-        stiffness = layer_stiffness(lattice, layer)
-        root = 1 / np.sqrt(np.diag(stiffness))
-        bound = max(bound, float(np.linalg.eigvalsh(root[:, None] * stiffness * root).max()))
-    return bound
+def _jacobi_steps(stencil: jax.Array, bound: Array | None) -> jax.Array:
+    """Inverse diagonal over the bound, or an estimate, of the Jacobi-scaled stencil's spectrum.
 
-
-def _largest_eigenvalue(stencil: jax.Array, inverse: jax.Array) -> jax.Array:
-    """Power iteration on the Jacobi-scaled stencil, with a margin because it converges from below."""
-    start = jnp.sin(jnp.arange(inverse.size, dtype=stencil.dtype) * 12.9898).reshape(1, *inverse.shape)
+    The estimate is a power iteration, with a margin because it converges from below.
+    """
+    inverse = _safe_inverse(stencil_diagonal(stencil))
+    if bound is not None:
+        return inverse / jnp.asarray(bound, stencil.dtype)
 
     def step(_: int, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         vector, _norm = state
@@ -204,8 +279,8 @@ def _largest_eigenvalue(stencil: jax.Array, inverse: jax.Array) -> jax.Array:
         norm = jnp.sqrt(jnp.sum(image**2))
         return image / jnp.where(norm > 0, norm, 1), norm
 
-    start = start * (inverse > 0)
-    start = start / jnp.sqrt(jnp.sum(start**2))
-    norm: jax.Array
-    _, norm = jax.lax.fori_loop(0, _POWER_STEPS, step, (start, jnp.ones((), stencil.dtype)))
-    return norm * _POWER_MARGIN
+    waves = jnp.sin(jnp.arange(inverse.size, dtype=stencil.dtype) * 12.9898).reshape(1, *inverse.shape)
+    start = waves / jnp.sqrt(jnp.sum(waves**2))
+    largest: jax.Array
+    _, largest = jax.lax.fori_loop(0, _POWER_STEPS, step, (start, jnp.ones((), stencil.dtype)))
+    return inverse / jnp.where(largest > 0, largest * _POWER_MARGIN, 1.0)

@@ -12,17 +12,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.element import wave_of
-from cranktopo.fem.lattice import Lattice, layer_blocks
+from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks, wave_of
 
 Waves = list[list[jax.Array]]  # [wave][component], each (cases, nx, ny, nz)
 
+# Entries of the reflection blocks that do not vanish by symmetry, the same for every box and material.
+_COUPLED = np.abs(reflection_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3))) > 1e-12
 
-def apply_stiffness(lattice: Lattice, moduli: jax.Array, field: jax.Array) -> jax.Array:
+
+def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """Nodal forces K(moduli) u of every case.
 
     Args:
-        lattice: the grid.
+        blocks: reflection blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
         moduli: Young's modulus per cell (nx, ny, nz), MPa.
         field: displacements (cases, 3, nx + 1, ny + 1, nz + 1), mm.
 
@@ -30,37 +32,37 @@ def apply_stiffness(lattice: Lattice, moduli: jax.Array, field: jax.Array) -> ja
         Forces of the same shape and precision as `field`, N.
     """
     waves = [_corner_sums(field[:, c]) for c in range(3)]
-    products = _multiply_blocks(lattice, moduli, waves)
+    products = _multiply_blocks(blocks, moduli, waves)
     return jnp.stack([_corner_sums_transposed([p[c] for p in products]) for c in range(3)], axis=1)
 
 
-def strain_energy_density(lattice: Lattice, left: jax.Array, right: jax.Array) -> jax.Array:
+def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
     """v^T K_e u of every cell for unit modulus, summed over cases: the derivative of v^T K u by moduli.
 
     Args:
-        lattice: the grid.
+        blocks: as in `apply_stiffness`.
         left: field v, as in `apply_stiffness`.
         right: field u.
 
     Returns:
         Array (nx, ny, nz), N mm per MPa.
     """
-    unit = jnp.ones(lattice.cells, right.dtype)
     waves = [_corner_sums(right[:, c]) for c in range(3)]
     other = [_corner_sums(left[:, c]) for c in range(3)]
-    products = _multiply_blocks(lattice, unit, waves)
+    unit = jnp.ones(waves[0][0].shape[1:], right.dtype)
+    products = _multiply_blocks(blocks, unit, waves)
     return sum(
         (jnp.sum(other[c][w] * products[w][c], axis=0) for w in range(1, 8) for c in range(3)),
-        start=jnp.zeros(lattice.cells, right.dtype),
+        start=jnp.zeros_like(unit),
     )
 
 
-def stiffness_diagonal(lattice: Lattice, moduli: jax.Array) -> jax.Array:
+def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
     """Diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1)."""
-    weights = np.sum(layer_blocks(lattice), axis=0)  # by symmetry every corner has the same diagonal
+    weights = jnp.sum(blocks, axis=0)  # by symmetry every corner has the same diagonal
     diagonal = []
     for c in range(3):
-        cell = moduli * jnp.asarray(weights[c, c], moduli.dtype)
+        cell = moduli * weights[c, c].astype(moduli.dtype)
         padded = jnp.pad(cell, 1)
         for axis in range(3):
             size = padded.shape[axis]
@@ -92,23 +94,23 @@ def _sum_and_difference(values: jax.Array, axis: int) -> tuple[jax.Array, jax.Ar
     return near + far, far - near
 
 
-def _multiply_blocks(lattice: Lattice, moduli: jax.Array, waves: Sequence[Sequence[jax.Array]]) -> Waves:
+def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, waves: Sequence[Sequence[jax.Array]]) -> Waves:
     """The 3 x 3 block product of every parity class; `waves` is [component][wave]."""
-    blocks = layer_blocks(lattice)
-    zero = jnp.zeros_like(waves[0][0])
-    products: Waves = [[zero] * 3 for _ in range(8)]
+    blocks = jnp.asarray(blocks, moduli.dtype)
+    formed: dict[tuple[int, int], jax.Array] = {}
     for parity in range(8):
         for c in range(3):
             terms = [
-                jnp.asarray(blocks[parity, c, d], moduli.dtype) * waves[d][wave_of(parity, d)]
+                blocks[parity, c, d] * waves[d][wave_of(parity, d)]
                 for d in range(3)
-                if np.any(blocks[parity, c, d])
+                if _COUPLED[parity, c, d]
             ]
             if terms:
-                products[wave_of(parity, c)][c] = moduli * sum(terms[1:], start=terms[0])
+                formed[wave_of(parity, c), c] = moduli * sum(terms[1:], start=terms[0])
     # Without a barrier XLA recomputes the block products once per corner.
-    flat = _barrier(tuple(products[w][c] for w in range(8) for c in range(3)))
-    return [list(flat[3 * w : 3 * w + 3]) for w in range(8)]
+    formed = dict(zip(formed, _barrier(tuple(formed.values())), strict=True))
+    zero = jnp.zeros_like(waves[0][0])
+    return [[formed.get((wave, c), zero) for c in range(3)] for wave in range(8)]
 
 
 def _corner_sums_transposed(waves: Sequence[jax.Array]) -> jax.Array:

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.fem.lattice import Lattice
+from cranktopo.fem.lattice import Cells, Lattice
 
 Array = NDArray[np.float64]
 
@@ -134,8 +134,8 @@ def _case_arrays(
     lattice: Lattice, origin_mm: tuple[float, float], levels: int, case: CaseSupports, size: int
 ) -> tuple[Array, Array, Array, Array]:
     """Orthonormal basis, the same on the coarsest grid, springs and loads in its coordinates."""
-    fine = _motion_fields(lattice, origin_mm, 0, case)
-    coarse = _motion_fields(lattice, origin_mm, levels, case)
+    fine = _motion_fields(lattice, origin_mm, (1, 1, 1), case)
+    coarse = _motion_fields(lattice, origin_mm, lattice.coarsenings(levels)[-1], case)
     count = len(case.motions)
     basis = np.zeros((size, *fine.shape[1:]))
     coarse_basis = np.zeros((size, *coarse.shape[1:]))
@@ -151,13 +151,14 @@ def _case_arrays(
     return basis, coarse_basis, springs, loads
 
 
-def _motion_fields(lattice: Lattice, origin_mm: tuple[float, float], level: int, case: CaseSupports) -> Array:
-    """Unit motions (motions, 2, 3, nx + 1, ny + 1) on the end planes of a level's grid."""
-    nx, ny, _ = lattice.coarsened(level)
-    step = 1 << level
+def _motion_fields(
+    lattice: Lattice, origin_mm: tuple[float, float], factors: Cells, case: CaseSupports
+) -> Array:
+    """Unit motions (motions, 2, 3, nx + 1, ny + 1) on the end planes of a coarse grid."""
+    nx, ny = lattice.cells[0] // factors[0], lattice.cells[1] // factors[1]
     x, y = np.meshgrid(
-        origin_mm[0] + lattice.dx_mm * step * np.arange(nx + 1),
-        origin_mm[1] + lattice.dy_mm * step * np.arange(ny + 1),
+        origin_mm[0] + lattice.dx_mm * factors[0] * np.arange(nx + 1),
+        origin_mm[1] + lattice.dy_mm * factors[1] * np.arange(ny + 1),
         indexing="ij",
     )
     zero, one = np.zeros_like(x), np.ones_like(x)

@@ -1,0 +1,142 @@
+"""Equilibrium to a checked residual: fast multigrid first, then announced fallbacks, else an error.
+
+Nothing leaves this module whose true float64 residual misses its tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.fem.conjugate_gradients import Result, System, jacobi_cg, multigrid_cg
+from cranktopo.fem.diagnosis import unsupported_load
+from cranktopo.fem.multigrid import Precision, Tables, build_hierarchy
+
+# Below this share of the largest modulus a cell counts as void in a message.
+_VOID = 1e-3
+
+
+class Solution(NamedTuple):
+    """Displacements and how well they satisfy equilibrium.
+
+    Attributes:
+        displacements: (cases, 3, nodes...).
+        relative_residual: (cases,) norm of the true residual over that of the load.
+        iterations: number of iterations, shared by all cases, of all methods together.
+        method: what reached the tolerance.
+        notice: one sentence when the first method was not enough, else empty.
+    """
+
+    displacements: jax.Array
+    relative_residual: jax.Array
+    iterations: int
+    method: str = ""
+    notice: str = ""
+
+
+@dataclass(frozen=True)
+class _Method:
+    """A way to solve; `degree` 0 is Jacobi without a hierarchy."""
+
+    name: str
+    precision: Precision
+    degree: int
+    cap: int
+
+
+# A field that defeats two smoothing steps in float32 is either ill-conditioned or an island in void:
+# float64 helps with the second, deeper smoothing with the first.
+METHODS = (
+    _Method("multigrid CG", "float32", 2, 200),
+    _Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 200),
+    _Method("Jacobi CG", "float64", 0, 5000),
+)
+
+
+def solve_system(
+    tables: Tables, system: System, guess: jax.Array, tolerance: float, names: tuple[str, ...]
+) -> Solution:
+    """Displacements of every case, their true residual at most the tolerance.
+
+    Args:
+        tables: constants of the grid.
+        system: the equations.
+        guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros.
+        tolerance: relative residual that every case must reach.
+        names: of the cases, for messages.
+
+    Raises:
+        CranktopoError: the field or the load makes no sense, or no method reaches the tolerance (exit
+            code 4).
+    """
+    _check_moduli(system)
+    iterations, tried = 0, ""
+    for method in METHODS:
+        result = _run(method, tables, system, guess, tolerance)
+        used, residual = int(result.iterations), _worst(result)
+        iterations += used
+        if residual <= tolerance:
+            notice = f"{tried}: {method.name} took over and reached {tolerance:.0e}" if tried else ""
+            return Solution(result.displacements, result.relative_residual, iterations, method.name, notice)
+        if not tried:
+            _check_load_path(system, names)
+        tried = f"{method.name} stopped at relative residual {residual:.1e} after {used} iterations"
+        guess = result.displacements if isfinite(residual) else jnp.zeros_like(guess)
+    raise _failure(system, result, tolerance, iterations, names)
+
+
+def _run(method: _Method, tables: Tables, system: System, guess: jax.Array, tolerance: float) -> Result:
+    limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
+    if method.degree == 0:
+        return jacobi_cg(system, guess, *limits)
+    hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
+    return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
+
+
+def _worst(result: Result) -> float:
+    return float(jnp.max(result.relative_residual))
+
+
+def _check_moduli(system: System) -> None:
+    least, largest = float(jnp.min(system.moduli)), float(jnp.max(system.moduli))
+    if not (least >= 0 and 0 < largest < float("inf")):
+        raise CranktopoError(
+            f"solver: relative moduli from {least:.3g} to {largest:.3g}; all must be finite, none negative "
+            "and one positive.",
+            hint="Check the densities and the material.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def _check_load_path(system: System, names: tuple[str, ...]) -> None:
+    """Before slower methods are tried: a singular system has no answer."""
+    found = unsupported_load(system, 0.0)
+    if found is not None:
+        case, reason = found
+        raise CranktopoError(
+            f"solver: load case {names[case]} has no answer: {reason}.",
+            hint="Join the load to the supports with material, or give void cells a small modulus.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def _failure(
+    system: System, result: Result, tolerance: float, iterations: int, names: tuple[str, ...]
+) -> CranktopoError:
+    residual = [float(r) for r in result.relative_residual]
+    worst = residual.index(max(residual))
+    found = unsupported_load(system, _VOID)
+    reason = (
+        f" In load case {names[found[0]]} {found[1]} stiffer than {_VOID:g} of the solid." if found else ""
+    )
+    return CranktopoError(
+        f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
+        f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",
+        hint="Check that a load path joins the journals, or use a smaller stiffness contrast.",
+        code=ExitCode.SOLVER,
+    )
