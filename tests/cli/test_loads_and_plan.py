@@ -145,8 +145,8 @@ def test_bad_indicator_is_one_line(capsys, tmp_path):
 def test_plan_prints_every_effect(capsys):
     code, out, _ = run(capsys, "plan", "mikron-iiic")
     assert code == 0
-    assert re.search(r"^bending +on +100 %", out, re.MULTILINE)
-    assert re.search(r"^centrifugal +off +0\.995 %", out, re.MULTILINE)
+    assert re.search(r"^torsion +on +100 %", out, re.MULTILINE)
+    assert re.search(r"^centrifugal +off +5\.78 %", out, re.MULTILINE)
     assert max(len(line) for line in out.splitlines()) < 150
 
 

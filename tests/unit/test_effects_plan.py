@@ -233,7 +233,7 @@ def test_torsion_case_is_the_largest_torque_behind_any_throw():
 
 def test_fatigue_estimate_by_hand():
     """Opposed-piston: F / 2 x lever / (B W^2 / 6) and T / (pi D^3 / 16), half of each range."""
-    bend = 85730 / 2 / 2 * (34 / 2 + 20 / 2) / (80 * 20**2 / 6)
+    bend = 85730 / 2 / 2 * (38 / 2 + 16 / 2) / (76 * 16**2 / 6)
     shear = (1412e3 + 684.4e3) / 2 / (math.pi * 56**3 / 16)
     percent = 100 * math.sqrt(bend**2 + 3 * shear**2) / 525
     assert plan(OPPOSED)["fatigue"].estimate_percent == pytest.approx(percent, rel=1e-9)

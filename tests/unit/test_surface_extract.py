@@ -183,10 +183,10 @@ def test_hollows_stay_and_those_of_islands_go_with_them() -> None:
 def test_overlapping_journals_leave_each_other_alone() -> None:
     scene = scene_with("opposed-piston")
     surface = extract_half_throw(grid_of(scene, obround(40, 45), cell_mm=2.0), scene)
-    journals = math.pi * (31**2 * 17 + 28**2 * 16)
+    journals = math.pi * (31**2 * 19 + 28**2 * 18)
     assert surface.half_throw.volume_mm3 - surface.web.volume_mm3 == pytest.approx(journals, rel=3e-4)
     points = surface.half_throw.vertices_mm
-    main = points[points[:, 2] < 17 - 1e-3]
+    main = points[points[:, 2] < 19 - 1e-3]
     assert np.abs(np.hypot(main[:, 0], main[:, 1]) - 31).max() < 1e-4
     assert check_surface(surface).bodies == 1
 
@@ -195,13 +195,13 @@ def test_bore_of_one_journal_does_not_cut_the_other() -> None:
     # The 40 mm pin bore lies partly under the main journal, which must stay whole.
     scene = scene_with("opposed-piston", throw__crankpin__bore_diameter_mm=40.0)
     surface = extract_half_throw(grid_of(scene, obround(40, 45), cell_mm=2.0), scene)
-    pin = math.pi * (28**2 - 20**2) * 16
+    pin = math.pi * (28**2 - 20**2) * 18
     journals = surface.half_throw.volume_mm3 - surface.web.volume_mm3
-    assert journals == pytest.approx(math.pi * 31**2 * 17 + pin, rel=3e-4)
+    assert journals == pytest.approx(math.pi * 31**2 * 19 + pin, rel=3e-4)
     ceiling = trimesh.Trimesh(surface.half_throw.vertices_mm, surface.half_throw.faces, process=False)
     hits, _, _ = ceiling.ray.intersects_location([[0.1, 28.0, 60.0]], [[0.0, 0.0, -1.0]])
     # Down the bore from the mid-pin plane: nothing until the main journal's end face at the web.
-    assert hits[:, 2].max() == pytest.approx(17.0, abs=1e-6)
+    assert hits[:, 2].max() == pytest.approx(19.0, abs=1e-6)
 
 
 _ENVELOPES: list[tuple[dict[str, Any], float]] = [
