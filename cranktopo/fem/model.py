@@ -135,7 +135,7 @@ def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
     """
     if not model.spinning or model.arms_mm is None:
         return model.forces
-    nodal = jnp.pad(solid * jnp.asarray(_cell_volumes(model.lattice)) / 8, 1)
+    nodal = jnp.pad(solid * jnp.asarray(cell_volumes_mm3(model.lattice)) / 8, 1)
     for axis in range(3):
         size = nodal.shape[axis]
         near = jax.lax.slice_in_dim(nodal, 0, size - 1, axis=axis)
@@ -145,7 +145,8 @@ def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
     return model.forces + jnp.asarray(model.spin)[:, None, None, None, None] * outward
 
 
-def _cell_volumes(lattice: Lattice) -> Array:
+def cell_volumes_mm3(lattice: Lattice) -> Array:
+    """Cell volumes, broadcastable to (nx, ny, nz)."""
     return lattice.dx_mm * lattice.dy_mm * np.array(lattice.dz_mm)[None, None, :]
 
 

@@ -13,11 +13,11 @@ import jax.numpy as jnp
 from cranktopo.fem.conjugate_gradients import System
 from cranktopo.fem.equilibrium import Solution, solve_system
 from cranktopo.fem.lattice import layer_blocks
-from cranktopo.fem.model import ThrowModel, case_forces
+from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
 from cranktopo.fem.multigrid import build_tables
 from cranktopo.fem.operator import strain_energy_density
 from cranktopo.fem.supports import section_coordinates
-from cranktopo.units import NMM_PER_NM
+from cranktopo.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 
 
 def solve(
@@ -121,6 +121,30 @@ def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
         torque = load.torque_Nm * NMM_PER_NM
         return torque**2 / compliance_N_mm / NMM_PER_NM
     return (load.radial_N or load.tangential_N) ** 2 / compliance_N_mm
+
+
+def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
+    """Mass of the full throw, kg.
+
+    Args:
+        model: the discrete throw.
+        solid: solid fraction of every cell (nx, ny, nz).
+        density_kg_m3: mass density of the material.
+    """
+    tonne = density_tonne_per_mm3(density_kg_m3) * jnp.sum(solid * cell_volumes_mm3(model.lattice))
+    return tonne * KG_PER_TONNE / model.share
+
+
+def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
+    """Mass of the full throw times the y of its centre of mass, kg mm; arguments as `throw_mass_kg`.
+
+    Raises:
+        ValueError: the model does not say where its nodes are.
+    """
+    if model.arms_mm is None:
+        raise ValueError("a model without arms_mm has no unbalance")
+    y = model.arms_mm[1]
+    return throw_mass_kg(model, solid * (y[:, :-1] + y[:, 1:]) / 2, density_kg_m3)
 
 
 def section_motion(model: ThrowModel, u: jax.Array) -> jax.Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -17,6 +18,8 @@ from cranktopo.fem.response import (
     displacements,
     pin_displacement_mm,
     solve,
+    throw_mass_kg,
+    throw_unbalance_kg_mm,
     twist_rad,
 )
 from cranktopo.optimise.criteria import design_gradients
@@ -25,6 +28,7 @@ from cranktopo.optimise.material import (
     build_interpolation,
     physical_density,
     relative_moduli,
+    solid_fraction,
     volume_fraction,
 )
 from cranktopo.scene import Scene
@@ -98,3 +102,30 @@ def test_volume_derivative(setting: tuple[ThrowModel, Interpolation, jax.Array])
 
     expected = (volume(x.at[cell].add(step)) - volume(x.at[cell].add(-step))) / (2 * step)
     assert float(by_x[cell]) == pytest.approx(expected, rel=1e-6)
+
+
+def test_mass_and_unbalance(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
+    model, chain, x = setting
+    direction = jnp.asarray(np.random.default_rng(4).standard_normal(x.shape))
+    for response in (throw_mass_kg, throw_unbalance_kg_mm):
+
+        def value(x: jax.Array, response: Any = response) -> jax.Array:
+            return response(model, solid_fraction(chain, physical_density(chain, x, 2.0)), 7850.0)
+
+        step = 1e-5
+        expected = float(value(x + step * direction) - value(x - step * direction)) / (2 * step)
+        slope = float(jnp.sum(jax.grad(value)(x) * direction))
+        assert slope == pytest.approx(expected, rel=1e-6)
+
+
+def test_mass_and_unbalance_of_the_original_web(float64: None, mikron: Scene) -> None:
+    """Closed form: web symmetric about half the throw, main journal on the axis, pin at the throw radius."""
+    domain = build_domain(mikron, 2.0, "web")
+    model = build_model(mikron, domain, (BENDING,))
+    ring, radius = np.pi * (21.0**2 - 12.0**2), 48.0
+    web = 2 * 19 * (50 * radius + np.pi * (25.0**2 - 2 * 12.0**2))
+    solid = jnp.asarray(domain.fixed)
+    mass = 7850e-9 * (web + 76 * ring)
+    unbalance = 7850e-9 * (web * radius / 2 + 36 * ring * radius)
+    assert float(throw_mass_kg(model, solid, 7850.0)) == pytest.approx(mass, rel=1e-3)
+    assert float(throw_unbalance_kg_mm(model, solid, 7850.0)) == pytest.approx(unbalance, rel=1e-3)
