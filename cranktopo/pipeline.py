@@ -10,7 +10,7 @@ from typing import Any
 
 from cranktopo.domain.build import Domain, build_domain, laterally_symmetric
 from cranktopo.domain.limits import available_memory_MiB, check_resolution
-from cranktopo.effects import EffectPlan, plan
+from cranktopo.effects import EffectPlan, plan, simulated_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.loads.cases import LoadCase, load_cases
@@ -37,7 +37,14 @@ Notice = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Prepared:
-    """A validated scene with everything the optimisation needs, before anything is written."""
+    """A validated scene with everything the optimisation needs, before anything is written.
+
+    Attributes:
+        scene: the scene as it is simulated, without what the plan leaves out.
+        plan: the effects.
+        cases: load cases of the objective.
+        domain: the cells.
+    """
 
     scene: Scene
     plan: EffectPlan
@@ -51,11 +58,13 @@ def prepare(scene: Scene) -> Prepared:
     Raises:
         CranktopoError: resolution out of range, no envelope, an envelope that misses a journal.
     """
-    quarter = laterally_symmetric(scene, "envelope")
-    check_resolution(scene, scene.optimise.resolution_mm, quarter, available_memory_MiB())
     effects = plan(scene)
+    scene = simulated_scene(scene, effects)
+    quarter = laterally_symmetric(scene, "envelope")
     cases = load_cases(scene, effects.enabled)
-    return Prepared(scene, effects, cases, build_domain(scene, scene.optimise.resolution_mm))
+    resolution = scene.optimise.resolution_mm
+    check_resolution(scene, resolution, quarter, len(cases), available_memory_MiB())
+    return Prepared(scene, effects, cases, build_domain(scene, resolution))
 
 
 def start(

@@ -28,6 +28,7 @@ from cranktopo.domain.outline import (
 from cranktopo.errors import invalid
 from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.schema import Scene
+from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
 Target = Literal["envelope", "web"]
 Array = NDArray[np.float64]
@@ -98,15 +99,8 @@ class _Layer:
 
 
 def laterally_symmetric(scene: Scene, target: Target) -> bool:
-    """Whether the geometry is its own mirror image in x."""
-    if target == "web":
-        return all(pocket.shape == "side" or pocket.x_mm == 0.0 for pocket in scene.web.pocket)
-    if scene.envelope is not None and scene.envelope.shape == "stl":
-        return False
-    if scene.envelope is None or scene.envelope.shape != "outline":
-        return True
-    points = {(round(x, 9), round(y, 9)) for x, y in scene.envelope.points_mm}
-    return points == {(round(-x, 9) + 0.0, y) for x, y in points}
+    """Whether the geometry is its own mirror image in x and the scene allows the mirror."""
+    return may_mirror(scene, web_asymmetry(scene) if target == "web" else envelope_asymmetry(scene))
 
 
 def build_domain(

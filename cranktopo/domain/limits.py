@@ -9,20 +9,23 @@ from cranktopo.errors import invalid
 from cranktopo.scene.schema import Scene
 
 WALL_CELLS = 2
-# Assumed, not fitted: BASE + PER_CELL x cells. It lies above the one size checked (two load cases, 102 400
-# cells: 824 to 862 MiB measured, 1300 estimated); finer grids have not been measured.
-BASE_MIB = 700.0
-PER_CELL_KIB = 6.0
+# Peak memory of a process: BASE + PER_CELL x cells x load cases, a tenth above what was measured from 3 to
+# 0.8 mm with two and with four load cases (`python -m tests.benchmarks.memory`).
+BASE_MIB = 900.0
+PER_CELL_KIB = 0.8
 _MIB = 1024.0**2
 
 
-def check_resolution(scene: Scene, resolution_mm: float, quarter: bool, available_MiB: float) -> None:
+def check_resolution(
+    scene: Scene, resolution_mm: float, quarter: bool, cases: int, available_MiB: float
+) -> None:
     """Check a cell size against the thinnest journal wall and the memory.
 
     Args:
         scene: the scene.
         resolution_mm: largest cell edge, mm.
         quarter: whether the lateral mirror halves the model.
+        cases: number of load cases.
         available_MiB: memory that may be used.
 
     Raises:
@@ -37,9 +40,9 @@ def check_resolution(scene: Scene, resolution_mm: float, quarter: bool, availabl
             f"too coarse: the thinnest journal wall is {wall:g} mm and needs {WALL_CELLS} cells",
             f"Use at most {wall / WALL_CELLS:g} mm.",
         )
-    needed = estimated_memory_MiB(scene, resolution_mm, quarter)
+    needed = estimated_memory_MiB(scene, resolution_mm, quarter, cases)
     if needed > available_MiB:
-        finest = finest_resolution_mm(scene, quarter, available_MiB)
+        finest = finest_resolution_mm(scene, quarter, cases, available_MiB)
         raise invalid(
             key,
             resolution_mm,
@@ -54,17 +57,17 @@ def thinnest_wall_mm(scene: Scene) -> float:
     return min(journal.radius_mm - journal.bore_radius_mm for journal in journals)
 
 
-def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool) -> float:
+def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
     """Estimated peak memory of an optimisation at a cell size, MiB."""
     (x0, x1), (y0, y1) = throw_ranges_mm(scene, "envelope")
     width = x1 if quarter else x1 - x0
     cells: float = width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
-    return BASE_MIB + PER_CELL_KIB * cells / 1024
+    return BASE_MIB + PER_CELL_KIB * cells * cases / 1024
 
 
-def finest_resolution_mm(scene: Scene, quarter: bool, available_MiB: float) -> float:
+def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB: float) -> float:
     """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory."""
-    at_one = estimated_memory_MiB(scene, 1.0, quarter) - BASE_MIB
+    at_one = estimated_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
     room = max(available_MiB - BASE_MIB, 1e-3)
     return math.ceil(math.cbrt(at_one / room) * 100) / 100
 

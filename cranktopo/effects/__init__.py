@@ -3,5 +3,6 @@
 from cranktopo.effects.cost import Cost, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan
 from cranktopo.effects.planning import plan
+from cranktopo.effects.simulated import simulated_scene
 
-__all__ = ["Cost", "CostRates", "Effect", "EffectPlan", "plan"]
+__all__ = ["Cost", "CostRates", "Effect", "EffectPlan", "plan", "simulated_scene"]

@@ -60,15 +60,16 @@ class _Web:
         return long * short**3 / 3 * (1 - 0.63 * short / long)
 
 
-def throw_compliance(scene: Scene, *, bores: bool = True, fillets: bool = False) -> ThrowCompliance:
-    """Closed-form compliance of the scene's throw with its own web.
+def throw_compliance(scene: Scene) -> ThrowCompliance:
+    """Closed-form compliance of the scene's throw with its own web, bores and fillets.
+
+    Fillets shorten the journals by the integral of 1 - J / J(z), and the web, whose free length ends at
+    their feet.
 
     Args:
         scene: the scene.
-        bores: whether journal and pin are hollow as the scene says, or solid.
-        fillets: whether the fillets stiffen the ends of the journals.
     """
-    main, pin = (_journal(j, bores) for j in (scene.throw.main_journal, scene.throw.crankpin))
+    main, pin = (_shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
     web = _web(scene)
     e = scene.material.E_GPa * MPA_PER_GPA
     g = e / (2 * (1 + scene.material.poisson))
@@ -79,7 +80,7 @@ def throw_compliance(scene: Scene, *, bores: bool = True, fillets: bool = False)
     across += web.arm**2 / 12 * half / (e * web.thickness * web.width**3 / 12)
     across += half / (4 * SHEAR_RECTANGLE * g * web.area)
     across += (web.arm / 2) ** 2 * (main.length_mm / 2) / (g * 2 * _second_moment(main))
-    torsion = _torsion_sum(scene, main, pin, web, fillets) * 32 / (math.pi * g)
+    torsion = _torsion_sum(main, pin, web) * 32 / (math.pi * g)
     return ThrowCompliance(2 * (bars + along), 2 * (bars + across), torsion)
 
 
@@ -109,15 +110,16 @@ def journal_torsion_modulus_mm3(journal: Journal) -> float:
     return math.pi / 2 * (journal.radius_mm**4 - journal.bore_radius_mm**4) / journal.radius_mm
 
 
-def _journal(journal: Journal, bores: bool) -> Journal:
-    return journal if bores else journal.model_copy(update={"bore_diameter_mm": 0.0})
+def _shortened(journal: Journal) -> Journal:
+    length = journal.length_mm - fillet_length_saving_mm(journal)
+    return journal.model_copy(update={"length_mm": length})
 
 
 def _web(scene: Scene) -> _Web:
     throw = scene.throw
     radius = throw.radius_mm
     width = 2 * float(half_width_mm(scene.web, radius, np.array([radius / 2]))[0])
-    overlap = 0.2 * (throw.main_journal.outer_diameter_mm + throw.crankpin.outer_diameter_mm)
+    overlap = 0.2 * sum(q.outer_diameter_mm + 2 * q.fillet_mm for q in (throw.main_journal, throw.crankpin))
     # Ker Wilson's free length; journals that overlap leave at least a tenth of the throw.
     return _Web(
         width, scene.web.thickness_mm, max(radius - overlap, 0.1 * radius), radius, web_lever_mm(scene)
@@ -148,11 +150,10 @@ def _pin_bending(pin: Journal, web: _Web, e: float, g: float) -> float:
     return float((density * weights).sum() * pin.length_mm / 4)
 
 
-def _torsion_sum(scene: Scene, main: Journal, pin: Journal, web: _Web, fillets: bool) -> float:
+def _torsion_sum(main: Journal, pin: Journal, web: _Web) -> float:
     """Mean compliance of Carter and Ker Wilson times pi G / 32, 1/mm3."""
     j, p = ((2 * q.radius_mm) ** 4 - (2 * q.bore_radius_mm) ** 4 for q in (main, pin))
-    saving = [fillet_length_saving_mm(q) if fillets else 0.0 for q in (main, pin)]
-    lj, lp = main.length_mm - saving[0], pin.length_mm - saving[1]
+    lj, lp = main.length_mm, pin.length_mm
     # The bores run through the web and take (d / b)^2 of it around each axis. The formulae of Carter and Ker
     # Wilson know no bored web; chosen on the Mikron's web; on three engines the
     # estimate then is 0.65 to 0.87 of finite elements.

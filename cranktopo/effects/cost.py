@@ -44,12 +44,14 @@ class CostRates:
     """Rates that turn solves and cells into seconds; measured ones may replace these orders of magnitude.
 
     Attributes:
-        seconds_per_cell_solve: one multigrid solve with its share of the iteration, per cell. Measured on
-            two cores: 4.6e-6 at 49 000 cells, 1.3e-5 at 13 000, compilation not counted.
+        iterations: designs until an optimisation converges; 34 on the built-in engine.
+        seconds_per_cell_solve: one load case of one design iteration, per cell; 1.3e-6 to 3.8e-6 on two
+            cores (`python -m tests.benchmarks.effects_cost`), compilation not counted.
         seconds_per_element: one direct solve of the judge per quadratic tetrahedron; an order of magnitude.
     """
 
-    seconds_per_cell_solve: float = 5e-6
+    iterations: int = 35
+    seconds_per_cell_solve: float = 4e-6
     seconds_per_element: float = 5e-4
 
 
@@ -99,7 +101,8 @@ class Costing:
         return _fillet_elements(throw.main_journal) + _fillet_elements(throw.crankpin)
 
     def _optimiser_seconds(self, cells: int) -> float:
-        return cells * self._rates.seconds_per_cell_solve * self._scene.optimise.max_iterations
+        iterations = min(self._scene.optimise.max_iterations, self._rates.iterations)
+        return cells * self._rates.seconds_per_cell_solve * iterations
 
 
 def _plane_extent_mm(scene: Scene) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from functools import cached_property
 
 from cranktopo.effects.beam import ThrowCompliance, throw_compliance
 from cranktopo.effects.cost import Costing
+from cranktopo.effects.simulated import without
 from cranktopo.loads.analysis import INERTIA_EFFECTS
 from cranktopo.loads.balance import ThrowBalance, throw_balance
 from cranktopo.loads.forces import RotatingForces, rotating_forces
@@ -37,8 +38,8 @@ class Facts:
 
     @cached_property
     def compliance(self) -> ThrowCompliance:
-        """Closed-form compliance of the throw."""
-        return throw_compliance(self.scene)
+        """Closed-form compliance of the throw without fillets: the optimiser's cells have none."""
+        return throw_compliance(without(self.scene, "fillets"))
 
     @cached_property
     def balance(self) -> ThrowBalance:

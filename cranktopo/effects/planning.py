@@ -13,6 +13,7 @@ from cranktopo.effects.facts import Facts
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene import Scene
 from cranktopo.scene.schema import Effects
+from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
 _RULES: dict[str, Callable[[Facts], Estimate]] = {
     "bending": load_rules.bending,
@@ -42,9 +43,9 @@ def plan(scene: Scene, rates: CostRates | None = None) -> EffectPlan:
         CranktopoError: the scene switches an effect on that it has no data for, switches off one that it
             relies on, or leaves no load case; gas data that cannot be used.
     """
-    asymmetry = lateral_asymmetry(scene)
-    mirrored = not asymmetry and scene.effects.lateral_symmetry != "off"
-    facts = Facts(scene, Costing(scene, rates or CostRates(), mirrored), asymmetry)
+    asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
+    costing = Costing(scene, rates or CostRates(), may_mirror(scene, asymmetry))
+    facts = Facts(scene, costing, asymmetry)
     decided = tuple(_decide(scene.effects, name, rule(facts)) for name, rule in _RULES.items())
     cases = sum(effect.state == "on" for effect in decided if effect.name in LOAD_CASES)
     if cases == 0:
@@ -59,22 +60,6 @@ def _for_all_cases(effect: Effect, cases: int) -> Effect:
     if effect.name != "lateral_symmetry":
         return effect
     return replace(effect, cost=replace(effect.cost, seconds=effect.cost.seconds * cases))
-
-
-def lateral_asymmetry(scene: Scene) -> str:
-    """Key of the first part of a scene that is not its own mirror image in x; empty when all are."""
-    pockets = {pocket for pocket in scene.web.pocket if pocket.shape != "side"}
-    for index, pocket in enumerate(scene.web.pocket):
-        if pocket.shape != "side" and pocket.model_copy(update={"x_mm": -pocket.x_mm}) not in pockets:
-            return f"web.pocket.{index}"
-    envelope = scene.envelope
-    if envelope is not None and envelope.shape == "stl":
-        return "envelope (a surface mesh, not checked)"
-    if envelope is not None and envelope.shape == "outline":
-        points = {(round(x, 9), round(y, 9)) for x, y in envelope.points_mm}
-        if points != {(-x + 0.0, y) for x, y in points}:
-            return "envelope.points_mm"
-    return ""
 
 
 def _decide(effects: Effects, name: str, estimate: Estimate) -> Effect:

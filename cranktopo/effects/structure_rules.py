@@ -15,6 +15,8 @@ from cranktopo.effects.beam import (
 )
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
+from cranktopo.effects.simulated import without
+from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.units import NMM_PER_NM
 
@@ -38,34 +40,36 @@ def bearing_compliance(facts: Facts) -> Estimate:
 
 
 def fillets(facts: Facts) -> Estimate:
-    """Rings at the ends of the journals: integral of J / J(z) over the fillet, in the torsion formula."""
+    """Rings at the ends of the journals: they shorten journals and web in the beam and torsion formulae."""
     throw = facts.scene.throw
     if throw.main_journal.fillet_mm == 0 and throw.crankpin.fillet_mm == 0:
         return Estimate(0.0, "", "nothing", absent="no fillet in the scene")
-    sharp = throw_compliance(facts.scene).torsion_rad_per_Nmm
-    rounded = throw_compliance(facts.scene, fillets=True).torsion_rad_per_Nmm
-    percent = 100 * (sharp / rounded - 1)
-    because = f"torsional stiffness {percent:+.2g} %"
+    sharp, rounded = facts.compliance, throw_compliance(facts.scene)
+    torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
+    bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
+    because = f"bending stiffness {bending:+.2g} %, torsional {torsion:+.2g} %"
     needed = "" if _fatigue_absent(facts) or facts.scene.effects.fatigue == "off" else "fatigue needs them"
     return Estimate(
-        percent,
+        max(torsion, bending),
         because,
-        f"torsional stiffness {-percent:+.2g} %, no stress",
+        f"bending stiffness {-bending:+.2g} %, torsional {-torsion:+.2g} %, no stress",
         facts.costing.fillets(),
         needed=needed,
     )
 
 
 def bores(facts: Facts) -> Estimate:
-    """Hollow against solid journal and pin in the torsion formula."""
+    """Hollow against solid journal and pin: torsion formula, and mass of the throw in closed form."""
     throw = facts.scene.throw
     if throw.main_journal.bore_diameter_mm == 0 and throw.crankpin.bore_diameter_mm == 0:
         return Estimate(0.0, "", "nothing", absent="no bore in the scene")
     hollow = throw_compliance(facts.scene).torsion_rad_per_Nmm
-    solid = throw_compliance(facts.scene, bores=False).torsion_rad_per_Nmm
-    percent = 100 * (hollow / solid - 1)
-    because = f"solid journals would be {percent:.3g} % stiffer in torsion"
-    return Estimate(percent, because, f"torsional stiffness {percent:+.2g} %, more mass")
+    plain = without(facts.scene, "bores")
+    stiffer = 100 * (hollow / throw_compliance(plain).torsion_rad_per_Nmm - 1)
+    heavier = 100 * (throw_balance(plain).mass_kg / facts.balance.mass_kg - 1)
+    because = f"solid journals would be {stiffer:.3g} % stiffer in torsion, the throw {heavier:.3g} % heavier"
+    changes = f"torsional stiffness {stiffer:+.2g} %, mass {heavier:+.2g} %"
+    return Estimate(max(stiffer, heavier), because, changes)
 
 
 def lateral_symmetry(facts: Facts) -> Estimate:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from cranktopo.effects import plan, simulated_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
 
@@ -18,7 +19,8 @@ class Target:
 
     Attributes:
         name: shown in tables.
-        scene: journals, material, supports; the whole geometry where `file` is None.
+        scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
+            where `file` is None.
         file: STL or STEP of the half throw, mm, or None.
     """
 
@@ -41,7 +43,7 @@ def resolve_target(text: str, design: str | None = None) -> Target:
     if path.is_dir():
         return _run(path)
     if path.suffix.lower() not in _GEOMETRY:
-        scene = load_scene(text)
+        scene = _simulated(text)
         return Target(scene.name, scene)
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
@@ -51,7 +53,7 @@ def resolve_target(text: str, design: str | None = None) -> Target:
             hint="Add --design NAME.",
             code=ExitCode.USAGE,
         )
-    return Target(path.name, load_scene(design), path)
+    return Target(path.name, _simulated(design), path)
 
 
 def _run(folder: Path) -> Target:
@@ -61,4 +63,9 @@ def _run(folder: Path) -> Target:
                 f"target '{folder}': {name} is missing, so this is no finished run.",
                 hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
             )
-    return Target(folder.name, load_scene(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)
+    return Target(folder.name, _simulated(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)
+
+
+def _simulated(design: str) -> Scene:
+    scene = load_scene(design)
+    return simulated_scene(scene, plan(scene))

@@ -97,20 +97,6 @@ def pockets(scene: Scene) -> list[Feature]:
     return [feature for i, p in enumerate(scene.web.pocket) for feature in _pocket(scene, i, p)]
 
 
-def laterally_symmetric(scene: Scene) -> bool:
-    """Whether the throw is its own mirror image in x = 0 (every pocket has its mirrored twin)."""
-    return all(pocket in scene.web.pocket for pocket in mirrored(scene).web.pocket)
-
-
-def mirrored(scene: Scene) -> Scene:
-    """The scene's mirror image in x = 0."""
-    turned = tuple(
-        p.model_copy(update={"x_mm": -p.x_mm}) if isinstance(p, CylinderPocket | BoxPocket) else p
-        for p in scene.web.pocket
-    )
-    return scene.model_copy(update={"web": scene.web.model_copy(update={"pocket": turned})})
-
-
 def _pocket(scene: Scene, index: int, pocket: Pocket) -> list[Feature]:
     key, (start, end) = f"web.pocket[{index}]", scene.web_z_mm
     if isinstance(pocket, CylinderPocket):

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.curving import straighten_folded
-from cranktopo.remodel.features import laterally_symmetric
 from cranktopo.remodel.session import cad_session
 from cranktopo.remodel.throw_solid import (
     SolidProperties,
@@ -20,6 +19,7 @@ from cranktopo.remodel.throw_solid import (
 )
 from cranktopo.remodel.web_solid import DimTags, add_web
 from cranktopo.scene import Scene
+from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
 _TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -89,7 +89,7 @@ def mesh_throw(
         if full:
             occ.remove(body, recursive=True)
             body = add_full_throw(occ, scene)
-        mirrored = quarter and not full and laterally_symmetric(scene)
+        mirrored = quarter and not full and may_mirror(scene, web_asymmetry(scene))
         if mirrored:
             body = _positive_x(occ, body, scene.pitch_mm)
         mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored, graded=graded, full=full)

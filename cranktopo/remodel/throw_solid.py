@@ -8,11 +8,12 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.checks import check_solid
-from cranktopo.remodel.features import bores, mirrored, pockets
+from cranktopo.remodel.features import bores, pockets
 from cranktopo.remodel.volume import half_throw_volume_mm3
 from cranktopo.remodel.web_solid import DimTags, add_feature, add_web
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.symmetry import mirror_image
 
 VOLUME_TOLERANCE = 1e-6
 """Relative difference between the CAD kernel's volume and the closed form that is let through."""
@@ -64,7 +65,7 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     Raises:
         CranktopoError: as `add_half_throw`.
     """
-    half, other = add_half_throw(occ, scene), add_half_throw(occ, mirrored(scene))
+    half, other = add_half_throw(occ, scene), add_half_throw(occ, mirror_image(scene))
     occ.rotate(other, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     body, _ = occ.fuse(half, other)
     check_body(occ, body, 2 * half_throw_volume_mm3(scene), "full throw")

@@ -13,9 +13,13 @@ import jax.numpy as jnp
 
 from cranktopo.domain.build import build_domain
 from cranktopo.effects import plan
+from cranktopo.effects.simulated import without
+from cranktopo.evaluate.evaluation import evaluate
+from cranktopo.evaluate.targets import Target
 from cranktopo.fem.model import build_model, case_forces
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve, stiffness
+from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.cases import DEFAULT_EFFECTS, load_cases
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 
@@ -84,13 +88,6 @@ def changed(scene: Scene, **tables: dict[str, Any]) -> Scene:
     return scene_from_dict(data)
 
 
-def without_bores(scene: Scene) -> Scene:
-    """The scene with solid journals."""
-    throw = scene.throw.model_dump(mode="json")
-    solid = {k: {**throw[k], "bore_diameter_mm": 0.0} for k in ("main_journal", "crankpin")}
-    return changed(scene, throw=solid)
-
-
 def truths(scene: Scene) -> dict[str, float]:
     """Computed size of each effect, percent."""
     energy, rigid = solved(scene)
@@ -99,12 +96,21 @@ def truths(scene: Scene) -> dict[str, float]:
     _, sprung = solved(changed(scene, supports={"bending": "spring"}))
     result["bearing_compliance"] = 100 * (1 - sprung["bending"] / rigid["bending"])
     if scene.throw.main_journal.bore_diameter_mm or scene.throw.crankpin.bore_diameter_mm:
-        _, solid = solved(without_bores(scene))
-        result["bores"] = 100 * (solid["torsion"] / rigid["torsion"] - 1)
+        _, solid = solved(without(scene, "bores"))
+        heavier = throw_balance(without(scene, "bores")).mass_kg / throw_balance(scene).mass_kg
+        result["bores"] = 100 * (max(solid["torsion"] / rigid["torsion"], heavier) - 1)
+    result["fillets"] = _stiffening_by_fillets(scene)
     full = _peak_radial(scene, DEFAULT_EFFECTS)
     for name in ("reciprocating_inertia", "rotating_rod_mass"):
         result[name] = 100 * abs(_peak_radial(scene, DEFAULT_EFFECTS - {name}) / full - 1)
     return result
+
+
+def _stiffening_by_fillets(scene: Scene) -> float:
+    """What the fillets add to the stiffness by body-fitted elements, percent; the larger of the two cases."""
+    sharp, rounded = (evaluate(Target(scene.name, s)) for s in (without(scene, "fillets"), scene))
+    bending = rounded.bending_N_per_mm / sharp.bending_N_per_mm
+    return 100 * (max(bending, rounded.torsion_Nm_per_rad / sharp.torsion_Nm_per_rad) - 1)
 
 
 def _peak_radial(scene: Scene, enabled: frozenset[str]) -> float:

@@ -124,8 +124,12 @@ def test_grid_meets_the_faces_and_halves(mikron: Scene) -> None:
 
 def test_resolution_limits(mikron: Scene) -> None:
     assert thinnest_wall_mm(mikron) == 9.0
-    finest = finest_resolution_mm(mikron, True, 8000.0)
-    assert finest_resolution_mm(mikron, True, 64000.0) < finest < finest_resolution_mm(mikron, False, 8000.0)
+    finest = finest_resolution_mm(mikron, True, 2, 8000.0)
+    assert (
+        finest_resolution_mm(mikron, True, 2, 64000.0)
+        < finest
+        < finest_resolution_mm(mikron, False, 2, 8000.0)
+    )
 
 
 def test_envelope_that_misses_a_journal(mikron: Scene) -> None:

@@ -7,11 +7,13 @@ import pytest
 
 from cranktopo.effects import CostRates, plan
 from cranktopo.effects.beam import fillet_length_saving_mm, throw_compliance
-from cranktopo.effects.planning import lateral_asymmetry
+from cranktopo.effects.simulated import simulated_scene, without
 from cranktopo.errors import CranktopoError
 from cranktopo.loads import at_speed, extreme_states, load_cases
+from cranktopo.loads.balance import throw_balance
 from cranktopo.scene import load_scene
 from cranktopo.scene.geometry import CylinderPocket, Journal, OutlineEnvelope
+from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
 INERTIA = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
 
@@ -138,7 +140,7 @@ def test_impossible_switches_are_refused(scene, update, message):
 
 def test_bearing_estimate_is_springs_in_series():
     effect = plan(OPPOSED)["bearing_compliance"]
-    own = 1 / throw_compliance(OPPOSED).bending_mm_per_N
+    own = 1 / throw_compliance(without(OPPOSED, "fillets")).bending_mm_per_N
     together = 1 / (1 / own + 1 / (2 * 1.072e6))
     assert effect.estimate_percent == pytest.approx(100 * (1 - together / own), rel=1e-12)
     assert effect.state == "on"
@@ -147,8 +149,8 @@ def test_bearing_estimate_is_springs_in_series():
 def test_asymmetry_switches_the_mirror_off():
     pocket = CylinderPocket(shape="cylinder", x_mm=8.0, y_mm=24.0, diameter_mm=6.0)
     mirrored = pocket.model_copy(update={"x_mm": -8.0})
-    assert lateral_asymmetry(with_part(MIKRON, "web", pocket=(pocket,))) == "web.pocket.0"
-    assert lateral_asymmetry(with_part(MIKRON, "web", pocket=(pocket, mirrored))) == ""
+    assert web_asymmetry(with_part(MIKRON, "web", pocket=(pocket,))) == "web.pocket.0"
+    assert web_asymmetry(with_part(MIKRON, "web", pocket=(pocket, mirrored))) == ""
     points = ((-30.0, -30.0), (30.0, -30.0), (30.0, 80.0), (-20.0, 80.0))
     scene = MIKRON.model_copy(update={"envelope": OutlineEnvelope(shape="outline", points_mm=points)})
     decided = plan(scene)["lateral_symmetry"]
@@ -158,8 +160,37 @@ def test_asymmetry_switches_the_mirror_off():
         plan(with_effects(scene, lateral_symmetry="on"))
 
 
+def test_what_is_off_is_taken_out_of_the_simulated_scene():
+    assert simulated_scene(MIKRON, plan(MIKRON)) is MIKRON
+    bare = with_effects(MIKRON, bores="off", fillets="off", fatigue="off", lateral_symmetry="off")
+    throw = simulated_scene(bare, plan(bare)).throw
+    for journal in (throw.main_journal, throw.crankpin):
+        assert (journal.bore_diameter_mm, journal.fillet_mm) == (0.0, 0.0)
+    pocket = CylinderPocket(shape="cylinder", x_mm=8.0, y_mm=24.0, diameter_mm=6.0)
+    lopsided = with_part(MIKRON, "web", pocket=(pocket,))
+    assert simulated_scene(lopsided, plan(lopsided)).effects.lateral_symmetry == "off"
+    assert not may_mirror(bare, "")
+    assert may_mirror(MIKRON, "")
+    assert not may_mirror(MIKRON, "web.pocket.0")
+
+
+def test_bores_matter_by_stiffness_or_by_mass():
+    """An oil hole hardly touches the stiffness, but the mass that it takes is pi d^2 / 4 times its length."""
+    throw = MIKRON.throw
+    holes = {
+        name: getattr(throw, name).model_copy(update={"bore_diameter_mm": 8.0, "fillet_mm": 0.0})
+        for name in ("main_journal", "crankpin")
+    }
+    scene = MIKRON.model_copy(update={"throw": throw.model_copy(update=holes)})
+    effect = plan(scene)["bores"]
+    length = throw.main_journal.length_mm + throw.crankpin.length_mm + 4 * MIKRON.web.thickness_mm
+    removed = math.pi / 4 * 8.0**2 * length * MIKRON.material.density_kg_m3 * 1e-9
+    mass = throw_balance(scene).mass_kg
+    assert effect.estimate_percent == pytest.approx(100 * removed / mass, rel=1e-3)
+
+
 def test_costs_scale_with_rates_cells_and_iterations():
-    base, twice = plan(MIKRON), plan(MIKRON, CostRates(1e-5, 1e-3))
+    base, twice = plan(MIKRON), plan(MIKRON, CostRates(35, 8e-6, 1e-3))
     for name in ("tangential", "lateral_symmetry", "fillets"):
         assert twice[name].cost.seconds == pytest.approx(2 * base[name].cost.seconds)
     fine = plan(with_part(MIKRON, "optimise", resolution_mm=0.75))

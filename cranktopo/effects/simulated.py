@@ -1,0 +1,41 @@
+"""The scene as it is simulated: the features that the plan leaves out are taken out of it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from cranktopo.effects.effect import EffectPlan
+from cranktopo.scene import Scene
+
+# Effects that are features of both journals, and the dimension that makes them.
+Feature = Literal["bores", "fillets"]
+_FEATURES: dict[Feature, str] = {"bores": "bore_diameter_mm", "fillets": "fillet_mm"}
+
+
+def simulated_scene(scene: Scene, plan: EffectPlan) -> Scene:
+    """The scene without the bores and fillets that are off, its mirror off where the plan has none.
+
+    Args:
+        scene: what the user wrote.
+        plan: its effects.
+
+    Returns:
+        The scene that is meshed; the same object when nothing is left out.
+    """
+    for feature in _FEATURES:
+        if feature not in plan.enabled:
+            scene = without(scene, feature)
+    if "lateral_symmetry" in plan.enabled or scene.effects.lateral_symmetry == "off":
+        return scene
+    effects = scene.effects.model_copy(update={"lateral_symmetry": "off"})
+    return scene.model_copy(update={"effects": effects})
+
+
+def without(scene: Scene, feature: Feature) -> Scene:
+    """The scene with both journals without bores or fillets; the same object when they have none."""
+    key, throw = _FEATURES[feature], scene.throw
+    if getattr(throw.main_journal, key) == 0 == getattr(throw.crankpin, key):
+        return scene
+    main, pin = (j.model_copy(update={key: 0.0}) for j in (throw.main_journal, throw.crankpin))
+    bare = throw.model_copy(update={"main_journal": main, "crankpin": pin})
+    return scene.model_copy(update={"throw": bare})
