@@ -1,21 +1,40 @@
-"""The one place that touches JAX's settings: 64-bit numbers for a `with` block, and compile times."""
+"""The one place that touches JAX's settings: 64-bit numbers and stored compilations for a `with` block."""
 
 from __future__ import annotations
 
+import hashlib
+import os
+import platform
 import time
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+# Compilations that take less are not worth a file.
+_WORTH_STORING_S = 0.2
+_FOLDER_SETTING = "jax_compilation_cache_dir"
 
 
-def double_precision() -> AbstractContextManager[object]:
-    """Context in which JAX arrays may be float64.
+@contextmanager
+def double_precision() -> Iterator[None]:
+    """Context in which JAX arrays may be float64 and compiled programs are kept for the next process.
 
     Reported numbers are computed inside it. Nothing is changed outside the block, so importing
-    cranktopo never alters the precision of a user's own JAX program.
+    cranktopo never alters the settings of a user's own JAX program; a compilation cache that the user
+    has set up is left alone, and JAX_ENABLE_COMPILATION_CACHE=false switches ours off too.
     """
     import jax
 
-    context: AbstractContextManager[object] = jax.enable_x64(True)
-    return context
+    with jax.enable_x64(True), _stored_compilations():
+        yield
+
+
+def cache_folder() -> Path:
+    """Where compiled programs are kept: one folder per JAX version and kind of processor."""
+    import jax
+
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "cranktopo" / f"jax-{jax.__version__}-{_processor()}"
 
 
 class CompileClock:
@@ -31,3 +50,50 @@ class CompileClock:
     def _add(self, event: str, duration_secs: float, **kwargs: str | int) -> None:
         if event.startswith("/jax/core/compile/"):
             self.compile_s += duration_secs
+
+
+@contextmanager
+def _stored_compilations() -> Iterator[None]:
+    import jax
+    from jax.experimental.compilation_cache import compilation_cache
+
+    folder = _writable(cache_folder())
+    if folder is None or getattr(jax.config, _FOLDER_SETTING) is not None:
+        yield
+        return
+    settings = {
+        _FOLDER_SETTING: str(folder),
+        "jax_persistent_cache_min_compile_time_secs": _WORTH_STORING_S,
+    }
+    before = {name: getattr(jax.config, name) for name in settings}
+    try:
+        _configure(settings)
+        yield
+    finally:
+        _configure(before)
+        compilation_cache.reset_cache()  # else JAX goes on using the folder
+
+
+def _configure(settings: dict[str, object]) -> None:
+    import jax
+
+    for name, value in settings.items():
+        jax.config.update(name, value)
+
+
+def _writable(folder: Path) -> Path | None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _processor() -> str:
+    """Digest of the processor's features: a program compiled for one kind may not run on another."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        features = next(line for line in lines if line.startswith(("flags", "Features")))
+    except (OSError, StopIteration):
+        features = platform.processor()
+    return hashlib.sha256(f"{platform.machine()} {features}".encode()).hexdigest()[:8]

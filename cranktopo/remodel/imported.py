@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError
-from cranktopo.remodel.meshing import Part, mesh_body
+from cranktopo.remodel.meshing import Part, TetMesh, mesh_body, ring_size_mm
+from cranktopo.remodel.remesh import tetrahedralise
 from cranktopo.remodel.session import cad_session
 from cranktopo.remodel.throw_solid import SolidProperties, solid_properties
 from cranktopo.scene import Scene
 
-_FEATURE_ANGLE_DEG = 40.0
+_EXACT_MM = 1e-6
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 
@@ -65,10 +65,12 @@ def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
     surface = _read_surface(path, scene)
     x, y, z = (float(c) for c in surface.center_mass)
     half = SolidProperties(float(surface.volume), (x, y, z), _inertia_z(surface))
-    with cad_session(f"surface of {path}") as gmsh:
-        _classify(gmsh, np.asarray(surface.vertices), np.asarray(surface.faces))
-        mesh = mesh_body(gmsh, scene, size, mirrored=False)
-    return Part(mesh, half, _slab_volume(surface, scene.web_z_mm))
+    web_volume = _slab_volume(surface, scene.web_z_mm)
+    mirrored = scene.effects.lateral_symmetry != "off" and _is_mirror_image(surface)
+    if mirrored:
+        surface = _positive_x(surface)
+    points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
+    return Part(TetMesh(points, cells, mirrored), half, web_volume)
 
 
 def _read_surface(path: Path, scene: Scene) -> Any:
@@ -81,12 +83,11 @@ def _read_surface(path: Path, scene: Scene) -> Any:
         raise CranktopoError(f"{path}: cannot be read as STL: {error}.", hint="Export it again.") from None
     if len(surface.faces) == 0 or not surface.is_watertight:
         raise CranktopoError(f"{path}: the surface is not watertight.", hint="Repair it, then try again.")
-    if surface.body_count != 1:
-        raise CranktopoError(
-            f"{path}: holds {surface.body_count} separate bodies.", hint="Remove the loose parts."
-        )
     if surface.volume < 0:
         surface.invert()
+    bodies = sum(part.volume > 0 for part in surface.split(only_watertight=False))
+    if bodies != 1:
+        raise CranktopoError(f"{path}: holds {bodies} separate bodies.", hint="Remove the loose parts.")
     _check_extent(path, scene, *surface.bounds[:, 2])
     z = surface.vertices[:, 2].copy()
     for plane in (0.0, scene.pitch_mm / 2):
@@ -111,25 +112,33 @@ def _inertia_z(surface: Any) -> float:
     return float(surface.moment_inertia[2, 2] + surface.volume * (x**2 + y**2))
 
 
+def _is_mirror_image(surface: Any) -> bool:
+    """Whether every vertex has its mirror image in x = 0 among the vertices."""
+    from scipy.spatial import cKDTree
+
+    vertices = np.asarray(surface.vertices)
+    distance, _ = cKDTree(vertices).query(vertices * [-1.0, 1.0, 1.0])
+    return float(distance.max()) < _EXACT_MM
+
+
+def _positive_x(surface: Any) -> Any:
+    import trimesh
+
+    mesh = _manifold(surface).trim_by_plane([1, 0, 0], 0.0).to_mesh64()
+    vertices = np.asarray(mesh.vert_properties)[:, :3].copy()
+    vertices[np.abs(vertices[:, 0]) < _EXACT_MM, 0] = 0.0
+    return trimesh.Trimesh(vertices, np.asarray(mesh.tri_verts), process=True)
+
+
 def _slab_volume(surface: Any, z_mm: tuple[float, float]) -> float:
     """Volume of a closed surface between two heights, mm3."""
-    import manifold3d
-
-    mesh = manifold3d.Mesh64(
-        np.asarray(surface.vertices, dtype=np.float64), np.asarray(surface.faces, dtype=np.uint64)
-    )
-    body = manifold3d.Manifold(mesh)
-    slab = body.trim_by_plane([0, 0, 1], z_mm[0]).trim_by_plane([0, 0, -1], -z_mm[1])
+    slab = _manifold(surface).trim_by_plane([0, 0, 1], z_mm[0]).trim_by_plane([0, 0, -1], -z_mm[1])
     return float(slab.volume())
 
 
-def _classify(gmsh: Any, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> None:
-    """Patches split at sharp edges and given a parametrisation, so that gmsh can mesh them anew."""
-    surface = gmsh.model.addDiscreteEntity(2)
-    gmsh.model.mesh.addNodes(2, surface, np.arange(1, len(vertices) + 1), vertices.ravel())
-    gmsh.model.mesh.addElementsByType(surface, 2, [], (faces + 1).ravel())
-    gmsh.model.mesh.classifySurfaces(math.radians(_FEATURE_ANGLE_DEG), True, True, math.pi)
-    gmsh.model.mesh.createGeometry()
-    patches = [tag for _, tag in gmsh.model.getEntities(2)]
-    gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop(patches)])
-    gmsh.model.geo.synchronize()
+def _manifold(surface: Any) -> Any:
+    import manifold3d
+
+    vertices = np.asarray(surface.vertices, dtype=np.float64)
+    mesh = manifold3d.Mesh64(vertices, np.asarray(surface.faces, dtype=np.uint64))
+    return manifold3d.Manifold(mesh)

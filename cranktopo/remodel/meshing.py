@@ -125,7 +125,7 @@ def _set_sizes(gmsh: Any, scene: Scene, size: float, *, graded: bool, full: bool
     """One analytic size field: distance to each fillet surface (or sharp ring), growing linearly."""
     terms = [f"{size!r}"]
     if graded:
-        terms += [_ring_size(scene, size, *ring) for ring in _rings(scene, full)]
+        terms += [_ring_size(size, *ring) for ring in _rings(scene, full)]
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"
@@ -147,10 +147,23 @@ def _rings(scene: Scene, full: bool) -> list[tuple[float, float, float, float]]:
     return rings + [(y, r, scene.pitch_mm - z, f) for y, r, z, f in rings] if full else rings
 
 
-def _ring_size(scene: Scene, size: float, y: float, radius: float, z: float, fillet: float) -> str:
-    finest = size * min(1.0, max(fillet / 8, _FINEST))
+def _ring_size(size: float, y: float, radius: float, z: float, fillet: float) -> str:
     around = f"Sqrt((Sqrt(x*x+(y-({y!r}))*(y-({y!r})))-{radius!r})^2+(z-({z!r}))^2)"
-    return f"{finest!r}+{_GROWTH!r}*Fabs({around}-{fillet!r})"
+    return f"{_finest(size, fillet)!r}+{_GROWTH!r}*Fabs({around}-{fillet!r})"
+
+
+def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Element size at points (n, 3): the general one, finer toward fillets and sharp rings."""
+    x, y, z = points_mm.T
+    result = np.full(len(points_mm), size)
+    for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
+        across = np.hypot(np.hypot(x, y - axis_y) - radius, z - centre_z)
+        result = np.minimum(result, _finest(size, fillet) + _GROWTH * np.abs(across - fillet))
+    return result
+
+
+def _finest(size: float, fillet: float) -> float:
+    return size * min(1.0, max(fillet / 8, _FINEST))
 
 
 def _extract(gmsh: Any, mirrored: bool) -> TetMesh:
