@@ -55,7 +55,7 @@ class _Method:
 # float64 helps with the second, deeper smoothing with the first.
 METHODS = (
     _Method("multigrid CG", "float32", 2, 200),
-    _Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 200),
+    _Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 600),
     _Method("Jacobi CG", "float64", 0, 5000),
 )
 
@@ -144,7 +144,10 @@ def _check_meaning(system: System, result: Result, solved: bool, names: tuple[st
 def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
     """The first case whose load reaches its supports across edges or corners only."""
     found = unsupported_load(system, threshold, "faces")
-    return found and (found[0], "cells that share only edges or corners, hinges, join its load to a support")
+    return found and (
+        found[0],
+        "its load reaches a support only across edges or corners of cells, which are hinges",
+    )
 
 
 def _check_load_path(system: System, names: tuple[str, ...]) -> None:

@@ -1,29 +1,23 @@
-"""The hard cases: fields of moduli, loads and small grids that defeat careless solvers.
+"""Fields of moduli, loads, supports and small grids that defeat careless solvers.
 
-One list serves the tests and the table of `tests.benchmarks.hard_cases`. Nearly all cases share one number
-of cells, so that everything is compiled once.
+They share one number of cells, so that everything is compiled once.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Literal
 
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, label
 
 from cranktopo.domain.grid import plan_grid
 from cranktopo.fem.lattice import Lattice
-from cranktopo.fem.model import ThrowModel
-from cranktopo.fem.supports import CaseSupports, SectionMotion, build_supports
-from cranktopo.loads.cases import LoadCase
+from cranktopo.fem.supports import CaseSupports, SectionMotion
 
 Array = NDArray[np.float64]
-Answer = Literal["number", "no material", "no support", "void", "moduli"]
 
-CELLS = (8, 12, 16)
+CELLS = (8, 12, 12)
 CUBES = Lattice(CELLS, 1.0, 1.0, (1.0,) * CELLS[2], 0.3)
 CLAMPED = CaseSupports((), (), ())
 # A sprung section that may turn and shift at the start, a mirror at x = 0, another at the end.
@@ -34,48 +28,17 @@ THROW_LIKE = CaseSupports(
 )
 
 
-@dataclass(frozen=True)
-class HardCase:
-    """A field, its load and what the solver owes for it.
+def tip_load(lattice: Lattice = CUBES, cells: int = CELLS[0]) -> Array:
+    """Along the lower edge of the last plane: down, and a little along x, so that nothing is symmetric.
 
-    Attributes:
-        name: for the test id and the table.
-        moduli: relative modulus per cell.
-        forces: nodal forces over the modulus (3, nodes...).
+    Args:
         lattice: the grid.
-        supports: of the one load case.
-        answer: a number, or what the error must complain about.
-        levels: halvings that all axes allow.
+        cells: that many cells from x = 0 are loaded.
     """
-
-    name: str
-    moduli: Array
-    forces: Array
-    lattice: Lattice = CUBES
-    supports: CaseSupports = CLAMPED
-    answer: Answer = "number"
-    levels: int = 1
-
-    @property
-    def contrast(self) -> float:
-        """Least positive modulus over the largest."""
-        return float(self.moduli[self.moduli > 0].min() / self.moduli.max())
-
-    def model(self) -> ThrowModel:
-        """The case as the package's solver takes it; call inside `double_precision()`."""
-        supports, _ = build_supports(self.lattice, (0.0, 0.0), self.levels, (self.supports,))
-        load = LoadCase("tip", "bending", radial_N=1.0)
-        return ThrowModel(
-            self.lattice, self.levels, supports, jnp.asarray(self.forces[None]), (load,), 1.0, 1.0
-        )
-
-
-def tip_load(lattice: Lattice = CUBES) -> Array:
-    """Along the lower edge of the last plane: down, and a little along x, so that nothing is symmetric."""
     forces = np.zeros(lattice.field_shape)
-    share = np.full(lattice.nodes[0], 1.0 / lattice.cells[0])
+    share = np.full(cells + 1, 1.0 / cells)
     share[[0, -1]] /= 2
-    forces[1, :, 0, -1], forces[0, :, 0, -1] = -share, 0.3 * share
+    forces[1, : cells + 1, 0, -1], forces[0, : cells + 1, 0, -1] = -share, 0.3 * share
     return forces
 
 
@@ -84,7 +47,7 @@ def with_plate(moduli: Array) -> Array:
     return np.concatenate([moduli[..., :-1], np.ones_like(moduli[..., -1:])], axis=-1)
 
 
-def blobs(volume: float, cells: tuple[int, int, int] = CELLS, seed: int = 3) -> NDArray[np.bool_]:
+def blobs(volume: float, cells: tuple[int, int, int] = CELLS, seed: int = 4) -> NDArray[np.bool_]:
     """Smooth random shapes, stretched along z, that fill the volume fraction."""
     noise = np.random.default_rng(seed).standard_normal(cells)
     smooth = gaussian_filter(noise, (1.2, 1.2, 3.0), mode="nearest")
@@ -114,18 +77,18 @@ def walls() -> NDArray[np.bool_]:
 def blocks_joined(link: tuple[slice, slice]) -> NDArray[np.bool_]:
     """Two solid blocks, and between them only the cells of the link."""
     solid = np.ones(CELLS, bool)
-    solid[:, :, 5:9] = False
-    solid[link[0], link[1], 5:9] = True
+    solid[:, :, 4:8] = False
+    solid[link[0], link[1], 4:8] = True
     return solid
 
 
 def touching(by: Literal["edge", "corner"]) -> NDArray[np.bool_]:
     """Two bars that share one edge or one corner of a cell: a hinge or a ball joint."""
     solid = np.zeros(CELLS, bool)
-    solid[2:5, 3:7, :8] = True
-    solid[5:8, 7:11, 8:] = by == "corner"
+    solid[2:5, 3:7, :6] = True
+    solid[5:8, 7:11, 6:] = by == "corner"
     if by == "edge":
-        solid[2:5, 7:11, 8:] = True
+        solid[2:5, 7:11, 6:] = True
     return solid
 
 
@@ -133,7 +96,7 @@ def island() -> NDArray[np.bool_]:
     """A solid beam, and beside it a block that touches nothing."""
     solid = np.zeros(CELLS, bool)
     solid[:4] = True
-    solid[6:8, 4:8, 6:10] = True
+    solid[6:8, 4:8, 4:8] = True
     return solid
 
 
@@ -152,19 +115,37 @@ def stretched(factors: tuple[float, float, float], poisson: float = 0.3) -> Latt
     return Lattice(CELLS, factors[0], factors[1], (factors[2],) * CELLS[2], poisson)
 
 
-@dataclass(frozen=True)
-class _Padded:
-    lattice: Lattice
-    levels: int
-    solid: NDArray[np.bool_] = field(repr=False)
+def padded(counts: tuple[int, int, int]) -> tuple[Lattice, int, NDArray[np.bool_]]:
+    """Unit cells as the domain plans them: padded by void along x and y, resliced along z.
 
-
-def padded(counts: tuple[int, int, int]) -> _Padded:
-    """A grid of so many unit cells as the domain plans it: padded by void along x and y, resliced along z."""
+    Returns:
+        The lattice, the halvings that its axes allow, and which cells belong to the body.
+    """
     nx, ny, nz = counts
     grid = plan_grid((-nx, nx), (0.0, ny), (0.0, float(nz)), 1.0, "quarter")
     dx, dy, dz = grid.steps_mm
-    solid = np.zeros(grid.cells, bool)
-    solid[:nx, :ny] = True
     lattice = Lattice(grid.cells, float(dx[0]), float(dy[0]), tuple(float(d) for d in dz), 0.3)
-    return _Padded(lattice, grid.levels, solid)
+    body = np.zeros(grid.cells, bool)
+    body[:nx, :ny] = True
+    return lattice, grid.levels, body
+
+
+def off_material(void: float) -> Array:
+    """The loaded end and the layers before it are void."""
+    moduli = np.where(blobs(0.4), 1.0, void)
+    moduli[..., -3:] = void
+    return moduli
+
+
+def half_off_material(void: float) -> Array:
+    """Half of the loaded edge lies on void."""
+    moduli = two_phase(blobs(0.4), void)
+    moduli[:4, :2, -1] = void
+    moduli[:4, 0, -2] = void
+    return moduli
+
+
+def loose_parts(moduli: Array) -> bool:
+    """Whether a body of material floats in void."""
+    _, bodies = label(moduli > 1e-4 * moduli.max(), structure=np.ones((3, 3, 3)))
+    return bool(bodies > 1)

@@ -1,7 +1,7 @@
 """A direct solve that shares nothing with the solver but the 24 x 24 element matrices.
 
-Element by element into a sparse matrix, supports by elimination in the plain motions of a section, banded
-Cholesky. Its own residual and its sensitivity to rounding are part of the answer: at extreme contrast a
+Element by element into a sparse matrix, supports by elimination in the plain motions of a section, sparse
+LU. Its own residual and its sensitivity to rounding are part of the answer: at extreme contrast a
 direct solve loses digits too.
 """
 
@@ -12,9 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve_banded, cholesky_banded
-from scipy.sparse.csgraph import reverse_cuthill_mckee
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu, spsolve
 
 from cranktopo.fem.element import CORNERS
 from cranktopo.fem.lattice import Lattice, layer_stiffness
@@ -52,11 +50,20 @@ class Direct:
         """Work of the loads on the solution."""
         return float(self.loads @ self.amplitudes)
 
+    def work(self, displacements: Array) -> float:
+        """Work of the loads on displacements (3, nodes...)."""
+        return float(self.loads @ self._amplitudes_of(displacements))
+
     @property
     def rounding(self) -> float:
         """Largest relative change of the compliance when every entry of the matrix is rounded once."""
         size = np.abs(self.amplitudes)
         return float(np.finfo(float).eps * (size @ (abs(self.matrix) @ size)) / self.compliance)
+
+    def relative_residual(self, displacements: Array) -> float:
+        """Norm of the forces out of balance, as far as the supports let them act, over that of the load."""
+        left_over = self.loads - self.matrix @ self._amplitudes_of(displacements)
+        return float(np.sqrt(left_over @ self._share(left_over) / (self.loads @ self._share(self.loads))))
 
     def inadmissible(self, displacements: Array) -> float:
         """Largest displacement that the supports forbid, relative to the largest one."""
@@ -64,8 +71,10 @@ class Direct:
         return float(np.abs(kept - displacements.ravel()).max() / np.abs(displacements).max())
 
     def _amplitudes_of(self, displacements: Array) -> Array:
-        normal = (self.space.T @ self.space).tocsc()
-        return np.asarray(spsolve(normal, self.space.T @ displacements.ravel()))
+        return self._share(self.space.T @ displacements.ravel())
+
+    def _share(self, forces: Array) -> Array:
+        return np.asarray(spsolve((self.space.T @ self.space).tocsc(), forces))
 
 
 def solve_directly(
@@ -85,24 +94,20 @@ def solve_directly(
     matrix = (space.T @ full @ space + sp.diags(springs)).tocsr()
     loads = space.T @ forces.ravel()
     stiff = np.flatnonzero(matrix.diagonal() > 0)
-    stiff = stiff[reverse_cuthill_mckee(matrix[stiff][:, stiff], symmetric_mode=True)]
     amplitudes = np.zeros(len(loads))
-    amplitudes[stiff] = _cholesky(matrix[stiff][:, stiff], loads[stiff])
+    amplitudes[stiff] = _factorised(matrix[stiff][:, stiff], loads[stiff])
     residual = np.linalg.norm(loads - matrix @ amplitudes) / np.linalg.norm(loads)
     return Direct(matrix, space, loads, amplitudes, float(residual))
 
 
-def _cholesky(matrix: sp.csr_matrix, loads: Array) -> Array:
-    """Banded Cholesky of the diagonally scaled matrix, and one refinement."""
+def _factorised(matrix: sp.csr_matrix, loads: Array) -> Array:
+    """Sparse LU of the diagonally scaled matrix, and one refinement."""
     scale = 1 / np.sqrt(matrix.diagonal())
-    scaled = sp.diags(scale) @ matrix @ sp.diags(scale)
-    lower = sp.tril(scaled).tocoo()
-    below = lower.row - lower.col
-    band = np.zeros((below.max() + 1, len(loads)))
-    band[below, lower.col] = lower.data
-    factor = cholesky_banded(band, overwrite_ab=True, lower=True), True
-    solved = cho_solve_banded(factor, scale * loads)
-    solved = solved + cho_solve_banded(factor, scale * loads - scaled @ solved)
+    scaled = (sp.diags(scale) @ matrix @ sp.diags(scale)).tocsc()
+    options = {"SymmetricMode": True}
+    factors = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    solved = factors.solve(scale * loads)
+    solved = solved + factors.solve(scale * loads - scaled @ solved)
     return np.asarray(scale * solved)
 
 
