@@ -35,7 +35,7 @@ def _answer(name: str) -> str:
 def _gist(message: str, complaint: str) -> str:
     """What an error says about the reason, without the numbers around it."""
     parts = [part for sentence in message.split(". ") for part in sentence.split("; ") if complaint in part]
-    return parts[-1].split(": ")[-1].rstrip(".") if parts else message
+    return parts[-1].split(": ")[-1].removeprefix("In load case tip ").rstrip(".") if parts else message
 
 
 def _number(name: str, solution: Solution) -> str:

@@ -137,13 +137,17 @@ def cases() -> dict[str, HardCase]:
     return {case.name: case for case in listed}
 
 
+def _void(modulus: float) -> str:
+    return f"void {modulus:.0e}" if modulus else "void 0"
+
+
 def _contrasts() -> Iterator[HardCase]:
     solid = fields.blobs(0.4)
     for void in (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 0.0):
-        yield Block(f"blobs 0.4, void {void:.0e}", fields.two_phase(solid, void))
+        yield Block(f"blobs 0.4, {_void(void)}", fields.two_phase(solid, void))
     for volume, void in ((0.3, 1e-3), (0.3, 1e-6), (0.3, 1e-9), (0.5, 1e-9), (0.5, 1e-12), (0.7, 1e-9)):
         field = fields.two_phase(fields.random_cells(volume), void)
-        yield Block(f"random 0/1 cells {volume:g}, void {void:.0e}", field)
+        yield Block(f"random 0/1 cells {volume:g}, {_void(void)}", field)
 
 
 def _volumes() -> Iterator[HardCase]:
@@ -158,11 +162,11 @@ def _shapes() -> Iterator[HardCase]:
     link = fields.blocks_joined((slice(3, 4), slice(5, 6)))
     wall = fields.blocks_joined((slice(3, 4), slice(None)))
     for void in (1e-3, 1e-9):
-        yield Block(f"checkerboard, void {void:.0e}", fields.two_phase(fields.checkerboard(), void))
-        yield Block(f"one-cell walls, void {void:.0e}", fields.two_phase(fields.walls(), void))
-        yield Block(f"one-cell link, void {void:.0e}", fields.two_phase(link, void))
-        yield Block(f"one-cell wall as link, void {void:.0e}", fields.two_phase(wall, void))
-        yield Block(f"island, void {void:.0e}", fields.two_phase(fields.island(), void))
+        yield Block(f"checkerboard, {_void(void)}", fields.two_phase(fields.checkerboard(), void))
+        yield Block(f"one-cell walls, {_void(void)}", fields.two_phase(fields.walls(), void))
+        yield Block(f"one-cell link, {_void(void)}", fields.two_phase(link, void))
+        yield Block(f"one-cell wall as link, {_void(void)}", fields.two_phase(wall, void))
+        yield Block(f"island, {_void(void)}", fields.two_phase(fields.island(), void))
     yield Block("hinge of one edge, void 1e-06", fields.two_phase(fields.touching("edge"), 1e-6))
     yield Block("no load path, void 1e-03", fields.two_phase(fields.gap(), 1e-3))
     yield Block("no load path, void 1e-06", fields.two_phase(fields.gap(), 1e-6))
@@ -174,13 +178,13 @@ def _shapes() -> Iterator[HardCase]:
 def _meaningless() -> Iterator[HardCase]:
     edge, corner = fields.touching("edge"), fields.touching("corner")
     for void in (1e-9, 1e-12, 0.0):
-        yield Block(f"no load path, void {void:.0e}", fields.two_phase(fields.gap(), void), APART)
-        yield Block(f"blobs 0.02, void {void:.0e}", fields.two_phase(fields.blobs(0.02), void), APART)
-        yield Block(f"hinge of one edge, void {void:.0e}", fields.two_phase(edge, void), HINGE)
-        yield Block(f"joint at one corner, void {void:.0e}", fields.two_phase(corner, void), HINGE)
+        yield Block(f"no load path, {_void(void)}", fields.two_phase(fields.gap(), void), APART)
+        yield Block(f"blobs 0.02, {_void(void)}", fields.two_phase(fields.blobs(0.02), void), APART)
+        yield Block(f"hinge of one edge, {_void(void)}", fields.two_phase(edge, void), HINGE)
+        yield Block(f"joint at one corner, {_void(void)}", fields.two_phase(corner, void), HINGE)
     for void in (1e-9, 0.0):
-        yield Block(f"load on void {void:.0e}", fields.off_material(void), ON_VOID)
-        yield Block(f"half of the load on void {void:.0e}", fields.half_off_material(void), ON_VOID)
+        yield Block(f"load on {_void(void)}", fields.off_material(void), ON_VOID)
+        yield Block(f"half of the load on {_void(void)}", fields.half_off_material(void), ON_VOID)
 
 
 def _grids() -> Iterator[HardCase]:

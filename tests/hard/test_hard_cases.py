@@ -63,3 +63,20 @@ def test_fallbacks_are_used_and_announced(float64: None) -> None:
     assert solution.method == METHODS[1].name
     assert METHODS[0].name in solution.notice
     assert solution.iterations > METHODS[0].cap
+
+
+@pytest.mark.parametrize(
+    ("name", "cycles"),
+    [("uniform density 1", 16), ("checkerboard, void 1e-09", 26), ("one-cell walls, void 1e-09", 35)],
+)
+def test_cycles(float64: None, name: str, cycles: int) -> None:
+    """A wrong coarse operator or transfer would still converge, later."""
+    solution = attempt(name, 1e-8)
+    assert isinstance(solution, Solution)
+    assert solution.iterations <= cycles
+
+
+def test_contrast_hardly_matters(float64: None) -> None:
+    solutions = [attempt(f"blobs 0.4, void {void}", 1e-8) for void in ("1e-03", "1e-12")]
+    few, more = (s.iterations for s in solutions if isinstance(s, Solution))
+    assert more <= 1.2 * few
