@@ -14,11 +14,13 @@ import jax.numpy as jnp
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.conjugate_gradients import Result, System, jacobi_cg, multigrid_cg
-from cranktopo.fem.diagnosis import unsupported_load
+from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
 from cranktopo.fem.multigrid import Precision, Tables, build_hierarchy
 
-# Below this share of the largest modulus a cell counts as void in a message.
-_VOID = 1e-3
+# An answer of which void decides more than this share is refused.
+_VOID_SHARE = 0.5
+# Only cells stiffer than this share of the stiffest count as joined when a failure is explained.
+_SOFT = 1e-3
 
 
 class Solution(NamedTuple):
@@ -53,7 +55,7 @@ class _Method:
 # float64 helps with the second, deeper smoothing with the first.
 METHODS = (
     _Method("multigrid CG", "float32", 2, 200),
-    _Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 200),
+    _Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 600),
     _Method("Jacobi CG", "float64", 0, 5000),
 )
 
@@ -74,12 +76,13 @@ def solve_system(
         CranktopoError: the field or the load makes no sense, or no method reaches the tolerance (exit
             code 4).
     """
-    _check_moduli(system)
+    _check_numbers(system, names)
     iterations, tried = 0, ""
     for method in METHODS:
         result = _run(method, tables, system, guess, tolerance)
         used, residual = int(result.iterations), _worst(result)
         iterations += used
+        _check_meaning(system, result, residual <= tolerance, names)
         if residual <= tolerance:
             notice = f"{tried}: {method.name} took over and reached {tolerance:.0e}" if tried else ""
             return Solution(result.displacements, result.relative_residual, iterations, method.name, notice)
@@ -102,7 +105,7 @@ def _worst(result: Result) -> float:
     return float(jnp.max(result.relative_residual))
 
 
-def _check_moduli(system: System) -> None:
+def _check_numbers(system: System, names: tuple[str, ...]) -> None:
     least, largest = float(jnp.min(system.moduli)), float(jnp.max(system.moduli))
     if not (least >= 0 and 0 < largest < float("inf")):
         raise CranktopoError(
@@ -111,6 +114,40 @@ def _check_moduli(system: System) -> None:
             hint="Check the densities and the material.",
             code=ExitCode.SOLVER,
         )
+
+    finite = jnp.isfinite(jnp.sum(system.forces, axis=(1, 2, 3, 4)))
+    if not bool(jnp.all(finite)):
+        raise CranktopoError(
+            f"solver: load case {names[int(jnp.argmin(finite))]} has forces that are not finite numbers.",
+            hint="Check the loads.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def _check_meaning(system: System, result: Result, solved: bool, names: tuple[str, ...]) -> None:
+    """Refuse an answer that void decides; while it is not reached, only where material has a gap."""
+    shares = void_energy_share(system, result.displacements)
+    if not shares.max() > _VOID_SHARE:
+        return
+    found = unsupported_load(system, VOID)
+    if found is None and not solved:
+        return
+    case, reason = found or _hinge(system, VOID) or (int(shares.argmax()), "a part of the structure is loose")
+    raise CranktopoError(
+        f"solver: load case {names[case]} has no answer that means anything: {reason}; {shares.max():.0%} of "
+        f"its work is done on void, cells softer than {VOID:.0e} of the stiffest.",
+        hint="Join the load to the supports with material: move the load or raise the volume fraction.",
+        code=ExitCode.SOLVER,
+    )
+
+
+def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
+    """The first case whose load reaches its supports across edges or corners only."""
+    found = unsupported_load(system, threshold, "faces")
+    return found and (
+        found[0],
+        "its load reaches a support only across edges or corners of cells, which are hinges",
+    )
 
 
 def _check_load_path(system: System, names: tuple[str, ...]) -> None:
@@ -130,10 +167,8 @@ def _failure(
 ) -> CranktopoError:
     residual = [float(r) for r in result.relative_residual]
     worst = residual.index(max(residual))
-    found = unsupported_load(system, _VOID)
-    reason = (
-        f" In load case {names[found[0]]} {found[1]} stiffer than {_VOID:g} of the solid." if found else ""
-    )
+    found = unsupported_load(system, _SOFT) or _hinge(system, _SOFT)
+    reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
     return CranktopoError(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
         f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",

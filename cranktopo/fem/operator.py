@@ -57,6 +57,12 @@ def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
     )
 
 
+@jax.jit
+def strain_energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
+    """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus; arguments as `apply_stiffness`."""
+    return jax.lax.map(lambda v: strain_energy_density(blocks, v[None], v[None]), u)
+
+
 def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
     """Diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1)."""
     weights = jnp.sum(blocks, axis=0)  # by symmetry every corner has the same diagonal

@@ -15,7 +15,7 @@ from cranktopo.fem.equilibrium import Solution, solve_system
 from cranktopo.fem.lattice import layer_blocks
 from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
 from cranktopo.fem.multigrid import build_tables
-from cranktopo.fem.operator import strain_energy_density
+from cranktopo.fem.operator import strain_energy_densities, strain_energy_density
 from cranktopo.fem.supports import section_coordinates
 from cranktopo.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 
@@ -84,7 +84,7 @@ def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
 
     Body forces stay as they are: `compliance_gradients_by_solid` adds what changes with the mass.
     """
-    each = _energy_densities(layer_blocks(model.lattice), u)
+    each = strain_energy_densities(jnp.asarray(layer_blocks(model.lattice)), u)
     return -each * model.modulus_MPa / model.share
 
 
@@ -153,9 +153,3 @@ def section_motion(model: ThrowModel, u: jax.Array) -> jax.Array:
 
 
 _energy_density = jax.jit(strain_energy_density)
-
-
-@jax.jit
-def _energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
-    """u^T K_e u per case and cell for unit modulus."""
-    return jax.lax.map(lambda v: strain_energy_density(blocks, v[None], v[None]), u)
