@@ -84,8 +84,8 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
     heights = model.mesh.p[2][model.mesh.t]
     elements = np.nonzero(heights.max(axis=0) > z_from_mm + 1e-9)[0]
     basis = Basis(model.mesh, ElementTetP2(), intorder=_LOAD_ORDER, elements=elements)
-    inside = basis.dx * (basis.global_coordinates().value[2] > z_from_mm)
-    weights = np.stack([(phi[0].value * inside).sum(axis=1) for phi in basis.basis])
+    inside = basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm)
+    weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
     np.add.at(mean, 3 * basis.element_dofs + axis, weights)
     return np.asarray(mean / inside.sum(), dtype=np.float64)
