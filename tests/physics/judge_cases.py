@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cranktopo.evaluate.elasticity import Elasticity, assemble
-from cranktopo.remodel.meshing import Part
+from cranktopo.remodel.meshing import TetMesh
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.units import MPA_PER_GPA
 
@@ -30,6 +30,6 @@ def throw_scene(throw: Mapping[str, Any], web: Mapping[str, Any]) -> Scene:
     )
 
 
-def elastic(part: Part, scene: Scene) -> Elasticity:
-    """The assembled model of a meshed part."""
-    return assemble(part.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+def elastic(mesh: TetMesh, scene: Scene) -> Elasticity:
+    """The assembled model of a mesh."""
+    return assemble(mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
