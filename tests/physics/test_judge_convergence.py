@@ -127,7 +127,7 @@ def test_orders_on_an_exact_solution(bend: float, bounds: tuple[float, float]) -
 
 @pytest.mark.slow
 def test_order_on_the_mikron_throw() -> None:
-    """With fillets: second order from three meshes, the finest within 0.1 % of the reference's four digits."""
+    """With fillets: second order over three meshes, the finest within 0.1 % of a reference."""
     scene = mikron_with()
     rungs = []
     for size in (6.3, 4.2, 2.8):
