@@ -18,6 +18,8 @@ _CHUNK = 4000
 _ORDER = 2
 """Quadrature order of the stiffness: four points, exact on straight elements, as C3D10 elsewhere."""
 _LOAD_ORDER = 6
+_PLANE_MM = 1e-9
+"""Quadrature points on an element's face that lies in a plane count as inside, whatever their rounding."""
 
 
 @dataclass(frozen=True)
@@ -82,9 +84,9 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
     from skfem import Basis, ElementTetP2
 
     heights = model.mesh.p[2][model.mesh.t]
-    elements = np.nonzero(heights.max(axis=0) > z_from_mm + 1e-9)[0]
+    elements = np.nonzero(heights.max(axis=0) > z_from_mm + _PLANE_MM)[0]
     basis = Basis(model.mesh, ElementTetP2(), intorder=_LOAD_ORDER, elements=elements)
-    inside = basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm)
+    inside = basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm - _PLANE_MM)
     weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
     np.add.at(mean, 3 * basis.element_dofs + axis, weights)
