@@ -61,7 +61,7 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float) -> Elasticity:
     for start in range(0, body.nelements, _CHUNK):
         elements = np.arange(start, min(start + _CHUNK, body.nelements))
         basis = Basis(body, ElementTetP2(), intorder=_ORDER, elements=elements)
-        if basis.dx.min() <= 0:
+        if basis.mapping.detDF(basis.X, tind=elements).min() <= 0:  # basis.dx takes its absolute value
             raise CranktopoError(
                 "mesh: an element is inverted.", hint="Choose another element size.", code=ExitCode.SOLVER
             )
