@@ -18,6 +18,8 @@ _CHUNK = 4000
 _ORDER = 2
 """Quadrature order of the stiffness: four points, exact on straight elements, as C3D10 elsewhere."""
 _LOAD_ORDER = 6
+_PLANE_MM = 1e-9
+"""Quadrature points on an element's face that lies in a plane count as inside, whatever their rounding."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float) -> Elasticity:
     for start in range(0, body.nelements, _CHUNK):
         elements = np.arange(start, min(start + _CHUNK, body.nelements))
         basis = Basis(body, ElementTetP2(), intorder=_ORDER, elements=elements)
-        if basis.dx.min() <= 0:
+        if basis.mapping.detDF(basis.X, tind=elements).min() <= 0:  # basis.dx takes its absolute value
             raise CranktopoError(
                 "mesh: an element is inverted.", hint="Choose another element size.", code=ExitCode.SOLVER
             )
@@ -82,10 +84,10 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
     from skfem import Basis, ElementTetP2
 
     heights = model.mesh.p[2][model.mesh.t]
-    elements = np.nonzero(heights.max(axis=0) > z_from_mm + 1e-9)[0]
+    elements = np.nonzero(heights.max(axis=0) > z_from_mm + _PLANE_MM)[0]
     basis = Basis(model.mesh, ElementTetP2(), intorder=_LOAD_ORDER, elements=elements)
-    inside = basis.dx * (basis.global_coordinates().value[2] > z_from_mm)
-    weights = np.stack([(phi[0].value * inside).sum(axis=1) for phi in basis.basis])
+    inside = basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm - _PLANE_MM)
+    weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
     np.add.at(mean, 3 * basis.element_dofs + axis, weights)
     return np.asarray(mean / inside.sum(), dtype=np.float64)

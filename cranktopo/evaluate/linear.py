@@ -85,25 +85,24 @@ def _cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Callable[[Arra
     smooth = _chebyshev(matrix)
 
     def cycle(residual: Array) -> Array:
-        x = smooth(residual, np.zeros_like(residual))
+        x = smooth(residual)
         x += prolongation @ coarse(restriction @ (residual - matrix @ x))
-        return smooth(residual, x)
+        return x + smooth(residual - matrix @ x)
 
     return cycle
 
 
-def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array, Array], Array]:
-    """Chebyshev iteration on the Jacobi-scaled matrix (Saad, Iterative Methods, algorithm 12.1)."""
+def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
+    """Correction for a residual by Chebyshev iteration, Jacobi-scaled (Saad, Iterative Methods, 12.1)."""
     inverse = 1.0 / matrix.diagonal()[:, None]
     upper = 1.1 * _largest_eigenvalue(matrix, inverse)
     lower = upper / _BAND
     centre, half = (upper + lower) / 2, (upper - lower) / 2
 
-    def smooth(load: Array, x: Array) -> Array:
-        residual = load - matrix @ x
+    def smooth(residual: Array) -> Array:
         rho = half / centre
         step = inverse * residual / centre
-        x = x + step
+        x = step
         for _ in range(_SMOOTHING - 1):
             residual = residual - matrix @ step
             following = 1.0 / (2 * centre / half - rho)

@@ -12,6 +12,8 @@ from cranktopo.scene.outline import half_width_mm, y_range_mm
 
 SHOULDER_MM = 0.1
 """Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
+_ROUNDING_MM = 1e-9
+"""The largest fillet that a message names must itself be accepted."""
 
 
 def check_solid(scene: Scene) -> None:
@@ -66,7 +68,7 @@ def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
             journal.bore_diameter_mm,
             f"breaks through the web's rim; must be smaller than {2 * (edge - SHOULDER_MM):.4g} mm",
         )
-    if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - SHOULDER_MM:
+    if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - SHOULDER_MM + _ROUNDING_MM:
         room = edge - SHOULDER_MM - journal.radius_mm
         allowed = f"at most {room:.4g} mm fits" if room > 0 else "no fillet fits"
         raise invalid(

@@ -56,7 +56,7 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
             volume = float(gmsh.model.occ.getMass(*body[0]))
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
-                _triangulate(gmsh, facet_mm)
+                _triangulate(gmsh, body, facet_mm)
             with _quiet_stdout():
                 gmsh.write(str(partial))
         if suffix != ".stl":
@@ -97,7 +97,11 @@ def _quiet_stdout() -> Iterator[None]:
         os.close(nowhere)
 
 
-def _triangulate(gmsh: Any, facet_mm: float) -> None:
+def _triangulate(gmsh: Any, body: DimTags, facet_mm: float) -> None:
+    """Facets with outward normals: a face's own normal may point into the body, as a bore's does."""
+    for dim, tag in body:
+        if dim == 3:
+            gmsh.model.mesh.setOutwardOrientation(tag)
     gmsh.option.setNumber("Mesh.MeshSizeMax", facet_mm)
     gmsh.option.setNumber("Mesh.MeshSizeMin", facet_mm)
     gmsh.option.setNumber("Mesh.Binary", 1)

@@ -23,6 +23,8 @@ from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
 _TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+_DELAUNAY_2D, _DELAUNAY_3D = 5, 1
+"""gmsh's default surface mesher, frontal Delaunay, cuts across a seamed bore of the full throw."""
 _GROWTH = 0.5
 """Growth of the element size per mm of distance from a refined ring."""
 _FINEST = 1 / 12
@@ -108,7 +110,8 @@ def mesh_body(
     """Mesh of whatever body the open session holds; arguments as `mesh_throw`."""
     gmsh.model.occ.synchronize()
     _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full)
-    gmsh.option.setNumber("Mesh.Algorithm3D", 1)
+    gmsh.option.setNumber("Mesh.Algorithm", _DELAUNAY_2D)
+    gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D)
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.setOrder(2)
     return _extract(gmsh, mirrored)

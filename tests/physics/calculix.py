@@ -1,0 +1,97 @@
+"""A half throw as a CalculiX deck: the judge's mesh, its rigid section by CalculiX's own rigid body."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.condense import plane_nodes
+from cranktopo.frames import Parity
+from cranktopo.remodel.meshing import TetMesh
+from cranktopo.scene import Scene
+
+Array = NDArray[np.float64]
+Entry = tuple[int, int, float]
+"""Node (from 0; REFERENCE and ROTATION follow the mesh's), axis 0 to 2, value."""
+
+
+def handles(mesh: TetMesh) -> tuple[int, int]:
+    """The nodes that move (translations) and turn (rotations) the rigid section."""
+    count = mesh.points_mm.shape[1]
+    return count, count + 1
+
+
+def displacements(
+    folder: Path,
+    mesh: TetMesh,
+    scene: Scene,
+    parity: Parity,
+    *,
+    fixed: Sequence[Entry],
+    forces: Sequence[Entry] = (),
+    spring_N_per_mm: float = 0.0,
+) -> Array:
+    """Displacements of all nodes and the two handles by `ccx`, mm and rad, shape (nodes + 2, 3).
+
+    Args:
+        folder: where the deck is run.
+        mesh: half throw.
+        scene: material and pitch.
+        parity: held motions of the mid-pin plane.
+        fixed: prescribed motions.
+        forces: nodal forces, N, and torques on the rotation handle, N mm.
+        spring_N_per_mm: radial spring at the reference node, if any.
+    """
+    middle = plane_nodes(mesh.points_mm, 2, scene.pitch_mm / 2)
+    axes = (2,) if parity == "symmetric" else (0, 1)
+    held = [(int(node), axis, 0.0) for node in middle for axis in axes]
+    lines = [*_body(mesh, scene), *(_springs(mesh, spring_N_per_mm) if spring_N_per_mm else [])]
+    lines += ["*BOUNDARY", *(f"{n + 1}, {a + 1}, {a + 1}, {v:.10e}" for n, a, v in [*held, *fixed])]
+    lines += ["*STEP", "*STATIC"]
+    if forces:
+        lines += ["*CLOAD", *(f"{n + 1}, {a + 1}, {v:.10e}" for n, a, v in forces)]
+    lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP"]
+    (folder / "throw.inp").write_text("\n".join(lines) + "\n")
+    done = subprocess.run(["ccx", "throw"], cwd=folder, capture_output=True, text=True, check=False)
+    assert "Job finished" in done.stdout, done.stdout[-2000:]
+    return _read(folder / "throw.dat", mesh.points_mm.shape[1] + 2)
+
+
+def _body(mesh: TetMesh, scene: Scene) -> list[str]:
+    reference, rotation = handles(mesh)
+    points = [*mesh.points_mm.T, np.zeros(3), np.zeros(3)]
+    section = plane_nodes(mesh.points_mm, 2, 0.0)
+    return [
+        "*NODE, NSET=ALL",
+        *(f"{i}, {x:.12e}, {y:.12e}, {z:.12e}" for i, (x, y, z) in enumerate(points, 1)),
+        "*ELEMENT, TYPE=C3D10, ELSET=BODY",
+        *(", ".join(map(str, [i, *(cell + 1)])) for i, cell in enumerate(mesh.cells.T, 1)),
+        "*MATERIAL, NAME=STEEL",
+        "*ELASTIC",
+        f"{scene.material.E_GPa * 1e3}, {scene.material.poisson}",
+        "*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL",
+        "*NSET, NSET=SECTION",
+        *(str(node + 1) for node in section),
+        f"*RIGID BODY, NSET=SECTION, REF NODE={reference + 1}, ROT NODE={rotation + 1}",
+    ]
+
+
+def _springs(mesh: TetMesh, stiffness: float) -> Iterable[str]:
+    reference, count = handles(mesh)[0] + 1, mesh.cells.shape[1]
+    for axis in (1, 2):
+        yield f"*ELEMENT, TYPE=SPRING1, ELSET=SPRING{axis}"
+        yield f"{count + axis}, {reference}"
+        yield f"*SPRING, ELSET=SPRING{axis}"
+        yield f"{axis}"
+        yield f"{stiffness}"
+
+
+def _read(path: Path, nodes: int) -> Array:
+    rows = [line.split() for line in path.read_text().splitlines()]
+    values = {int(row[0]): [float(v) for v in row[1:]] for row in rows if len(row) == 4 and row[0].isdigit()}
+    assert len(values) == nodes
+    return np.array([values[i] for i in range(1, nodes + 1)])

@@ -1,0 +1,143 @@
+"""Order of convergence of the judge's elements on an exact solution, and on the Mikron throw.
+
+The exact solution is a sum of plane waves u = sum a sin(k.x + p): its body force follows in closed form from
+Navier's equation, -(lambda + mu) grad div u - mu laplace u, and no axis or plane of it is special.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from skfem import Basis, ElementTetP2, MeshTet
+
+from cranktopo.evaluate.elasticity import Elasticity, assemble
+from cranktopo.evaluate.evaluation import condensed_stiffness
+from cranktopo.evaluate.linear import solve
+from cranktopo.remodel.curving import EDGES
+from cranktopo.remodel.meshing import TetMesh, mesh_throw
+from tests.physics.judge_cases import mikron_with
+
+Array = NDArray[np.float64]
+YOUNGS, POISSON = 2.0, 0.3
+LAME, SHEAR = YOUNGS * POISSON / (1 + POISSON) / (1 - 2 * POISSON), YOUNGS / 2 / (1 + POISSON)
+
+
+@dataclass(frozen=True)
+class Wave:
+    amplitude: Array
+    number: Array
+    phase: float
+
+    def angle(self, x: Array) -> Array:
+        return np.tensordot(self.number, x, 1) + self.phase
+
+
+WAVES = (
+    Wave(np.array([1.0, -0.4, 0.3]), np.array([2.1, 0.7, -1.3]), 0.4),
+    Wave(np.array([0.2, 0.8, -0.6]), np.array([-0.9, 1.9, 1.1]), 1.1),
+)
+
+
+def displacement(x: Array) -> Array:
+    return sum(np.multiply.outer(w.amplitude, np.sin(w.angle(x))) for w in WAVES)  # type: ignore[return-value]
+
+
+def gradient(x: Array) -> Array:
+    """du_i / dx_j."""
+    parts = [np.multiply.outer(np.outer(w.amplitude, w.number), np.cos(w.angle(x))) for w in WAVES]
+    return np.asarray(sum(parts))
+
+
+def body_force(x: Array) -> Array:
+    total = np.zeros_like(x)
+    for w in WAVES:
+        spread = (LAME + SHEAR) * (w.amplitude @ w.number) * w.number
+        shear = SHEAR * (w.number @ w.number) * w.amplitude
+        total += np.multiply.outer(spread + shear, np.sin(w.angle(x)))
+    return total
+
+
+def cube(cells: int, bend: float) -> TetMesh:
+    """Ten-node tetrahedra on the unit cube, its inside and edges bent by a smooth map."""
+    steps = np.linspace(0, 1, cells + 1)
+    linear = MeshTet.init_tensor(steps, steps, steps)
+    pairs = np.sort(np.stack([linear.t[list(e)] for e in EDGES], axis=1), axis=0)
+    edges, number = np.unique(pairs.reshape(2, -1), axis=1, return_inverse=True)
+    points = np.hstack([linear.p, linear.p[:, edges].mean(axis=1)])
+    points = points + bend * np.sin(2.0 * points[[1, 2, 0]] + points[[2, 0, 1]])
+    cell_edges = number.reshape(len(EDGES), -1) + linear.nvertices
+    return TetMesh(points, np.vstack([linear.t, cell_edges]).astype(np.int64), mirrored=False)
+
+
+def solved(model: Elasticity, outside: NDArray[np.intp]) -> Array:
+    """Displacement of all unknowns: exact on the outside, body force within."""
+    basis = Basis(model.mesh, ElementTetP2(), intorder=6)
+    force = np.zeros(model.nodes_mm.size)
+    density = body_force(np.asarray(basis.global_coordinates()))
+    for axis in range(3):
+        values = np.stack(
+            [(np.asarray(phi[0]) * density[axis] * basis.dx).sum(axis=1) for phi in basis.basis]
+        )
+        np.add.at(force, 3 * basis.element_dofs + axis, values)
+    held = (3 * outside[:, None] + np.arange(3)).ravel()
+    free = np.setdiff1d(np.arange(force.size), held)
+    u = displacement(model.nodes_mm).T.ravel()
+    u[free] = 0.0
+    matrix, loads = model.stiffness[free][:, free], (force - model.stiffness @ u)[free, None]
+    corners = free[free < model.prolongation.shape[1]]
+    u[free] = solve(matrix, loads, model.prolongation[free][:, corners])[:, 0]
+    return u
+
+
+def errors(cells: int, bend: float) -> tuple[float, float]:
+    """Relative errors of a solution in the L2 norm of displacement and in the energy norm."""
+    model = assemble(cube(cells, bend), YOUNGS, POISSON)
+    u = solved(model, _outside(model))
+    basis = Basis(model.mesh, ElementTetP2(), intorder=6)
+    x = np.asarray(basis.global_coordinates())
+    parts = [basis.interpolate(u[axis::3]) for axis in range(3)]
+    missed = np.stack([np.asarray(p) for p in parts]) - displacement(x)
+    slope = np.stack([p.grad for p in parts]) - gradient(x)
+    length = (missed**2).sum(axis=0) * basis.dx, (displacement(x) ** 2).sum(axis=0) * basis.dx
+    energy = _energy(slope) * basis.dx, _energy(gradient(x)) * basis.dx
+    return tuple(float(np.sqrt(a.sum() / b.sum())) for a, b in (length, energy))  # type: ignore[return-value]
+
+
+def _energy(slope: Array) -> Array:
+    strain = (slope + slope.swapaxes(0, 1)) / 2
+    return np.asarray(LAME * np.trace(strain) ** 2 + 2 * SHEAR * (strain**2).sum(axis=(0, 1)))
+
+
+def _outside(model: Elasticity) -> NDArray[np.intp]:
+    basis = Basis(model.mesh, ElementTetP2(), intorder=2)
+    return np.asarray(basis.get_dofs().all(), dtype=np.intp)
+
+
+@pytest.mark.parametrize(("bend", "bounds"), [(0.0, (1e-4, 4e-3)), (0.08, (1.2e-4, 4.5e-3))])
+def test_orders_on_an_exact_solution(bend: float, bounds: tuple[float, float]) -> None:
+    """Straight and curved elements: third order in displacement, second in energy."""
+    found = np.array([errors(cells, bend) for cells in (2, 4, 8)])
+    orders = -np.diff(np.log2(found), axis=0)
+    assert (orders[-1] > (2.8, 1.9)).all(), orders
+    assert (found[-1] < bounds).all(), found
+
+
+@pytest.mark.slow
+def test_order_on_the_mikron_throw() -> None:
+    """With fillets: three meshes, the finest within 0.1 % of a reference of four digits.
+
+    The order scatters with the meshes: 1.5 (torsion free), 1.6 (held) and 2.0 (pinned) on these; frontal
+    surface meshes of the same sizes gave 1.8 to 2.0.
+    """
+    scene = mikron_with()
+    rungs = []
+    for size in (6.3, 4.2, 2.8):
+        found = condensed_stiffness(mesh_throw(scene, size), scene, size, 0.0)
+        rungs.append([found.torsion["free"], found.torsion["held"], found.bending["pinned"]])
+    coarse, middle, fine = np.array(rungs)
+    orders = np.log((coarse - middle) / (middle - fine)) / np.log(1.5)
+    assert (orders > 1.4).all(), orders
+    assert fine == pytest.approx([141.2e3, 194.3e3, 230.2e3], rel=1e-3)
