@@ -26,7 +26,7 @@ _DISTANCES = (1 / 40, 1 / 20, 1 / 80)
 where the first gives a surface that meets itself."""
 _GRADATION = 1.7
 _SHARP_DEG = 40.0
-_VOLUME_TOLERANCE = 2e-3
+_VOLUME_TOLERANCE = 5e-3
 
 
 def tetrahedralise(

@@ -17,7 +17,7 @@ from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.remodel.remesh import tetrahedralise
 from cranktopo.scene import Scene, scene_from_dict
 
-SIZE = 7.0
+SIZE = 12.0
 
 
 def signed_volumes(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
@@ -43,22 +43,21 @@ def test_a_hollow_and_a_tunnel_stay() -> None:
     np.testing.assert_allclose(middle, (points[:, cells[0]] + points[:, cells[1]]) / 2, atol=1e-12)
 
 
-@pytest.mark.parametrize("lopsided", [False, True])
-def test_triangles_give_the_stiffness_of_the_solid(mikron: Scene, tmp_path: Path, lopsided: bool) -> None:
-    scene = without(mikron, "fillets")
-    if lopsided:
-        data = scene.model_dump(mode="json", exclude_none=True)
-        pocket = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}
-        data["web"]["pocket"] = [pocket]
-        scene = scene_from_dict(data)
-    path = tmp_path / "half.stl"
-    export_solid(scene, "half", path, 1.0)
+@pytest.mark.slow
+@pytest.mark.parametrize("pocket", [False, True])
+def test_triangles_give_the_stiffness_of_the_solid(mikron: Scene, tmp_path: Path, pocket: bool) -> None:
+    """The same throw as triangles and as an exact solid, whole and with a pocket on one side."""
+    data, path = without(mikron, "fillets").model_dump(mode="json", exclude_none=True), tmp_path / "half.stl"
+    hole = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}
+    data["web"]["pocket"] = [hole] if pocket else []
+    scene = scene_from_dict(data)
+    export_solid(scene, "half", path, 2.0)
     part, exact = mesh_file(path, scene, SIZE), mesh_throw(scene, SIZE)
-    assert part.half.volume_mm3 == pytest.approx(exact.half.volume_mm3, rel=2e-3)
-    assert part.web_volume_mm3 == pytest.approx(exact.web_volume_mm3, rel=2e-3)
+    assert part.half.volume_mm3 == pytest.approx(exact.half.volume_mm3, rel=5e-3)
+    assert part.web_volume_mm3 == pytest.approx(exact.web_volume_mm3, rel=5e-3)
     ours, reference = (condensed_stiffness(p, scene, SIZE, 0.0) for p in (part, exact))
     assert ours.torsion["free"] == pytest.approx(reference.torsion["free"], rel=0.01)
-    assert ours.bending["pinned"] == pytest.approx(reference.bending["pinned"], rel=0.015)
+    assert ours.bending["pinned"] == pytest.approx(reference.bending["pinned"], rel=0.01)
 
 
 def test_two_bodies_are_refused(mikron: Scene, tmp_path: Path) -> None:
