@@ -64,12 +64,16 @@ def cube(cells: int, bend: float) -> TetMesh:
     """Ten-node tetrahedra on the unit cube, its inside and edges bent by a smooth map."""
     steps = np.linspace(0, 1, cells + 1)
     linear = MeshTet.init_tensor(steps, steps, steps)
-    pairs = np.sort(np.stack([linear.t[list(e)] for e in EDGES], axis=1), axis=0)
+    corners = linear.t.copy()
+    sides = linear.p[:, corners[1:]] - linear.p[:, corners[:1]]
+    left = np.linalg.det(sides.transpose(2, 0, 1)) < 0
+    corners[:2, left] = corners[1::-1, left]
+    pairs = np.sort(np.stack([corners[list(e)] for e in EDGES], axis=1), axis=0)
     edges, number = np.unique(pairs.reshape(2, -1), axis=1, return_inverse=True)
     points = np.hstack([linear.p, linear.p[:, edges].mean(axis=1)])
     points = points + bend * np.sin(2.0 * points[[1, 2, 0]] + points[[2, 0, 1]])
     cell_edges = number.reshape(len(EDGES), -1) + linear.nvertices
-    return TetMesh(points, np.vstack([linear.t, cell_edges]).astype(np.int64), mirrored=False)
+    return TetMesh(points, np.vstack([corners, cell_edges]).astype(np.int64), mirrored=False)
 
 
 def solved(model: Elasticity, outside: NDArray[np.intp]) -> Array:

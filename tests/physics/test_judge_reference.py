@@ -37,9 +37,9 @@ def test_graded_mesh_is_within_half_a_percent() -> None:
 
 
 def test_uniform_mesh_is_not() -> None:
-    """Without refinement at the re-entrant rings even a finer mesh is over half a percent too stiff."""
-    errors = errors_percent(judged(4.2, graded=False))
-    assert all(0.5 < e < 3.0 for e in errors.values()), errors
+    """Without refinement at the re-entrant rings the throw is more than one percent too stiff."""
+    errors = errors_percent(judged(6.3, graded=False))
+    assert all(1.0 < e < 5.0 for e in errors.values()), errors
 
 
 @pytest.mark.slow
