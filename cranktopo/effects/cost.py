@@ -86,19 +86,11 @@ class Costing:
         cells = self.half_throw_cells // 2
         return Cost(0.0, -cells, -self._optimiser_seconds(cells))
 
-    def fillets(self) -> Cost:
-        """Elements of the judge's mesh along the fillets."""
-        cells = self._fillet_elements
-        return Cost(0.0, cells, cells * self._rates.seconds_per_element)
-
     def fatigue(self) -> Cost:
-        """Two load states on the judge's factorised mesh: a tenth of a factorisation each."""
-        return Cost(2.0, 0, 0.2 * self._fillet_elements * self._rates.seconds_per_element)
-
-    @property
-    def _fillet_elements(self) -> int:
+        """A mesh fine enough for stresses in the fillets, and two load states: a tenth of a solve each."""
         throw = self._scene.throw
-        return _fillet_elements(throw.main_journal) + _fillet_elements(throw.crankpin)
+        cells = _fillet_elements(throw.main_journal) + _fillet_elements(throw.crankpin)
+        return Cost(2.0, cells, 1.2 * cells * self._rates.seconds_per_element)
 
     def _optimiser_seconds(self, cells: int) -> float:
         iterations = min(self._scene.optimise.max_iterations, self._rates.iterations)

@@ -40,7 +40,10 @@ def bearing_compliance(facts: Facts) -> Estimate:
 
 
 def fillets(facts: Facts) -> Estimate:
-    """Rings at the ends of the journals: they shorten journals and web in the beam and torsion formulae."""
+    """Rings at the ends of the journals: they shorten journals and web in the beam and torsion formulae.
+
+    They cost nothing: for stiffness alone the judge needs more elements at a sharp ring than at a fillet.
+    """
     throw = facts.scene.throw
     if throw.main_journal.fillet_mm == 0 and throw.crankpin.fillet_mm == 0:
         return Estimate(0.0, "", "nothing", absent="no fillet in the scene")
@@ -53,7 +56,6 @@ def fillets(facts: Facts) -> Estimate:
         max(torsion, bending),
         because,
         f"bending stiffness {-bending:+.2g} %, torsional {-torsion:+.2g} %, no stress",
-        facts.costing.fillets(),
         needed=needed,
     )
 

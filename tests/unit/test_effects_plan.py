@@ -191,7 +191,7 @@ def test_bores_matter_by_stiffness_or_by_mass():
 
 def test_costs_scale_with_rates_cells_and_iterations():
     base, twice = plan(MIKRON), plan(MIKRON, CostRates(35, 8e-6, 1e-3))
-    for name in ("tangential", "lateral_symmetry", "fillets"):
+    for name in ("tangential", "lateral_symmetry", "fatigue"):
         assert twice[name].cost.seconds == pytest.approx(2 * base[name].cost.seconds)
     fine = plan(with_part(MIKRON, "optimise", resolution_mm=0.75))
     assert fine["tangential"].cost.seconds == pytest.approx(8 * base["tangential"].cost.seconds, rel=0.05)
