@@ -20,7 +20,7 @@ from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
 SCHEMA_VERSION = 1
 RATIO = 1.5
 """Element size of the coarse mesh over that of the fine one in the error estimate."""
-_ORDER_FILLET, _ORDER_SHARP = 2.0, 1.09
+_ORDER_FILLET, _ORDER_SHARP = 1.3, 1.09
 _COARSEST, _RUNGS = 2, 6
 _VOLUME_TOLERANCE = 0.02
 """Mesh against solid: sound meshes of 15 mm elements are within 1 %, of the default size within 0.01 %."""
@@ -254,7 +254,8 @@ def _order(target: Target) -> float:
     """Convergence order of the stiffness in the element size.
 
     A sharp re-entrant ring (90 degrees) has a stress singularity of exponent 0.545 (Williams, 1952), so the
-    energy converges with twice that. With fillets the measured order on practical meshes is two.
+    energy converges with twice that. With fillets orders from 1.5 to 2 were measured; the lower value taken
+    here makes the estimate a bound on the meshes measured (tests/physics/test_judge_error_estimate.py).
     """
     throw = target.scene.throw
     sharp = target.file is not None or not (throw.main_journal.fillet_mm and throw.crankpin.fillet_mm)

@@ -1,9 +1,8 @@
 """Torsional stiffness of four throws against the classical formulas of crank-shaft practice.
 
-The mean of Carter's and Ker Wilson's formula (W. Ker Wilson, Practical Solution of Torsional Vibration
-Problems) for throws of ordinary proportions: web thickness 0.4 to 0.5 of the main journal's diameter, web
-width 1.3 to 1.5, throw 0.75 to 1.15, solid journals or a moderate bore, sections free to move laterally. Both
-formulas were drawn from measured shafts and scatter by some ten percent themselves.
+The mean of Carter's and Ker Wilson's formula for throws of ordinary proportions: web thickness 0.4 to 0.5 of
+the main journal's diameter, web width 1.3 to 1.5, throw 0.75 to 1.15, solid journals or a moderate bore,
+sections free to move laterally. These are the ranges of the throws below, not a published limit.
 """
 
 from __future__ import annotations

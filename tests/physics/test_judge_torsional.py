@@ -1,4 +1,4 @@
-"""Torsional natural frequencies of the disk model against closed form, Holzer's table and printed values."""
+"""Torsional natural frequencies of the disk model against closed form, Holzer's table and known values."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import pytest
 from cranktopo.evaluate.torsional import DiskModel, disk_model
 from cranktopo.scene import load_scene
 
-# A six-cylinder truck engine: damper, gears, cylinders, flywheel. kg m2, N m/rad, Hz.
+# A six-cylinder truck engine: damper, gears, cylinders, flywheel. kg m2, N m/rad; frequencies in Hz to the
+# digits in which they were handed down, source unknown; Holzer's table below checks every one.
 TRUCK = DiskModel(
     (0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750),
     tuple(1e6 * k for k in (1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976)),
