@@ -16,6 +16,7 @@ from cranktopo.remodel.throw_solid import SolidProperties, solid_properties
 from cranktopo.scene import Scene
 
 _EXACT_MM = 1e-6
+_ALONE, _SAME_VOLUME = 1e-3, 1e-6
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 
@@ -113,12 +114,17 @@ def _inertia_z(surface: Any) -> float:
 
 
 def _is_mirror_image(surface: Any) -> bool:
-    """Whether every vertex has its mirror image in x = 0 among the vertices."""
+    """Whether the body is its own mirror image in x = 0: twin vertices, and the same volume on both sides.
+
+    Reading a file joins vertices that almost coincide, not always alike on both sides: a few may lack a twin.
+    """
     from scipy.spatial import cKDTree
 
     vertices = np.asarray(surface.vertices)
     distance, _ = cKDTree(vertices).query(vertices * [-1.0, 1.0, 1.0])
-    return float(distance.max()) < _EXACT_MM
+    alone = float(np.mean(distance > _EXACT_MM))
+    right = float(_manifold(surface).trim_by_plane([1, 0, 0], 0.0).volume())
+    return alone < _ALONE and abs(2 * right / float(surface.volume) - 1) < _SAME_VOLUME
 
 
 def _positive_x(surface: Any) -> Any:

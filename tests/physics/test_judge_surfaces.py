@@ -66,3 +66,15 @@ def test_two_bodies_are_refused(mikron: Scene, tmp_path: Path) -> None:
     trimesh.util.concatenate(boxes).export(path)
     with pytest.raises(CranktopoError, match="2 separate bodies"):
         mesh_file(path, mikron, SIZE)
+
+
+def test_the_mirror_is_used_only_where_both_sides_are_alike(mikron: Scene, tmp_path: Path) -> None:
+    """A block of twice 20 mm; the same with a dent of 2 mm3 on one side."""
+    path, length = tmp_path / "block.stl", mikron.pitch_mm / 2
+    block = trimesh.creation.box([40, 30, length]).subdivide().subdivide().subdivide()
+    block.apply_translation([0, 0, length / 2])
+    dent = trimesh.creation.box([2, 1, 2]).apply_translation([12, 15, 20])
+    dented = trimesh.boolean.difference([block, dent], engine="manifold")
+    for surface, alike in ((block, True), (dented, False)):
+        surface.export(path)
+        assert mesh_file(path, mikron, SIZE).mesh.mirrored == alike
