@@ -191,6 +191,8 @@ def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progr
     while not state.done:
         state = loop.step(problem, state)
         save_checkpoint(run.checkpoint, *to_checkpoint(state))
+        if state.last.notice:
+            run.log(f"iteration {state.last.iteration}: {state.last.notice}")
         progress(problem, state)
     return state
 

@@ -149,4 +149,6 @@ class _Bar:
         self._bar.set_postfix_str(
             f"{work}, volume {row.volume_fraction:.3f}, grey {row.greyness:.3f}", refresh=False
         )
+        if row.notice:
+            self._bar.write(f"iteration {row.iteration}: {row.notice}", file=sys.stderr)
         self._bar.update(done - self._bar.n)

@@ -166,6 +166,7 @@ def step(problem: Problem, state: State) -> State:
         change=float(np.abs(new_x - state.x).max()),
         cg_iterations=int(solution.iterations),
         seconds=time.perf_counter() - started,
+        notice=solution.notice,
     )
     advanced = replace(
         state,

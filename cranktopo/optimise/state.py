@@ -27,6 +27,7 @@ class Record:
         change: largest change of a design variable by the step that followed.
         cg_iterations: iterations of the solve.
         seconds: wall time of the iteration.
+        notice: what the solver had to say, one sentence when its first method was not enough, else empty.
     """
 
     iteration: int
@@ -38,6 +39,7 @@ class Record:
     change: float
     cg_iterations: int
     seconds: float
+    notice: str = ""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ import pytest
 import trimesh
 
 from cranktopo.cli.main import main
+from cranktopo.fem import equilibrium
 from cranktopo.store import load_checkpoint
 
 COARSE = ["--resolution-mm", "4.5"]
@@ -206,3 +208,15 @@ def test_the_judge_takes_the_run(
     for name, support, unit in (("torsion", "free", "Nm_per_rad"), ("bending", "pinned", "N_per_mm")):
         ratio = judged[name][f"{support}_{unit}"] / metrics["load_cases"][name][f"stiffness_{unit}"]
         assert 0.85 < ratio < 1.02, name
+
+
+def test_a_solver_fallback_is_announced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, *rest = equilibrium.METHODS
+    monkeypatch.setattr(equilibrium, "METHODS", (replace(first, cap=1), *rest))
+    out = tmp_path / "run"
+    assert main(["optimise", *COARSE, "--max-iterations", "3", "--out", str(out)]) == 5
+    line = "iteration 1: multigrid CG stopped at relative residual"
+    assert line in capsys.readouterr().err
+    assert line in (out / "run.log").read_text(encoding="utf-8")

@@ -103,7 +103,9 @@ def test_update_meets_the_volume_and_moves_towards_stiffness(chain: Interpolatio
 
 def test_state_survives_a_checkpoint_bit_for_bit(tmp_path_factory: pytest.TempPathFactory) -> None:
     rng = np.random.default_rng(5)
-    record = Record(1, 1.0, 1.0 / 3.0, (0.1, 2e-17), 0.3, 0.9, 0.2, 12, 0.123456789)
+    record = Record(
+        1, 1.0, 1.0 / 3.0, (0.1, 2e-17), 0.3, 0.9, 0.2, 12, 0.123456789, "a slower method took over"
+    )
     state = State(
         x=rng.random((3, 4, 5)),
         evaluated=rng.random((3, 4, 5)),
