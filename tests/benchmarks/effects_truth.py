@@ -1,4 +1,4 @@
-"""The closed-form estimates of the effects plan against finite elements, on three engines.
+"""The closed-form estimates of the effects plan against finite elements, on four engines.
 
 Run with `python -m tests.benchmarks.effects_truth`. Load cases are compared by strain energy relative to
 the larger one of bending and torsion, bearings by bending stiffness, bores by torsional stiffness and mass,
@@ -48,6 +48,27 @@ CAR: dict[str, Any] = {
     },
 }
 
+# A slow industrial gas engine: long throw, heavy pistons, wide webs.
+INDUSTRIAL: dict[str, Any] = {
+    "name": "industrial-gas",
+    "throw": {
+        "radius_mm": 95.0,
+        "main_journal": {"outer_diameter_mm": 130.0, "length_mm": 90.0, "fillet_mm": 6.0},
+        "crankpin": {"outer_diameter_mm": 115.0, "length_mm": 85.0, "fillet_mm": 6.0},
+    },
+    "web": {"thickness_mm": 48.0, "outline": "obround", "width_mm": 165.0},
+    "material": {"name": "42CrMo4"},
+    "supports": {"bearing_spring_N_per_mm": 4e6},
+    "engine": {
+        "bore_mm": 170.0,
+        "rod_length_mm": 380.0,
+        "speed_rpm": 1500.0,
+        "overspeed_rpm": 1800.0,
+        "gas": {"peak_pressure_MPa": 14.0, "peak_angle_deg": 12.0, "compression_ratio": 12.0},
+        "masses": {"piston_group_kg": 7.5, "rod_reciprocating_kg": 3.0, "rod_rotating_kg": 8.0},
+    },
+}
+
 
 def scenes() -> list[Scene]:
     """The engines, each with a bearing spring and every load case wanted."""
@@ -56,6 +77,7 @@ def scenes() -> list[Scene]:
         load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True),
         load_scene("opposed-piston").model_dump(mode="json", exclude_none=True),
         CAR,
+        INDUSTRIAL,
     ):
         data["supports"].setdefault("bearing_spring_N_per_mm", 1e6)
         data.setdefault("optimise", {}).setdefault("weights", {})["centrifugal"] = 0.5

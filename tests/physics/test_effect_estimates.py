@@ -8,7 +8,7 @@ from tests.benchmarks.effects_truth import estimates, scenes, truths
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("index", range(3))
+@pytest.mark.parametrize("index", range(4))
 def test_estimates_are_within_a_factor_of_two(float64: None, index: int) -> None:
     scene = scenes()[index]
     computed, estimated = truths(scene), estimates(scene)
