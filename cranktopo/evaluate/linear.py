@@ -1,8 +1,8 @@
 """Sparse symmetric solves: direct for small systems, two-level p-multigrid CG for large ones.
 
-Measured on the Mikron quarter throw (four right-hand sides, 2 cores; README): SuperLU is the quickest to
-about 15 000 unknowns and then grows fast; conjugate gradients with linear tetrahedra as the coarse level
-take 14-27 cycles to 1e-9 whatever the size and a fraction of the memory. Both need nothing but SciPy.
+SuperLU is the quickest to about 15 000 unknowns and then grows fast in time and memory; conjugate gradients
+with linear tetrahedra as the coarse level grow about linearly (`python -m tests.benchmarks.judge_solvers`).
+Both need nothing but SciPy.
 """
 
 from __future__ import annotations
