@@ -44,8 +44,8 @@ class CostRates:
     """Rates that turn solves and cells into seconds; measured ones may replace these orders of magnitude.
 
     Attributes:
-        iterations: designs until an optimisation converges; 34 on the built-in engine.
-        seconds_per_cell_solve: one load case of one design iteration, per cell; 1.3e-6 to 3.8e-6 on two
+        iterations: designs until an optimisation converges; 31 on the built-in engine.
+        seconds_per_cell_solve: one load case of one design iteration, per cell; 2.9e-6 to 4.8e-6 on two
             cores (`python -m tests.benchmarks.effects_cost`), compilation not counted.
         seconds_per_element: one direct solve of the judge per quadratic tetrahedron; an order of magnitude.
     """

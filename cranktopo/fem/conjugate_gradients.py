@@ -160,9 +160,15 @@ def _iterate(
             stop=s.measure & (settled | stuck | (done >= max_iterations)),
         )
 
+    first = _before_measuring(project(system.supports, guess), forces)
+    final = jax.lax.while_loop(lambda s: ~s.stop, step, first)
+    return Result(final.u, final.true_error, final.done)
+
+
+def _before_measuring(u: jax.Array, forces: jax.Array) -> _State:
     none = jnp.zeros(forces.shape[0], forces.dtype)
-    first = _State(
-        u=project(system.supports, guess),
+    return _State(
+        u=u,
         r=forces,
         p=jnp.zeros_like(forces),
         rz=none,
@@ -172,8 +178,6 @@ def _iterate(
         measure=jnp.asarray(True),
         stop=jnp.asarray(False),
     )
-    final = jax.lax.while_loop(lambda s: ~s.stop, step, first)
-    return Result(final.u, final.true_error, final.done)
 
 
 def _dot(a: jax.Array, b: jax.Array) -> jax.Array:

@@ -140,22 +140,9 @@ def step(problem: Problem, state: State) -> State:
     initial = state.initial_N_mm or values
     factors = jnp.asarray([w / c for w, c in zip(problem.weights, initial, strict=True)])
     factors = factors / sum(problem.weights)
-    by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, solution.displacements))
-    by_solid = None
-    if model.spinning:
-        each = compliance_gradients_by_solid(model, solution.displacements, solid)
-        by_solid = jnp.einsum("b,bxyz->xyz", factors, each)
-    new_x = np.asarray(
-        _update(
-            problem.chain,
-            x,
-            beta,
-            by_moduli,
-            jnp.asarray(problem.target),
-            jnp.asarray(_move(state.beta)),
-            by_solid,
-        )
-    )
+    by_moduli, by_solid = _slopes(model, solution.displacements, solid, factors)
+    limits = jnp.asarray(problem.target), jnp.asarray(_move(state.beta))
+    new_x = np.asarray(_update(problem.chain, x, beta, by_moduli, *limits, by_solid))
     record = Record(
         iteration=len(state.history) + 1,
         beta=state.beta,
@@ -176,6 +163,17 @@ def step(problem: Problem, state: State) -> State:
         history=(*state.history, record),
     )
     return _advance(problem, advanced, new_x)
+
+
+def _slopes(
+    model: ThrowModel, u: jax.Array, solid: jax.Array, factors: jax.Array
+) -> tuple[jax.Array, jax.Array | None]:
+    """Derivative of the objective by the moduli, and by the solid where its own mass loads it."""
+    by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, u))
+    if not model.spinning:
+        return by_moduli, None
+    each = compliance_gradients_by_solid(model, u, solid)
+    return by_moduli, jnp.einsum("b,bxyz->xyz", factors, each)
 
 
 def final_design(problem: Problem, state: State) -> Design:

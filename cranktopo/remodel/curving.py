@@ -12,6 +12,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 Array = NDArray[np.float64]
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+"""Corners of the edges of a ten-node tetrahedron, VTK order."""
 _LEAST_RATIO = 0.1
 """Least Jacobian of a curved element over that of its straight counterpart."""
 _ROUNDS = 20

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +15,11 @@ from cranktopo.remodel.session import cad_session
 from cranktopo.remodel.throw_solid import SolidProperties, solid_properties
 from cranktopo.scene import Scene
 
-_EXACT_MM = 1e-6
-_ALONE, _SAME_VOLUME = 1e-3, 1e-6
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+_ALIKE = 1e-6
+"""Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 
@@ -63,15 +66,18 @@ def _slab(
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
+    from cranktopo.surface.mesh import solid_of
+    from cranktopo.surface.solids import is_mirror_image
+
     surface = _read_surface(path, scene)
+    body = solid_of(surface.vertices, surface.faces, str(path))
     x, y, z = (float(c) for c in surface.center_mass)
     half = SolidProperties(float(surface.volume), (x, y, z), _inertia_z(surface))
-    web_volume = _slab_volume(surface, scene.web_z_mm)
-    mirrored = scene.effects.lateral_symmetry != "off" and _is_mirror_image(surface)
+    mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
     if mirrored:
-        surface = _positive_x(surface)
+        surface = _positive_x(body)
     points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
-    return Part(TetMesh(points, cells, mirrored), half, web_volume)
+    return Part(TetMesh(points, cells, mirrored), half, _slab_volume(body, scene.web_z_mm))
 
 
 def _read_surface(path: Path, scene: Scene) -> Any:
@@ -113,38 +119,16 @@ def _inertia_z(surface: Any) -> float:
     return float(surface.moment_inertia[2, 2] + surface.volume * (x**2 + y**2))
 
 
-def _is_mirror_image(surface: Any) -> bool:
-    """Whether the body is its own mirror image in x = 0: twin vertices, and the same volume on both sides.
-
-    Reading a file joins vertices that almost coincide, not always alike on both sides: a few may lack a twin.
-    """
-    from scipy.spatial import cKDTree
-
-    vertices = np.asarray(surface.vertices)
-    distance, _ = cKDTree(vertices).query(vertices * [-1.0, 1.0, 1.0])
-    alone = float(np.mean(distance > _EXACT_MM))
-    right = float(_manifold(surface).trim_by_plane([1, 0, 0], 0.0).volume())
-    return alone < _ALONE and abs(2 * right / float(surface.volume) - 1) < _SAME_VOLUME
-
-
-def _positive_x(surface: Any) -> Any:
+def _positive_x(body: Manifold) -> Any:
     import trimesh
 
-    mesh = _manifold(surface).trim_by_plane([1, 0, 0], 0.0).to_mesh64()
-    vertices = np.asarray(mesh.vert_properties)[:, :3].copy()
-    vertices[np.abs(vertices[:, 0]) < _EXACT_MM, 0] = 0.0
-    return trimesh.Trimesh(vertices, np.asarray(mesh.tri_verts), process=True)
+    from cranktopo.surface.mesh import mesh_of
+
+    half = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
+    return trimesh.Trimesh(half.vertices_mm, half.faces, process=False)
 
 
-def _slab_volume(surface: Any, z_mm: tuple[float, float]) -> float:
-    """Volume of a closed surface between two heights, mm3."""
-    slab = _manifold(surface).trim_by_plane([0, 0, 1], z_mm[0]).trim_by_plane([0, 0, -1], -z_mm[1])
+def _slab_volume(body: Manifold, z_mm: tuple[float, float]) -> float:
+    """Volume of a body between two heights, mm3."""
+    slab = body.trim_by_plane((0.0, 0.0, 1.0), z_mm[0]).trim_by_plane((0.0, 0.0, -1.0), -z_mm[1])
     return float(slab.volume())
-
-
-def _manifold(surface: Any) -> Any:
-    import manifold3d
-
-    vertices = np.asarray(surface.vertices, dtype=np.float64)
-    mesh = manifold3d.Mesh64(vertices, np.asarray(surface.faces, dtype=np.uint64))
-    return manifold3d.Manifold(mesh)

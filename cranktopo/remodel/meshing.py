@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.curving import straighten_folded
-from cranktopo.remodel.session import cad_session
+from cranktopo.remodel.session import cad_session, tetrahedra
 from cranktopo.remodel.throw_solid import (
     SolidProperties,
     add_full_throw,
@@ -170,16 +169,9 @@ def _finest(size: float, fillet: float) -> float:
 
 
 def _extract(gmsh: Any, mirrored: bool) -> TetMesh:
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    _, cell_nodes = gmsh.model.mesh.getElementsByType(_TET10)
-    if len(cell_nodes) == 0:
-        raise CranktopoError(
-            "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
-        )
-    number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-    number[tags] = np.arange(len(tags))
-    cells = number[cell_nodes].reshape(-1, 10)[:, _GMSH_TO_STANDARD]
+    coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
+    cells = nodes[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)
     compact = np.ascontiguousarray(compact.reshape(cells.shape).T)
-    points, _ = straighten_folded(np.ascontiguousarray(coordinates.reshape(-1, 3)[used].T), compact)
+    points, _ = straighten_folded(np.ascontiguousarray(coordinates[used].T), compact)
     return TetMesh(points, compact, mirrored)

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.session import cad_session
+from cranktopo.remodel.curving import EDGES
+from cranktopo.remodel.session import cad_session, tetrahedra
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]
 SizeField = Callable[[Array], Array]
 
 _TET4 = 4
-_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # VTK order of a ten-node tetrahedron
 _DISTANCES = (1 / 40, 1 / 20, 1 / 80)
 """Largest distance between the new surface and the old one over the element size; the second and third
 where the first gives a surface that meets itself."""
@@ -55,7 +55,7 @@ def tetrahedralise(
             hint="Choose a smaller element size.",
             code=ExitCode.SOLVER,
         )
-    return _quadratic(points, tets)
+    return quadratic(points, tets)
 
 
 def _fill(surface: Any, size: float, size_at: SizeField, name: str) -> tuple[Array, Cells]:
@@ -93,11 +93,7 @@ def _inside(surface: Any, size: float, name: str) -> tuple[Array, Cells]:
         for option in ("MeshSizeFromPoints", "MeshSizeExtendFromBoundary"):
             gmsh.option.setNumber(f"Mesh.{option}", 0)
         gmsh.model.mesh.generate(3)
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, nodes = gmsh.model.mesh.getElementsByType(_TET4)
-    number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-    number[tags] = np.arange(len(tags))
-    return coordinates.reshape(-1, 3), number[nodes].reshape(-1, 4)
+        return tetrahedra(gmsh, _TET4, 4)
 
 
 def _shells(surface: Any) -> list[tuple[Array, Cells]]:
@@ -141,10 +137,18 @@ def _volumes(points: Array, tets: Cells) -> Array:
     return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
 
 
-def _quadratic(points: Array, tets: Cells) -> tuple[Array, Cells]:
-    """Nodes in the middle of every edge."""
-    ends = np.sort(np.concatenate([tets[:, list(edge)] for edge in _EDGES]), axis=1)
+def quadratic(points: Array, tets: Cells) -> tuple[Array, Cells]:
+    """Ten-node tetrahedra with a node in the middle of every edge.
+
+    Args:
+        points: corner nodes (n, 3).
+        tets: corners of the elements (elements, 4).
+
+    Returns:
+        Nodes (3, nodes), the corner nodes first, and cells (10, elements) in VTK order.
+    """
+    ends = np.sort(np.concatenate([tets[:, list(edge)] for edge in EDGES]), axis=1)
     edges, inverse = np.unique(ends, axis=0, return_inverse=True)
-    middles = len(points) + inverse.reshape(len(_EDGES), -1)
+    middles = len(points) + inverse.reshape(len(EDGES), -1)
     nodes = np.concatenate([points, points[edges].mean(axis=1)])
     return np.ascontiguousarray(nodes.T), np.ascontiguousarray(np.concatenate([tets.T, middles]))

@@ -1,10 +1,13 @@
-"""One gmsh session: opened quietly, closed always, its errors turned into messages."""
+"""One gmsh session: opened quietly, closed always, its errors turned into messages, its mesh read."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 
@@ -42,3 +45,25 @@ def cad_session(what: str) -> Iterator[Any]:
         ) from None
     finally:
         gmsh.finalize()
+
+
+def tetrahedra(gmsh: Any, element_type: int, corners: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Nodes (n, 3) in mm and elements (elements, corners) of the session's mesh, nodes numbered from 0.
+
+    Args:
+        gmsh: from `cad_session`.
+        element_type: gmsh's number of the type.
+        corners: nodes of an element.
+
+    Raises:
+        CranktopoError: there is no such element.
+    """
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, nodes = gmsh.model.mesh.getElementsByType(element_type)
+    if len(nodes) == 0:
+        raise CranktopoError(
+            "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
+        )
+    number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    number[tags] = np.arange(len(tags))
+    return coordinates.reshape(-1, 3), number[nodes].reshape(-1, corners)

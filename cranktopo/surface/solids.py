@@ -97,9 +97,9 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     return _prism(CrossSection([outline], FillRule.EvenOdd), start, end)
 
 
-def is_mirror_image(solid: Manifold) -> bool:
-    """Whether a solid is its own mirror image in the plane x = 0, to 1e-9 of its volume."""
-    return bool((solid - solid.mirror((1.0, 0.0, 0.0))).volume() <= 1e-9 * solid.volume())
+def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:
+    """Whether a solid is its own mirror image in the plane x = 0, to a share of its volume."""
+    return bool((solid - solid.mirror((1.0, 0.0, 0.0))).volume() <= share * solid.volume())
 
 
 def _tube(journal: Journal, y_mm: float, z_mm: tuple[float, float]) -> Manifold:

@@ -14,7 +14,8 @@ from typing import Any
 from cranktopo import pipeline
 from cranktopo.fem.precision import double_precision
 from cranktopo.optimise import loop
-from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene import load_scene
+from tests.benchmarks.effects_truth import changed
 
 SCENES: dict[str, dict[str, dict[str, Any]]] = {
     "bending and torsion": {},
@@ -28,18 +29,10 @@ SCENES: dict[str, dict[str, dict[str, Any]]] = {
 TIMED = 6
 
 
-def scene(changes: dict[str, dict[str, Any]]) -> Scene:
-    """The built-in scene with some keys of its tables changed."""
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
-    for table, values in changes.items():
-        data[table] = {**data[table], **values}
-    return scene_from_dict(data)
-
-
 def iteration(changes: dict[str, dict[str, Any]]) -> tuple[int, int, float]:
     """Cells, load cases and median seconds of the design iterations after the first two."""
     with double_precision():
-        ready = pipeline.prepare(scene(changes))
+        ready = pipeline.prepare(changed(load_scene("mikron-iiic"), **changes))
         problem = loop.build_problem(ready.scene, ready.domain, ready.cases)
         state, seconds = loop.init(problem), []
         for _ in range(TIMED + 2):

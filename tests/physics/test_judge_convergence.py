@@ -16,8 +16,8 @@ from skfem import Basis, ElementTetP2, MeshTet
 from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.evaluation import condensed_stiffness
 from cranktopo.evaluate.linear import solve
-from cranktopo.remodel.curving import EDGES
 from cranktopo.remodel.meshing import TetMesh, mesh_throw
+from cranktopo.remodel.remesh import quadratic
 from tests.physics.judge_cases import mikron_with
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ WAVES = (
 
 
 def displacement(x: Array) -> Array:
-    return sum(np.multiply.outer(w.amplitude, np.sin(w.angle(x))) for w in WAVES)  # type: ignore[return-value]
+    return np.asarray(sum(np.multiply.outer(w.amplitude, np.sin(w.angle(x))) for w in WAVES))
 
 
 def gradient(x: Array) -> Array:
@@ -68,12 +68,9 @@ def cube(cells: int, bend: float) -> TetMesh:
     sides = linear.p[:, corners[1:]] - linear.p[:, corners[:1]]
     left = np.linalg.det(sides.transpose(2, 0, 1)) < 0
     corners[:2, left] = corners[1::-1, left]
-    pairs = np.sort(np.stack([corners[list(e)] for e in EDGES], axis=1), axis=0)
-    edges, number = np.unique(pairs.reshape(2, -1), axis=1, return_inverse=True)
-    points = np.hstack([linear.p, linear.p[:, edges].mean(axis=1)])
+    points, cells = quadratic(linear.p.T, corners.T.astype(np.int64))
     points = points + bend * np.sin(2.0 * points[[1, 2, 0]] + points[[2, 0, 1]])
-    cell_edges = number.reshape(len(EDGES), -1) + linear.nvertices
-    return TetMesh(points, np.vstack([corners, cell_edges]).astype(np.int64), mirrored=False)
+    return TetMesh(points, cells, mirrored=False)
 
 
 def solved(model: Elasticity, outside: NDArray[np.intp]) -> Array:
@@ -107,7 +104,8 @@ def errors(cells: int, bend: float) -> tuple[float, float]:
     slope = np.stack([p.grad for p in parts]) - gradient(x)
     length = (missed**2).sum(axis=0) * basis.dx, (displacement(x) ** 2).sum(axis=0) * basis.dx
     energy = _energy(slope) * basis.dx, _energy(gradient(x)) * basis.dx
-    return tuple(float(np.sqrt(a.sum() / b.sum())) for a, b in (length, energy))  # type: ignore[return-value]
+    in_length, in_energy = (float(np.sqrt(a.sum() / b.sum())) for a, b in (length, energy))
+    return in_length, in_energy
 
 
 def _energy(slope: Array) -> Array:

@@ -15,6 +15,7 @@ from cranktopo.evaluate.condense import condense
 from cranktopo.evaluate.supports import torsional_stiffness_Nm_per_rad
 from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.scene import Scene
+from cranktopo.scene.geometry import ObroundWeb
 from tests.physics.judge_cases import elastic, throw_scene
 
 SHEAR_MPA = 210e3 / 2.6
@@ -43,13 +44,15 @@ def carter_and_ker_wilson(scene: Scene) -> tuple[float, float]:
     main, pin, web = scene.throw.main_journal, scene.throw.crankpin, scene.web
     j = main.outer_diameter_mm**4 - main.bore_diameter_mm**4
     p = pin.outer_diameter_mm**4 - pin.bore_diameter_mm**4
-    flank = web.thickness_mm * web.width_mm**3  # type: ignore[union-attr]
+    assert isinstance(web, ObroundWeb)
+    flank = web.thickness_mm * web.width_mm**3
     radius, thickness = scene.throw.radius_mm, web.thickness_mm
     overlap = 0.2 * (main.outer_diameter_mm + pin.outer_diameter_mm)
     carter = (main.length_mm + 0.8 * thickness) / j + 0.75 * pin.length_mm / p + 1.5 * radius / flank
     wilson = (main.length_mm + 0.4 * main.outer_diameter_mm) / j
     wilson += (pin.length_mm + 0.4 * pin.outer_diameter_mm) / p + (radius - overlap) / flank
-    return tuple(math.pi * SHEAR_MPA / 32 / s / 1000 for s in (carter, wilson))  # type: ignore[return-value]
+    factor = math.pi * SHEAR_MPA / 32 / 1000
+    return factor / carter, factor / wilson
 
 
 @pytest.mark.parametrize("name", THROWS)

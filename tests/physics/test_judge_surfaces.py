@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import condensed_stiffness
 from cranktopo.remodel.export import export_solid
 from cranktopo.remodel.imported import mesh_file
 from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.remodel.remesh import tetrahedralise
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene import Scene
+from tests.physics.judge_cases import mikron_with
 
 SIZE = 12.0
+HOLE = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}
 
 
 def signed_volumes(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
@@ -44,13 +45,10 @@ def test_a_hollow_and_a_tunnel_stay() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pocket", [False, True])
-def test_triangles_give_the_stiffness_of_the_solid(mikron: Scene, tmp_path: Path, pocket: bool) -> None:
+@pytest.mark.parametrize("pocket", [[], [HOLE]], ids=["whole", "lopsided"])
+def test_triangles_give_the_stiffness_of_the_solid(tmp_path: Path, pocket: list[dict[str, object]]) -> None:
     """The same throw as triangles and as an exact solid, whole and with a pocket on one side."""
-    data, path = without(mikron, "fillets").model_dump(mode="json", exclude_none=True), tmp_path / "half.stl"
-    hole = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}
-    data["web"]["pocket"] = [hole] if pocket else []
-    scene = scene_from_dict(data)
+    scene, path = mikron_with(fillet_mm=0.0, pocket=pocket), tmp_path / "half.stl"
     export_solid(scene, "half", path, 2.0)
     part, exact = mesh_file(path, scene, SIZE), mesh_throw(scene, SIZE)
     assert part.half.volume_mm3 == pytest.approx(exact.half.volume_mm3, rel=5e-3)

@@ -25,7 +25,8 @@ def test_step_keeps_the_volume(part: PartName, mikron: Scene, tmp_path: Path) ->
 
 
 def test_parts_add_up(mikron: Scene, tmp_path: Path) -> None:
-    volumes = {p: export_solid(mikron, p, tmp_path / f"{p}.step") for p in ("web", "half", "throw")}  # type: ignore[arg-type]
+    parts: tuple[PartName, ...] = ("web", "half", "throw")
+    volumes = {part: export_solid(mikron, part, tmp_path / f"{part}.step") for part in parts}
     assert volumes["web"] == pytest.approx(SHARP_WEB_MM3, rel=1e-6)
     assert volumes["throw"] == pytest.approx(2 * volumes["half"], rel=1e-6)
 
