@@ -27,9 +27,9 @@ def command(design: str, bearings: str, element_size_mm: float | None, as_json: 
     """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies."""
     from cranktopo.evaluate.chain import Bearings
     from cranktopo.evaluate.shaft import evaluate_shaft
-    from cranktopo.scene import load_scene
+    from cranktopo.evaluate.targets import load_simulated
 
-    scene = load_scene(design)
+    scene = load_simulated(design)
     click.echo(f"{scene.name}: condensing one throw", err=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     shaft = evaluate_shaft(scene, support, element_size_mm)
