@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from cranktopo.optimise.state import State
 
 DEFAULT_DESIGN = "mikron-iiic"
+_SHOWN_FILES = ("stl", "picture", "vtu", "history", "metrics")
 
 
 @click.command("optimise")
@@ -68,7 +69,13 @@ def command(
     with _Bar() as bar:
         metrics = pipeline.optimise(run, prepared, bool(resume), bar)
     click.echo(json.dumps(metrics) if as_json else summary(metrics, run.path))
-    return ExitCode.DONE if metrics["status"] == "converged" else ExitCode.NOT_CONVERGED
+    return _exit_code(metrics)
+
+
+def _exit_code(metrics: dict[str, Any]) -> ExitCode:
+    if metrics["status"] != "converged":
+        return ExitCode.NOT_CONVERGED
+    return ExitCode.CRITERION_NOT_MET if "refusal" in metrics["surface"] else ExitCode.DONE
 
 
 def summary(metrics: dict[str, Any], folder: Path) -> str:
@@ -96,13 +103,16 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
         f"{seconds['total']:.1f} s (compiling {seconds['compile']:.1f} s, "
         f"{seconds['per_iteration_median']:.2f} s per iteration), {metrics['peak_memory_MiB']:.0f} MiB",
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
-        *_cavity_warning(metrics["surface"]["cavities"]),
-        *(f"{folder / metrics['files'][name]}" for name in ("stl", "picture", "vtu", "history", "metrics")),
+        *_surface_warning(metrics["surface"]),
+        *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
     ]
     return "\n".join(lines)
 
 
-def _cavity_warning(cavities: int) -> list[str]:
+def _surface_warning(surface: dict[str, Any]) -> list[str]:
+    if "refusal" in surface:
+        return [f"no STL: {surface['refusal']}"]
+    cavities = surface["cavities"]
     if not cavities:
         return []
     return [f"{cavities} closed hollow{'s' * (cavities > 1)} inside: no forging die or cutter reaches there"]
