@@ -29,6 +29,7 @@ from cranktopo.store import (
     locked,
     open_run,
     save_checkpoint,
+    save_iteration,
 )
 
 Progress = Callable[[loop.Problem, State], None]
@@ -190,6 +191,7 @@ def _first_state(run: RunStore, problem: loop.Problem, resume: bool) -> State:
 def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progress) -> State:
     while not state.done:
         state = loop.step(problem, state)
+        save_iteration(run.path, state.last.iteration, state.evaluated, state.last.beta)
         save_checkpoint(run.checkpoint, *to_checkpoint(state))
         if state.last.notice:
             run.log(f"iteration {state.last.iteration}: {state.last.notice}")

@@ -50,6 +50,7 @@ def test_files(run: Path, metrics: dict[str, Any]) -> None:
         "web.stl",
         "result.png",
         "checkpoint",
+        "density",
         ".lock",
     }
     assert {path.name for path in run.iterdir()} == expected
