@@ -19,6 +19,7 @@ COMMANDS = {
     "loads": "Forces over the working cycle, their extremes, and the load cases.",
     "evaluate": "Judge designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
     "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
+    "report": "Write the page of a run: verdict, 3D view, curves, tables; HTML or Markdown with PNGs.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",

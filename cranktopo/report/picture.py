@@ -17,6 +17,7 @@ from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
 from cranktopo.store.files import write_bytes
 from cranktopo.surface.mesh import SurfaceMesh
 
+_GALLERY_COLUMNS = 4
 _UP = (0.0, 1.0, 0.0)
 # Name, direction to the viewer, axis labels (none: not along the axes).
 _VIEWS: tuple[tuple[str, tuple[float, float, float], tuple[str, str] | None], ...] = (
@@ -83,6 +84,30 @@ def views_figure(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> Figure:
     _draw_views(figure, mesh, web_z_mm, bottom=0.11, top=0.93)
     for axes in figure.axes:
         axes.set_facecolor("none")
+    return figure
+
+
+def gallery_figure(designs: Sequence[tuple[str, SurfaceMesh, tuple[float, float]]]) -> Figure:
+    """One oblique view of each design beside the other, all to the same scale, on no background.
+
+    Args:
+        designs: name, closed surface of the half throw (mm) and axial range of the web of each.
+    """
+    rows = -(-len(designs) // _GALLERY_COLUMNS)
+    figure = Figure(figsize=(15, 4.6 * rows), dpi=110, facecolor="none")
+    FigureCanvasAgg(figure)
+    view = view_axes(_VIEWS[1][1], _UP)
+    bodies = [shaded(mesh, web_z_mm) for _, mesh, web_z_mm in designs]
+    extents = [extent_mm(body, view) for body in bodies]
+    half = 0.53 * max(np.ptp(extent, axis=0).max() for extent in extents)
+    for number, (body, extent, design) in enumerate(zip(bodies, extents, designs, strict=True), start=1):
+        axes = figure.add_subplot(rows, _GALLERY_COLUMNS, number)
+        draw(axes, body, view)
+        right, up = extent.mean(axis=0)
+        axes.set_xlim(right - half, right + half)
+        axes.set_ylim(up - half, up + half)
+        axes.set_title(design[0], fontsize=10, color=GREY)
+        axes.set_axis_off()
     return figure
 
 
