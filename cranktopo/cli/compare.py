@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.cli.completion import designs
 from cranktopo.cli.evaluate import evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
+from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("targets", metavar="TARGET...", nargs=-1, required=True)
+@click.argument("targets", metavar="TARGET...", nargs=-1, required=True, shell_complete=designs)
 @click.option("--baseline", required=True, metavar="TARGET", help="The target that counts as 100 %.")
 @click.option(
     "--format",
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     help="Also write a page with 3D view (.html), or Markdown with PNGs (.md).",
 )
 @mesh_options
+@talkative
 def command(
     targets: tuple[str, ...],
     baseline: str,
@@ -56,6 +59,8 @@ def command(
 
     The stiffnesses are those of the supports in the designs. A star marks the best of each column. The
     baseline is evaluated too when it is not among the targets.
+
+    Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
     if plot is not None and not plot.parent.is_dir():
         raise CranktopoError(f"--plot '{plot}': its folder does not exist.", code=ExitCode.USAGE)
@@ -72,13 +77,13 @@ def command(
         from cranktopo.report.scatter import plot_stiffness_over_mass
 
         plot_stiffness_over_mass(comparison, plot)
-        click.echo(f"plot: {plot}", err=True)
+        say(f"plot: {plot}")
     if page is not None:
         from cranktopo.report.comparison_page import comparison_page
         from cranktopo.report.writing import write_report
 
         write_report(comparison_page(comparison, resolved, ["cranktopo", *sys.argv[1:]]), page)
-        click.echo(f"report: {page}", err=True)
+        say(f"report: {page}")
     warn_missed(missed, accuracy)
 
 

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import click
 
+from cranktopo.cli.completion import runs
+
 
 @click.command(name="report")
-@click.argument("run")
+@click.argument("run", shell_complete=runs)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),

@@ -47,8 +47,9 @@ def comparison_page(comparison: Comparison, targets: Sequence[Target], command: 
     effects = plan(scene)
     cases = [case.as_json() for case in load_cases(scene, effects.enabled)]
     bodies = _bodies(targets)
+    others = [target.name for row, target in enumerate(targets) if row != comparison.baseline]
     return Page(
-        title=f"{len(targets)} designs against {_name(comparison, comparison.baseline)}",
+        title=f"{', '.join(others)} against {_name(comparison, comparison.baseline)}",
         subtitle=f"Judged with quadratic tetrahedra on {timestamp()[:10]}",
         headline=_headline(comparison),
         facts=_facts(comparison),
@@ -91,7 +92,7 @@ def _facts(comparison: Comparison) -> tuple[Fact, ...]:
         same = row == comparison.baseline
         note = "the baseline itself" if same else f"{_change(comparison, row, column)} of the baseline"
         found.append(Fact(label, _name(comparison, row), note, "neutral" if same else "good"))
-    return (*found, fatigue_fact(None, "stiffness only; see 'cranktopo --help'"))
+    return (*found, fatigue_fact(None, "stiffness was compared, not life"))
 
 
 def _variants(comparison: Comparison) -> Section:

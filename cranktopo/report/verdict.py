@@ -42,15 +42,18 @@ def fatigue_fact(fatigue: dict[str, Any] | None, otherwise: str) -> Fact:
     """Safety against fatigue, where it was judged.
 
     Args:
-        fatigue: object with `safety_factor` and, where the original was judged too,
-            `original_safety_factor`; None where nothing was judged.
+        fatigue: the object that `cranktopo fatigue --json` prints for the design, and for its `baseline`
+            where one was given; None where nothing was judged.
         otherwise: why it was not judged.
     """
-    if not fatigue or "safety_factor" not in fatigue:
+    entries = (fatigue or {}).get("fatigue", [])
+    baseline = (fatigue or {}).get("baseline")
+    judged = next((entry for entry in entries if entry["target"] != baseline), None)
+    if judged is None or judged.get("safety") is None:
         return Fact("Fatigue", "not judged", otherwise, "unknown")
-    safety, original = fatigue["safety_factor"], fatigue.get("original_safety_factor")
-    note = "safety factor" if original is None else f"safety factor; original {original:.2f}"
-    return Fact("Fatigue", f"{safety:.2f}", note, "good" if safety >= 1 else "bad")
+    original = next((entry["safety"] for entry in entries if entry["target"] == baseline), None)
+    note = "least safety" if original is None else f"least safety; {baseline} has {original:.2f}"
+    return Fact("Fatigue", f"{judged['safety']:.2f}", note, "good" if judged["safety"] >= 1 else "bad")
 
 
 def release_fact(metrics: dict[str, Any]) -> Fact:

@@ -49,6 +49,7 @@ def test_files(run: Path, metrics: dict[str, Any]) -> None:
         "density.vtu",
         "web.stl",
         "result.png",
+        "report.html",
         "checkpoint",
         "density",
         ".lock",
@@ -226,9 +227,10 @@ def test_a_solver_fallback_is_announced(
 def test_a_design_without_a_surface_is_saved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The first design is uniform: no iso-surface encloses its volume, and everything else is written."""
     out = tmp_path / "first"
-    arguments = ["--volume-fraction", "0.3", *COARSE, "--max-iterations", "1"]
+    arguments = ["--volume-fraction", "0.3", *COARSE, "--max-iterations", "1", "--verbose"]
     assert main(["optimise", *arguments, "--out", str(out)]) == 5
-    printed = capsys.readouterr().out
+    printed, said = capsys.readouterr()
+    assert "iteration 1: bending" in said
     assert "no STL: surface: no iso-value encloses" in printed
     assert "web.stl" not in printed
     first = json.loads((out / "metrics.json").read_text())
@@ -239,4 +241,5 @@ def test_a_design_without_a_surface_is_saved(tmp_path: Path, capsys: pytest.Capt
     assert not {"stl", "picture"} & set(first["files"])
     assert all((out / name).is_file() for name in first["files"].values())
     assert not (out / "web.stl").exists()
+    assert "the density has no surface" in (out / "report.html").read_text()
     assert json.loads((out / "manifest.json").read_text())["status"] == "done"

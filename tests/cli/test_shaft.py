@@ -20,8 +20,10 @@ def shaft(folder: Path, effects: str, capsys: pytest.CaptureFixture[str]) -> dic
     path = folder / "mine.toml"
     assert "[effects]\n" in MIKRON
     path.write_text(MIKRON.replace("[effects]\n", f"[effects]\n{effects}\n"), encoding="utf-8")
-    assert main(["shaft", str(path), "--element-size-mm", "16", "--json"]) == 0
-    data: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert main(["shaft", str(path), "--element-size-mm", "16", "--json", "--quiet"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    data: dict[str, Any] = json.loads(out)
     return data
 
 

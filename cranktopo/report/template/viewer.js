@@ -19,7 +19,7 @@
     void main() {
       vec3 p = turn * ((low + size * position) * flip + shift - target);
       vec3 n = turn * (normal * flip);
-      float light = 0.34 + 0.42 * max(dot(n, KEY), 0.0) + 0.26 * max(dot(n, FRONT), 0.0)
+      float light = 0.42 + 0.42 * max(dot(n, KEY), 0.0) + 0.26 * max(dot(n, FRONT), 0.0)
         + 0.16 * max(dot(n, RIM), 0.0);
       shade = min(mix(colour0, colour1, share) * light, 1.0);
       float w = depth.x - p.z;
@@ -175,6 +175,7 @@
     gl.useProgram(program);
     const body = bodies[state.body];
     aim(body, width / height);
+    box.dataset.triangles = (body.journals.count + (blocks ?? body.web).count) / 3;
     for (const mirrored of state.whole ? [false, true] : [false]) {
       gl.uniform3f(uniforms.flip, 1, 1, mirrored ? -1 : 1);
       gl.uniform3f(uniforms.shift, 0, 0, mirrored ? 2 * body.half_pitch_mm : 0);
