@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from cranktopo.optimise.state import State
 
 DEFAULT_DESIGN = "mikron-iiic"
-_SHOWN_FILES = ("stl", "picture", "vtu", "history", "metrics")
+_SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 
 
 @click.command("optimise")
