@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from typing import Any
 
 from cranktopo.report.axes_style import plain
@@ -50,20 +51,14 @@ def error_picture(rungs: Sequence[Mapping[str, Any]]) -> Picture:
 def _draw_errors(axes: Any, rungs: Sequence[Mapping[str, Any]]) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter
 
-    for rung in rungs:
-        axes.plot(rung["seconds"], rung["error_percent"], "o", color="#1f6fb4")
-        axes.annotate(
-            rung["name"],
-            (rung["seconds"], rung["error_percent"]),
-            (5, 4),
-            textcoords="offset points",
-            fontsize=8,
-        )
+    for rung, marker in zip(rungs, cycle("osD^vP*X"), strict=False):
+        axes.plot(rung["seconds"], rung["error_percent"], marker, label=rung["name"])
     axes.set(xscale="log", yscale="log", xlabel="seconds", ylabel="error (%)")
     for axis in (axes.xaxis, axes.yaxis):  # a range below one decade has no power of ten to label
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
     axes.margins(0.15)
+    axes.legend(fontsize=8)
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)

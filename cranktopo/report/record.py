@@ -24,7 +24,6 @@ class RunRecord:
     """A finished run.
 
     Attributes:
-        folder: the run directory.
         metrics: content of metrics.json.
         manifest: content of manifest.json.
         history: rows of history.csv.
@@ -35,7 +34,6 @@ class RunRecord:
         accuracy: content of accuracy.json, or None.
     """
 
-    folder: Path
     metrics: dict[str, Any]
     manifest: dict[str, Any]
     history: list[dict[str, Any]]
@@ -65,7 +63,6 @@ def read_record(run: RunStore) -> RunRecord:
     scene = simulated_scene(scene, plan(scene))
     surface = metrics.get("files", {}).get("stl")
     return RunRecord(
-        folder=run.path,
         metrics=metrics,
         manifest=manifest,
         history=run.read_history(),

@@ -57,7 +57,8 @@ def loads_section(scene: Scene, cases: Sequence[Mapping[str, Any]]) -> Section:
     pictures: tuple[Picture, ...] = ()
     text = "The scene names no engine: unit loads, so that stiffnesses are what counts."
     if analysis is not None:
-        text = f"{analysis.engine.cylinders} cylinders at {analysis.engine.speed_rpm:g} rpm."
+        count = analysis.engine.cylinders
+        text = f"{count} cylinder{'s' * (count > 1)} at {analysis.engine.speed_rpm:g} rpm."
         if analysis.cycle is not None:
             pictures = tuple(
                 picture(f"loads-{number}", alt, panel, analysis)

@@ -82,7 +82,7 @@ def release_fact(metrics: dict[str, Any]) -> Fact:
 def _mass(metrics: dict[str, Any]) -> Fact:
     now, before = (m["mass_kg"]["throw"] for m in (metrics, metrics["original_web"]))
     change = _percent(now, before)
-    note = f"{change:+.1f} % of the original's {before:.3f} kg"
+    note = f"{change:+.1f} % against the original's {before:.3f} kg"
     return Fact("Mass of the throw", f"{now:.3f} kg", note, _mood(-change))
 
 
@@ -93,7 +93,7 @@ def _stiffness(metrics: dict[str, Any]) -> list[Fact]:
         name = next(name for name in gains if key.startswith(name))
         unit = "kN m/rad per kg" if key.endswith("rad_kg") else "kN/mm per kg"
         before = metrics["original_web"]["stiffness_per_mass"][key]
-        note = f"{gains[name]:+.1f} % of the original's {before / 1000:.1f}"
+        note = f"{gains[name]:+.1f} % against the original's {before / 1000:.1f}"
         label = f"{_ADJECTIVES.get(name, name.capitalize())} stiffness per mass"
         found.append(Fact(label, f"{value / 1000:.1f} {unit}", note, _mood(gains[name])))
     return found

@@ -112,8 +112,8 @@ def _simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
     if len(mesh.faces) <= most:
         return mesh
     solid = solid_of(mesh.vertices_mm, mesh.faces, "surface")
-    simpler = (mesh_of(solid.simplify(tolerance)) for tolerance in _SIMPLER_MM)
-    for found in simpler:
+    for tolerance in _SIMPLER_MM:
+        found = mesh_of(solid.simplify(tolerance))
         if len(found.faces) <= most:
             break
     return found
