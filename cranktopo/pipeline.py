@@ -19,6 +19,7 @@ from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.report.metrics import Timing, optimise_metrics
 from cranktopo.report.outputs import history_rows, write_outputs
+from cranktopo.report.writing import REPORT, write_run_report
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import input_files
 from cranktopo.store import (
@@ -29,6 +30,7 @@ from cranktopo.store import (
     locked,
     open_run,
     save_checkpoint,
+    save_iteration,
 )
 
 Progress = Callable[[loop.Problem, State], None]
@@ -190,6 +192,7 @@ def _first_state(run: RunStore, problem: loop.Problem, resume: bool) -> State:
 def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progress) -> State:
     while not state.done:
         state = loop.step(problem, state)
+        save_iteration(run.path, state.last.iteration, state.evaluated, state.last.beta)
         save_checkpoint(run.checkpoint, *to_checkpoint(state))
         if state.last.notice:
             run.log(f"iteration {state.last.iteration}: {state.last.notice}")
@@ -223,5 +226,7 @@ def _finish(
         outputs,
         timing,
     )
+    metrics["files"]["report"] = REPORT
     run.write_metrics(metrics)
+    write_run_report(run)
     return metrics

@@ -93,15 +93,19 @@ def build_problem(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Pr
         cases: load cases of the objective.
     """
     settings = scene.optimise
-    radius = settings.filter_radius_mm or default_filter_radius_mm(domain)
     weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
     return Problem(
         model=build_model(scene, domain, cases),
-        chain=build_interpolation(domain, radius),
+        chain=build_chain(scene, domain),
         weights=tuple(weights[case.kind] for case in cases),
         target=settings.volume_fraction,
         max_iterations=settings.max_iterations,
     )
+
+
+def build_chain(scene: Scene, domain: Domain) -> Interpolation:
+    """The density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
+    return build_interpolation(domain, scene.optimise.filter_radius_mm or default_filter_radius_mm(domain))
 
 
 def default_filter_radius_mm(domain: Domain) -> float:
@@ -178,10 +182,15 @@ def _slopes(
 
 def final_design(problem: Problem, state: State) -> Design:
     """Densities of the last design evaluated."""
-    x, beta = jnp.asarray(state.evaluated), state.last.beta
+    return design_of(problem.chain, state.evaluated, state.last.beta)
+
+
+def design_of(chain: Interpolation, x: Array, beta: float) -> Design:
+    """Densities of design variables (nx, ny, nw) at a projection steepness."""
+    variables = jnp.asarray(x)
     return Design(
-        filtered=np.asarray(filtered(problem.chain, x) * (problem.chain.design > 0)),
-        physical=np.asarray(physical_density(problem.chain, x, beta)),
+        filtered=np.asarray(filtered(chain, variables) * (chain.design > 0)),
+        physical=np.asarray(physical_density(chain, variables, beta)),
     )
 
 

@@ -106,10 +106,13 @@ def _read_surface(path: Path, scene: Scene) -> Any:
 def _check_extent(path: Path, scene: Scene, low: float, high: float) -> None:
     end = scene.pitch_mm / 2
     if abs(low) > _SNAP_MM or abs(high - end) > _SNAP_MM:
+        metres = abs(low) < _SNAP_MM / 1000 and abs(1000 * high - end) < _SNAP_MM
         raise CranktopoError(
             f"{path}: reaches from z = {low:.3f} to {high:.3f} mm, "
             f"the half throw of '{scene.name}' from 0 to {end:g} mm.",
-            hint="Give the design it was made from, in mm.",
+            hint="It is in metres: export it in mm."
+            if metres
+            else "Give the design it was made from, in mm.",
         )
 
 

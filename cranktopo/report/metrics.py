@@ -153,7 +153,9 @@ def _original(scene: Scene, problem: Problem, result: Assessment, original: Asse
 
 
 def _surface(outputs: Outputs) -> dict[str, Any]:
-    surface, gates = outputs.surface, outputs.gates
+    if outputs.skin is None:
+        return {"refusal": outputs.refusal}
+    surface, gates = outputs.skin.surface, outputs.skin.gates
     return {
         "iso_value": surface.iso_value,
         "web_volume_mm3": surface.volume_mm3,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.optimise.loop import Design
 from cranktopo.optimise.state import Record
 from cranktopo.report.picture import save_run_picture
@@ -16,15 +17,28 @@ from cranktopo.report.vtu import write_density_vtu
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
 from cranktopo.surface import (
-    DensityGrid,
     GateReport,
     WebSurface,
     check_surface,
     extract_half_throw,
+    slab_fields,
     write_stl,
 )
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Skin:
+    """A surface that passed its gates.
+
+    Attributes:
+        surface: the extracted surface.
+        gates: its checked properties.
+    """
+
+    surface: WebSurface
+    gates: GateReport
 
 
 @dataclass(frozen=True)
@@ -33,13 +47,13 @@ class Outputs:
 
     Attributes:
         files: name of each file in the run directory by what it holds.
-        surface: the extracted surface.
-        gates: its checked properties.
+        skin: the extracted surface, or None where the density has none worth writing.
+        refusal: why there is none, one sentence; empty where there is one.
     """
 
     files: dict[str, str]
-    surface: WebSurface
-    gates: GateReport
+    skin: Skin | None
+    refusal: str = ""
 
 
 def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> list[dict[str, Any]]:
@@ -66,7 +80,10 @@ def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> li
 def write_outputs(
     run: RunStore, scene: Scene, domain: Domain, design: Design, rows: list[dict[str, Any]]
 ) -> Outputs:
-    """Write history.csv, density.vtu, web.stl and result.png of a design.
+    """Write history.csv, density.vtu, and web.stl and result.png where the density has a surface.
+
+    A design that is still grey, as after the first iterations, may have none: the rest is written, with
+    the reason.
 
     Args:
         run: where to write.
@@ -76,51 +93,29 @@ def write_outputs(
         rows: from `history_rows`.
 
     Raises:
-        CranktopoError: no closed surface with the design's volume, or a file cannot be written.
+        CranktopoError: a file cannot be written.
     """
     run.write_history(rows)
     _write_vtu(run, domain, design.physical)
+    files = {"vtu": "density.vtu", "history": "history.csv"}
+    for name in ("web.stl", "result.png"):  # of an earlier end of a resumed run
+        (run.path / name).unlink(missing_ok=True)
+    try:
+        skin = _skin(scene, domain, design)
+    except CranktopoError as error:
+        if error.code != ExitCode.CRITERION_NOT_MET:
+            raise
+        return Outputs(files, None, str(error))
+    write_stl(run.path / "web.stl", skin.surface.half_throw)
+    title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
+    save_run_picture(run.path / "result.png", skin.surface.half_throw, rows, title, scene.web_z_mm)
+    return Outputs({"stl": "web.stl", **files, "picture": "result.png"}, skin)
+
+
+def _skin(scene: Scene, domain: Domain, design: Design) -> Skin:
     grid, usable, smooth = slab_fields(domain, design)
     surface = extract_half_throw(grid, scene, usable, smooth)
-    gates = check_surface(surface)
-    write_stl(run.path / "web.stl", surface.half_throw)
-    title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
-    save_run_picture(run.path / "result.png", surface.half_throw, rows, title, scene.web_z_mm)
-    files = {
-        "stl": "web.stl",
-        "vtu": "density.vtu",
-        "history": "history.csv",
-        "picture": "result.png",
-    }
-    return Outputs(files, surface, gates)
-
-
-def slab_fields(domain: Domain, design: Design) -> tuple[DensityGrid, Array, Array]:
-    """Fields of the web's cells over the full width, for the surface.
-
-    Args:
-        domain: the cells.
-        design: densities of the web's layers.
-
-    Returns:
-        Physical density, the part of each cell that can hold material, and the filtered density. Journals
-        that go on through a clearance count as solid.
-    """
-    first, last = domain.web_layers
-    fixed, free = domain.fixed[:, :, first:last], domain.design[:, :, first:last]
-    usable = fixed + free
-    share = np.divide(free, usable, out=np.zeros_like(free), where=usable > 0)
-    solid = np.where(usable > 0, 1.0 - share, 0.0)
-    fields = [solid + share * design.physical, usable, solid + share * design.filtered]
-    x = domain.grid.x_mm
-    if domain.mirrored_x:
-        fields = [np.concatenate([field[::-1], field]) for field in fields]
-        x = np.concatenate([-x[:0:-1], x])
-    y, z = domain.grid.y_mm, domain.grid.z_mm[first : last + 1]
-    origin = np.array([x[0], y[0], z[0]])
-    cell = np.array([x[1] - x[0], y[1] - y[0], (z[-1] - z[0]) / (last - first)])
-    density, usable, smooth = (np.clip(field, 0.0, 1.0) for field in fields)
-    return DensityGrid(origin, cell, density), usable, smooth
+    return Skin(surface, check_surface(surface))
 
 
 def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:

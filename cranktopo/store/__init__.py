@@ -2,8 +2,17 @@
 
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
+from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
 from cranktopo.store.lock import locked
-from cranktopo.store.runs import RUNS, RunStore, check_destination, create_run, list_runs, open_run
+from cranktopo.store.runs import (
+    RUNS,
+    RunStore,
+    check_destination,
+    create_run,
+    list_runs,
+    open_run,
+    remove_run,
+)
 
 __all__ = [
     "RUNS",
@@ -13,11 +22,15 @@ __all__ = [
     "create_run",
     "list_runs",
     "load_checkpoint",
+    "load_iteration",
     "locked",
     "open_run",
     "read_json",
+    "remove_run",
     "replacing",
     "save_checkpoint",
+    "save_iteration",
+    "saved_iterations",
     "write_bytes",
     "write_json",
     "write_npz",

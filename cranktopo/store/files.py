@@ -85,14 +85,20 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
     write_text(path, json_text(data, path.name, indent=2) + "\n")
 
 
-def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write named arrays to `path` atomically as an uncompressed .npz, every bit kept.
+def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]], compressed: bool = False) -> None:
+    """Write named arrays to `path` atomically as .npz, every bit kept.
+
+    Args:
+        path: the file.
+        arrays: by name.
+        compressed: smaller and slower.
 
     Raises:
         CranktopoError: the file cannot be written.
     """
+    save = np.savez_compressed if compressed else np.savez
     with replacing(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, **dict(arrays))
+        save(file, allow_pickle=False, **dict(arrays))
 
 
 def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> str:

@@ -5,6 +5,7 @@ from cranktopo.surface.extract import WebSurface, extract_half_throw
 from cranktopo.surface.gates import GateReport, check_surface
 from cranktopo.surface.grid import DensityGrid
 from cranktopo.surface.mesh import SurfaceMesh
+from cranktopo.surface.slab import slab_fields
 
 __all__ = [
     "DensityGrid",
@@ -13,5 +14,6 @@ __all__ = [
     "WebSurface",
     "check_surface",
     "extract_half_throw",
+    "slab_fields",
     "write_stl",
 ]

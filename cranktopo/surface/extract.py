@@ -60,7 +60,7 @@ class WebSurface:
 
 
 @dataclass(frozen=True)
-class _Cutter:
+class Cutter:
     """What turns an iso-surface into the web: envelope, bores, journal stubs, lateral symmetry."""
 
     envelope: Manifold
@@ -75,6 +75,18 @@ class _Cutter:
             return body
         half = body.warp_batch(_snap_to_mirror_plane).trim_by_plane(_X_AXIS, 0.0)
         return half + half.mirror(_X_AXIS)
+
+    def usable(self, grid: DensityGrid) -> NDArray[np.bool_]:
+        """Cells whose centre lies in the envelope and in no bore."""
+        from skimage.draw import polygon2mask
+
+        solid = self.envelope + self.stubs - self.bores
+        usable = np.zeros(grid.density.shape, dtype=bool)
+        for layer, z in enumerate(grid.centres_mm(Z)):
+            for contour in solid.slice(float(z)).to_polygons():
+                cells = (contour - grid.origin_mm[[X, Y]]) / grid.cell_mm[[X, Y]] - 0.5
+                usable[:, :, layer] ^= polygon2mask(usable.shape[:2], cells)
+        return usable
 
 
 def extract_half_throw(
@@ -106,8 +118,8 @@ def extract_half_throw(
             grid that does not span the web.
     """
     target = _target(grid, scene, solid_fraction)
-    cutter = _cutter(grid, scene, solid_fraction, smooth)
-    usable = _usable(grid, cutter) if solid_fraction is None else solid_fraction > 0
+    cutter = build_cutter(grid, scene, solid_fraction, smooth)
+    usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
     field = resample(grid if smooth is None else replace(grid, density=smooth), usable)
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target)
     body, dropped = _keep_throw(cutter.web(field, iso), scene)
@@ -175,24 +187,14 @@ def _target(grid: DensityGrid, scene: Scene, solid_fraction: Array | None) -> fl
     return target
 
 
-def _cutter(grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None) -> _Cutter:
+def build_cutter(
+    grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
+) -> Cutter:
+    """Exact solids that bound the web; arguments as of `extract_half_throw`."""
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
     symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)
-    return _Cutter(envelope, web_bores(scene), journal_stubs(scene), symmetric)
-
-
-def _usable(grid: DensityGrid, cutter: _Cutter) -> NDArray[np.bool_]:
-    """Cells whose centre lies in the envelope and in no bore."""
-    from skimage.draw import polygon2mask
-
-    solid = cutter.envelope + cutter.stubs - cutter.bores
-    usable = np.zeros(grid.density.shape, dtype=bool)
-    for layer, z in enumerate(grid.centres_mm(Z)):
-        for contour in solid.slice(float(z)).to_polygons():
-            cells = (contour - grid.origin_mm[[X, Y]]) / grid.cell_mm[[X, Y]] - 0.5
-            usable[:, :, layer] ^= polygon2mask(usable.shape[:2], cells)
-    return usable
+    return Cutter(envelope, web_bores(scene), journal_stubs(scene), symmetric)
 
 
 def _keep_throw(web: Manifold, scene: Scene) -> tuple[Manifold, list[Manifold]]:

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface.extract import WebSurface
-from cranktopo.surface.mesh import SurfaceMesh
+from cranktopo.surface.mesh import SurfaceMesh, solid_of
 
 VOLUME_TOLERANCE_PERCENT = 0.5
 DEGENERATE_MM2 = 1e-12
@@ -57,6 +57,7 @@ def check_surface(surface: WebSurface) -> GateReport:
     """
     mesh = surface.half_throw
     check_manifold(mesh)
+    check_self_intersection(mesh)
     shells = shell_volumes_mm3(mesh)
     bodies = int((shells > 0).sum())
     if bodies != 1:
@@ -103,6 +104,28 @@ def check_manifold(mesh: SurfaceMesh) -> None:
     degenerate = int((_areas_mm2(mesh) <= DEGENERATE_MM2).sum())
     if degenerate:
         raise _failed(f"{degenerate} degenerate faces", remedy)
+
+
+def check_self_intersection(mesh: SurfaceMesh) -> None:
+    """Check that no edge of a closed mesh pierces a face that it does not touch.
+
+    Two faces that intersect without sharing a vertex have such an edge.
+
+    Raises:
+        CranktopoError: the surface intersects itself, with code CRITERION_NOT_MET.
+    """
+    solid = solid_of(mesh.vertices_mm, mesh.faces, "surface")
+    kept = solid.to_mesh64()
+    points, faces = np.asarray(kept.vert_properties)[:, :3], np.asarray(kept.tri_verts).astype(np.int64)
+    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = pairs[pairs[:, 0] < pairs[:, 1]]  # each edge of a closed oriented mesh once
+    for edge, start, end in zip(
+        edges, points[edges[:, 0]].tolist(), points[edges[:, 1]].tolist(), strict=True
+    ):
+        hits = solid.ray_cast(tuple(start), tuple(end))
+        if any(not np.isin(edge, faces[hit.face_id]).any() for hit in hits):
+            where = ", ".join(f"{value:.2f}" for value in start)
+            raise _failed(f"it intersects itself near ({where}) mm", "Extract again at another resolution.")
 
 
 def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.surface.grid import DensityGrid
-from cranktopo.surface.mesh import solid_of
+from cranktopo.surface.mesh import Faces, solid_of
 
 Array = NDArray[np.float64]
 _PAD_CELLS = 3
@@ -57,22 +57,31 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_]) -> FineField:
 
 
 def iso_solid(field: FineField, iso: float, tolerance_mm: float) -> Manifold:
-    """Solid where the field exceeds an iso-value; empty when it does so nowhere.
+    """Smooth solid where the field exceeds an iso-value; empty when it does so nowhere.
 
     Args:
         field: resampled density.
         iso: iso-value, 0 < iso < 1.
         tolerance_mm: how far simplification may move the surface.
     """
-    from skimage.measure import marching_cubes
-
     if not field.values.min() < iso < field.values.max():
         return Manifold()
+    vertices, faces = _marching_cubes(field, iso)
+    return solid_of(_taubin(vertices, faces), faces, "iso-surface of the density").simplify(tolerance_mm)
+
+
+def unsmoothed_solid(field: FineField, iso: float) -> Manifold:
+    """Solid where the field exceeds an iso-value that it holds, as marching cubes find it."""
+    return solid_of(*_marching_cubes(field, iso), "iso-surface of the density")
+
+
+def _marching_cubes(field: FineField, iso: float) -> tuple[Array, Faces]:
+    from skimage.measure import marching_cubes
+
     vertices, faces, _, _ = marching_cubes(
         field.values, iso, gradient_direction="ascent", method="lorensen", allow_degenerate=True
     )
-    smooth = _taubin(vertices.astype(np.float64) * field.spacing_mm + field.origin_mm, faces)
-    return solid_of(smooth, faces, "iso-surface of the density").simplify(tolerance_mm)
+    return vertices.astype(np.float64) * field.spacing_mm + field.origin_mm, faces.astype(np.int64)
 
 
 def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:
@@ -88,7 +97,7 @@ def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:
     return filled
 
 
-def _taubin(vertices: Array, faces: NDArray[np.int32]) -> Array:
+def _taubin(vertices: Array, faces: Faces) -> Array:
     import trimesh
     from scipy import sparse
 

@@ -76,3 +76,11 @@ def test_the_mirror_is_used_only_where_both_sides_are_alike(mikron: Scene, tmp_p
     for surface, alike in ((block, True), (dented, False)):
         surface.export(path)
         assert mesh_file(path, mikron, SIZE).mesh.mirrored == alike
+
+
+def test_a_surface_in_metres_is_told(tmp_path: Path, mikron: Scene) -> None:
+    block = trimesh.creation.box(bounds=[[-0.03, -0.03, 0.0], [0.03, 0.08, 0.057]])
+    block.export(tmp_path / "metres.stl")
+    with pytest.raises(CranktopoError, match=r"0\.057 mm") as caught:
+        mesh_file(tmp_path / "metres.stl", mikron, 5.0)
+    assert "in metres" in caught.value.hint

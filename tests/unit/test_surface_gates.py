@@ -13,7 +13,7 @@ import trimesh
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface import SurfaceMesh, WebSurface, check_surface, extract_half_throw, write_stl
-from cranktopo.surface.gates import check_manifold, shell_volumes_mm3
+from cranktopo.surface.gates import check_manifold, check_self_intersection, shell_volumes_mm3
 from tests.unit.surface_cases import grid_of, obround, scene_with
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
@@ -89,6 +89,23 @@ def test_flat_face_is_refused() -> None:
     faces = np.array([[0, 2, 1], [0, 4, 3], [4, 1, 3], [1, 2, 3], [0, 3, 2], [0, 1, 4]])
     with pytest.raises(CranktopoError, match="1 degenerate faces"):
         check_manifold(SurfaceMesh(vertices, faces))
+
+
+def test_a_dent_through_the_far_side_is_refused() -> None:
+    """Closed and oriented all the same: only the crossing faces tell."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=10.0)
+    vertices, faces = np.array(ball.vertices), np.array(ball.faces)
+    check_self_intersection(SurfaceMesh(vertices, faces))
+    top = int(vertices[:, 2].argmax())
+    for depth, sound in ((-9.0, True), (-11.0, False)):
+        vertices[top, 2] = depth
+        mesh = SurfaceMesh(vertices.copy(), faces)
+        check_manifold(mesh)
+        if sound:
+            check_self_intersection(mesh)
+        else:
+            with pytest.raises(CranktopoError, match="intersects itself near"):
+                check_self_intersection(mesh)
 
 
 def test_two_bodies_are_refused(slot: WebSurface) -> None:

@@ -1,0 +1,100 @@
+"""`cranktopo extract`: the surface of any design of a run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from cranktopo.cli.completion import runs
+from cranktopo.cli.talk import say, talkative
+from cranktopo.errors import CranktopoError, ExitCode
+
+if TYPE_CHECKING:
+    from cranktopo.surface.export import Format
+    from cranktopo.surface.extraction import Extraction
+
+_FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
+
+
+@click.command("extract")
+@click.argument("run", shell_complete=runs)
+@click.option("--iteration", type=click.IntRange(min=1), help="Design of an earlier iteration.")
+@click.option(
+    "--format", "form", type=click.Choice(_FORMATS), help="Default: by the suffix of --out, or stl."
+)
+@click.option("--out", type=click.Path(path_type=Path), help="File; default: RUN/surface/iteration-N.stl.")
+@click.option("--force", is_flag=True, help="Replace an existing --out.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@talkative
+def command(
+    run: str, iteration: int | None, form: Format | None, out: Path | None, force: bool, as_json: bool
+) -> None:
+    """Extract the watertight surface of a design of RUN: binary STL or 3MF in mm, or GLB for viewers.
+
+    Journals, pins and bores are exact cylinders, the volume is that of the density. Nothing is written
+    unless the surface is closed, oriented, one body and within 0.5 % of its volume.
+
+    Example: cranktopo extract 20250101-120000_mikron-iiic_0123abcd --iteration 12 --format 3mf
+    """
+    chosen = _format(form, out)
+    if out is not None:
+        _check(out, force)
+    from cranktopo.fem.precision import double_precision
+    from cranktopo.store import open_run
+    from cranktopo.surface.export import write_surface
+    from cranktopo.surface.extraction import extract_run
+
+    store = open_run(run)
+    say(f"{store.name}: extracting the surface")
+    with double_precision():
+        found = extract_run(store, iteration)
+    path = out or store.path / "surface" / f"iteration-{found.iteration:04d}.{chosen}"
+    if out is None:
+        path.parent.mkdir(exist_ok=True)
+    write_surface(path, found.surface.half_throw, chosen)
+    if as_json:
+        click.echo(json.dumps({"schema_version": 1, **found.as_json(), "files": {chosen: str(path)}}))
+    else:
+        click.echo(_text(found, path))
+
+
+def _format(form: Format | None, out: Path | None) -> Format:
+    suffix = out.suffix.lower().removeprefix(".") if out else ""
+    by_name: Format | None = next((name for name in _FORMATS if name == suffix), None)
+    if out is not None and (by_name is None or form not in (None, by_name)):
+        expected = f".{form}" if form else ".stl, .3mf or .glb"
+        raise CranktopoError(f"--out '{out}': must end in {expected}.", code=ExitCode.USAGE)
+    return form or by_name or "stl"
+
+
+def _check(out: Path, force: bool) -> None:
+    if not out.parent.is_dir():
+        raise CranktopoError(f"--out '{out}': its folder does not exist.", code=ExitCode.USAGE)
+    if out.exists() and not force:
+        raise CranktopoError(
+            f"--out '{out}' exists.", hint="Give --force to replace it.", code=ExitCode.USAGE
+        )
+
+
+def _text(found: Extraction, path: Path) -> str:
+    from cranktopo.surface.extraction import LEAST_MEMBER_CELLS
+
+    surface, gates = found.surface, found.gates
+    cells = found.minimum_member_mm / found.cell_mm
+    lines = [
+        f"{found.run}, iteration {found.iteration}",
+        f"web volume       {surface.volume_mm3:.0f} mm3, "
+        f"{gates.web_volume_error_percent:+.3f} % from the density's",
+        f"mass             throw {found.throw_kg:.3f} kg, web {found.web_kg:.3f} kg",
+        f"iso-value        {surface.iso_value:.4f}; distance of its surface {found.mean_distance_mm:.3f} mm "
+        f"in the mean, {found.max_distance_mm:.3f} mm at most",
+        f"thinnest member  {found.minimum_member_mm:.1f} mm, {cells:.1f} cells",
+        f"surface          {gates.faces} faces, closed, 1 body, {gates.cavities} closed hollows, "
+        f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
+    ]
+    if cells < LEAST_MEMBER_CELLS:
+        lines.append(f"warning: members thinner than {LEAST_MEMBER_CELLS:g} cells are not resolved")
+    return "\n".join([*lines, str(path)])
