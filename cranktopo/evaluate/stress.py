@@ -1,4 +1,4 @@
-"""Stresses of displacement fields on ten-node tetrahedra, at quadrature points."""
+"""Stresses of displacement fields on ten-node tetrahedra: at quadrature points, and averaged at nodes."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import Elasticity
+from cranktopo.remodel.curving import EDGES
 
 Array = NDArray[np.float64]
 
@@ -53,6 +55,58 @@ def point_stress(
     strain = _strain(basis, displacement_mm)
     points = np.asarray(basis.global_coordinates())
     return PointStress(points, np.asarray(basis.dx), hooke(strain, youngs_MPa, poisson))
+
+
+@dataclass(frozen=True)
+class NodalStress:
+    """Stresses brought from quadrature points to the nodes.
+
+    Attributes:
+        elements: nodes of each element, shape (10, elements).
+        element_MPa: linear extrapolation inside each element, shape (fields, elements, 10, 6).
+        nodal_MPa: mean over the elements around each node, by volume, shape (fields, nodes, 6).
+    """
+
+    elements: NDArray[np.intp]
+    element_MPa: Array
+    nodal_MPa: Array
+
+
+def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, poisson: float) -> NodalStress:
+    """Stresses of displacement fields at all nodes.
+
+    Quadrature points are where stresses of quadratic elements converge fastest; a linear field through the
+    four of them gives the corners, and the means of corners the edge nodes (Barlow, Int. J. Num. Meth. Eng.,
+    1976).
+
+    Args:
+        model: the body.
+        displacement_mm: shape (fields, unknowns).
+        youngs_MPa, poisson: elastic constants.
+    """
+    from skfem import Basis, ElementTetP2
+
+    basis = Basis(model.mesh, ElementTetP2(), intorder=_ORDER)
+    stress = hooke(_strain(basis, displacement_mm), youngs_MPa, poisson)
+    element = np.einsum("nq,feqc->fenc", _to_nodes(basis.X), stress, optimize=True)
+    return _averaged(basis.element_dofs, basis.dx.sum(axis=1), element)
+
+
+def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> NodalStress:
+    count = int(elements.max()) + 1
+    flat = elements.T.ravel()
+    matrix = sp.csr_matrix((np.repeat(volume, 10), (flat, np.arange(flat.size))), (count, flat.size))
+    total = np.asarray(matrix.sum(axis=1))
+    nodal = np.stack([(matrix @ field.reshape(-1, 6)) / total for field in element])
+    return NodalStress(elements, element, nodal)
+
+
+def _to_nodes(points: Array) -> Array:
+    """Values at the ten nodes from those at four points of the reference element, shape (10, 4)."""
+    barycentric = np.vstack([1 - points.sum(axis=0), points])
+    corners = np.linalg.inv(barycentric.T)
+    middles = [(corners[a] + corners[b]) / 2 for a, b in EDGES]
+    return np.vstack([corners, middles])
 
 
 def _strain(basis: Any, displacement: Array) -> Array:
