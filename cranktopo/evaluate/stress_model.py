@@ -1,4 +1,4 @@
-"""Unit stresses on the surface of a throw, solved once: fatigue, concentration factors and pictures use them."""
+"""Unit stresses on the surface of a throw, solved once: for fatigue, concentration factors and pictures."""
 
 from __future__ import annotations
 
@@ -14,11 +14,10 @@ from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.evaluation import default_element_size_mm
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.superposition import principal_stresses
+from cranktopo.evaluate.superposition import principal_stresses, von_mises
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
 from cranktopo.evaluate.targets import Target
-from cranktopo.evaluate.unit_fields import UnitField, unit_fields
-from cranktopo.loads.load_case import LoadKind
+from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
 from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
@@ -29,20 +28,22 @@ RULE_FRACTION = 0.25
 """Element size in a fillet over its radius: IACS UR M53, Appendix III."""
 _ACROSS_WEB = 6
 """Elements through the web: the same rule."""
+_NEAR_PEAK = 0.98
+"""Part of the largest stress from which a node counts as the place where the rule checks the mesh."""
 NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
-"""Quality limits of the same rule: surface-normal stress and jump between elements over the largest stress."""
+"""Quality limits of the same rule for surface-normal stress and jump between elements."""
 
 
 @dataclass(frozen=True)
 class Quality:
-    """Mesh and the rule's quality checks in the fillets, worst of the unit loads.
+    """Mesh and the rule's quality checks where each unit load stresses each fillet most.
 
     Attributes:
         fillet_size_mm: element size asked for in the finer fillet.
         longest_edge: longest element edge in the fillets over the fillet's radius.
         nodes: number of mesh nodes.
-        normal_percent: largest surface-normal stress over the largest principal stress.
-        jump_percent: largest departure of an element's stress from the nodal mean over the same.
+        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
+        jump_percent: departure of an element's stress from the nodal mean over the same, worst.
         mesh_seconds, solve_seconds: wall time.
     """
 
@@ -98,7 +99,7 @@ class StressModel:
     name: str
     scene: Scene
     throw_kg: float
-    kinds: tuple[LoadKind, ...]
+    kinds: tuple[FieldKind, ...]
     surface: Surface
     stress: SurfaceStress
     images: tuple[Image, ...]
@@ -113,7 +114,7 @@ class StressModel:
 
 
 def solve_stresses(
-    target: Target, kinds: Collection[LoadKind], fillet_fraction: float = RULE_FRACTION
+    target: Target, kinds: Collection[FieldKind], fillet_fraction: float = RULE_FRACTION
 ) -> StressModel:
     """Mesh a throw for stresses and solve the unit loads that are asked for.
 
@@ -165,8 +166,8 @@ def _check_fillets(target: Target) -> None:
     for key in ("main_journal", "crankpin"):
         if getattr(target.scene.throw, key).fillet_mm == 0:
             raise CranktopoError(
-                f"{target.name}: throw.{key}.fillet_mm = 0: the stress at a sharp edge is singular, any value "
-                "follows from the mesh alone.",
+                f"{target.name}: throw.{key}.fillet_mm = 0: the stress at a sharp edge is singular, so "
+                "that any value of it follows from the mesh alone.",
                 hint="Give the fillet a radius, and leave effects.fillets on.",
             )
 
@@ -196,18 +197,28 @@ def _quality(
         raise CranktopoError(
             "mesh: no nodes on the fillets.", hint="Report this design.", code=ExitCode.INTERNAL
         )
-    normal = np.abs(_normal_stress(stress.stress_MPa, surface.normals))[:, on].max(axis=1)
-    largest = np.abs(principal_stresses(stress.stress_MPa[:, on])).max(axis=(1, 2))
-    jump = stress.jump_MPa[:, on].max(axis=(1, 2))
+    normal = np.abs(_normal_stress(stress.stress_MPa, surface.normals))
+    largest = np.abs(principal_stresses(stress.stress_MPa)).max(axis=-1)
+    jump = stress.jump_MPa.max(axis=-1)
+    where = _examined(von_mises(stress.stress_MPa), fillets)
     radii = (scene.throw.main_journal.fillet_mm, scene.throw.crankpin.fillet_mm)
     return Quality(
         fraction * min(radii),
         max(_longest_edge(surface, nodes_on) / r for nodes_on, r in zip(fillets, radii, strict=True)),
         nodes,
-        float(100 * (normal / largest).max()),
-        float(100 * (jump / largest).max()),
+        float(100 * (normal / largest)[where].max()),
+        float(100 * (jump / largest)[where].max()),
         *seconds,
     )
+
+
+def _examined(stress: Array, fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    """Nodes near the peak of each field in each fillet, shape (fields, n)."""
+    where = np.zeros(stress.shape, dtype=bool)
+    for on in fillets:
+        inside = np.where(on, stress, 0.0)
+        where |= inside >= _NEAR_PEAK * inside.max(axis=1, keepdims=True)
+    return where
 
 
 def _normal_stress(stress: Array, normals: Array) -> Array:

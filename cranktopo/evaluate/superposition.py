@@ -40,7 +40,7 @@ class Extremes:
 
 def von_mises(stress: Array) -> Array:
     """Von Mises stress; last axis holds the six components."""
-    return np.sqrt(np.maximum(np.einsum("...i,ij,...j->...", stress, _DEVIATOR, stress), 0.0))
+    return np.asarray(np.sqrt(np.maximum(np.einsum("...i,ij,...j->...", stress, _DEVIATOR, stress), 0.0)))
 
 
 def signed_von_mises(stress: Array) -> Array:
@@ -84,7 +84,9 @@ def _signed(stress: Array, loads: Array) -> Array:
     """Signed von Mises stress of every node in every state, shape (n, states)."""
     fields = len(stress)
     pairs = [(a, b) for a in range(fields) for b in range(a, fields)]
-    form = [(1 if a == b else 2) * np.einsum("ni,ij,nj->n", stress[a], _DEVIATOR, stress[b]) for a, b in pairs]
+    form = [
+        (1 if a == b else 2) * np.einsum("ni,ij,nj->n", stress[a], _DEVIATOR, stress[b]) for a, b in pairs
+    ]
     products = [loads[:, a] * loads[:, b] for a, b in pairs]
     squared = np.stack(form, axis=1) @ np.stack(products)
     trace = stress[..., :3].sum(axis=-1).T @ loads.T

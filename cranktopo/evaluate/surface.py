@@ -1,4 +1,4 @@
-"""The stressed surface of a meshed half throw: faces, normals, stresses and their gradients into the depth."""
+"""The stressed surface of a meshed half throw: faces, normals, stresses and their gradients in depth."""
 
 from __future__ import annotations
 
@@ -99,9 +99,7 @@ def _boundary(elements: Index) -> tuple[Index, Index]:
     alone = first[times == 1]
     side, owners = alone // count, alone % count
     edge = {tuple(sorted(pair)): 4 + i for i, pair in enumerate(EDGES)}
-    full = np.array(
-        [[a, b, c, edge[a, b], edge[b, c], edge[a, c]] for a, b, c in _CORNERS], dtype=np.intp
-    )
+    full = np.array([[a, b, c, edge[a, b], edge[b, c], edge[a, c]] for a, b, c in _CORNERS], dtype=np.intp)
     return full[side].T, owners
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.condense import Condensed, Lateral, condense
+from cranktopo.evaluate.condense import RX, Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
 from cranktopo.evaluate.supports import bending_motion, torsion_motion
 from cranktopo.frames import Parity
@@ -22,27 +22,31 @@ from cranktopo.units import density_tonne_per_mm3
 Array = NDArray[np.float64]
 
 
+FieldKind = LoadKind | Literal["moment"]
+
+
 @dataclass(frozen=True)
 class UnitField:
     """Displacement of the half throw, or of its half x >= 0, under one unit load of the full throw.
 
     Attributes:
-        kind: "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque at
-            both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
+        kind: "moment" 1 N mm about +x on the near section and its opposite on the far one (four-point
+            bending); "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque
+            at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
             "centrifugal" 1 rad2/s2 about the crank axis.
         displacement_mm: shape (unknowns,).
         sign_x: +1 if the load is its own mirror image in x, -1 if its opposite.
         sign_z: the same for the mirror at the mid-pin plane.
     """
 
-    kind: LoadKind
+    kind: FieldKind
     displacement_mm: Array
     sign_x: int
     sign_z: int
 
 
 def unit_fields(
-    model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[LoadKind]
+    model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind]
 ) -> tuple[UnitField, ...]:
     """Displacement fields of the load kinds that are asked for; the others cost no solve.
 
@@ -53,7 +57,7 @@ def unit_fields(
         kinds: which loads.
 
     Returns:
-        The fields in the order bending, tangential, torsion, centrifugal.
+        The fields in the order moment, bending, tangential, torsion, centrifugal.
 
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
@@ -62,26 +66,26 @@ def unit_fields(
         **_symmetric(model, scene, mirrored, set(kinds)),
         **(_twisted(model, scene, mirrored) if "torsion" in kinds else {}),
     }
-    order: tuple[LoadKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
+    order: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
     return tuple(fields[kind] for kind in order if kind in fields)
 
 
-def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[LoadKind, UnitField]:
+def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
     block = condense(model, scene, "antisymmetric", "odd" if mirrored else "none")
     motion = torsion_motion(block, scene.supports.torsion, _spring(scene, scene.supports.torsion))
     return {"torsion": UnitField("torsion", _units(block) @ motion, -1, -1)}
 
 
 def _symmetric(
-    model: Elasticity, scene: Scene, mirrored: bool, kinds: set[LoadKind]
-) -> dict[LoadKind, UnitField]:
+    model: Elasticity, scene: Scene, mirrored: bool, kinds: set[FieldKind]
+) -> dict[FieldKind, UnitField]:
     """Fields of the loads symmetric about the mid-pin plane: one condensation per lateral parity."""
-    sides: tuple[tuple[Lateral, tuple[LoadKind, ...]], ...] = (
-        ("none", ("bending", "tangential", "centrifugal")),
+    sides: tuple[tuple[Lateral, tuple[FieldKind, ...]], ...] = (
+        ("none", ("moment", "bending", "tangential", "centrifugal")),
     )
     if mirrored:
-        sides = (("even", ("bending", "centrifugal")), ("odd", ("tangential",)))
-    found: dict[LoadKind, UnitField] = {}
+        sides = (("even", ("moment", "bending", "centrifugal")), ("odd", ("tangential",)))
+    found: dict[FieldKind, UnitField] = {}
     for lateral, possible in sides:
         wanted = [kind for kind in possible if kind in kinds]
         if wanted:
@@ -90,24 +94,29 @@ def _symmetric(
 
 
 def _loaded(
-    model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral, kinds: list[LoadKind]
-) -> dict[LoadKind, UnitField]:
+    model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral, kinds: list[FieldKind]
+) -> dict[FieldKind, UnitField]:
     forces = np.column_stack([_forces(model, scene, kind, 1 if lateral == "none" else 2) for kind in kinds])
     block = condense(model, scene, parity, lateral, forces)
     support = scene.supports.bending
     spring = _spring(scene, support)
-    found: dict[LoadKind, UnitField] = {}
+    found: dict[FieldKind, UnitField] = {}
     for column, kind in enumerate(kinds):
         turning = kind != "tangential"
-        motion = bending_motion(block, block.further[:, column], support, spring, turning=turning)
+        force = block.further[:, column]
+        if kind == "moment":
+            force = force + np.array([1.0 if m == RX else 0.0 for m in block.motions])
+        motion = bending_motion(block, force, support, spring, turning=turning)
         fixed = block.displacement[:, block.displacement.shape[1] - len(kinds) + column]
         found[kind] = UnitField(kind, fixed + _units(block) @ motion, 1 if turning else -1, 1)
     return found
 
 
-def _forces(model: Elasticity, scene: Scene, kind: LoadKind, parts: int) -> Array:
+def _forces(model: Elasticity, scene: Scene, kind: FieldKind, parts: int) -> Array:
     """Nodal forces on the model of a unit load of the full throw; the model is one of 2 parts of it."""
     pin_z = scene.web_z_mm[1]
+    if kind == "moment":
+        return np.zeros(model.nodes_mm.size)
     if kind == "centrifugal":
         return centrifugal_force(model, density_tonne_per_mm3(scene.material.density_kg_m3))
     if kind == "tangential":

@@ -1,4 +1,4 @@
-"""Load states of the throw between which its stresses alternate: two extremes, or every angle of the cycle."""
+"""Load states between which the stresses of a throw alternate: joined extremes, or all angles of the cycle."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class LoadHistory:
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
     """Load states of a scene.
 
-    "extremes" puts the largest radial force and the largest torque of the shaft into one state, which is
-    conservative as they never coincide, and the smallest ones into the other; a value that the scene does
-    not tell counts as zero there. "cycle" follows every throw of the shaft over its working cycle.
+    "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
+    shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
+    not tell counts as zero. "cycle" follows every throw of the shaft over its working cycle.
 
     Args:
         scene: the scene.
@@ -76,12 +76,15 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
     low_radial = 0.0 if given or analysis.cycle is None else float(analysis.cycle.forces.web_force_N.min())
     low_torque = states["min_torque"].case.torque_Nm if "min_torque" in states else 0.0
     speed = angular_speed_rad_s(analysis.engine.speed_rpm)
+    forces = {"largest": radial.case.radial_N, "smallest": min(low_radial, 0.0)}
+    torques = {"largest": torque.case.torque_Nm, "smallest": min(low_torque, 0.0)}
+    pairs = [(force, twist) for force in forces for twist in torques]
     return LoadHistory(
-        np.array([radial.case.radial_N, min(low_radial, 0.0)]),
-        np.zeros(2),
-        np.array([torque.case.torque_Nm, min(low_torque, 0.0)]),
-        np.full(2, speed),
-        ("largest radial force with largest torque", "smallest radial force with smallest torque"),
+        np.array([forces[force] for force, _ in pairs]),
+        np.zeros(len(pairs)),
+        np.array([torques[twist] for _, twist in pairs]),
+        np.full(len(pairs), speed),
+        tuple(f"{force} radial force with {twist} torque" for force, twist in pairs),
     )
 
 
@@ -92,7 +95,9 @@ def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory
             "engine.gas: is missing, so there is no cycle to follow.",
             hint="Add [engine.gas], or take the extreme states.",
         )
-    angle = cycle.forces.angle_deg[:: max(1, round(_STEP_DEG / float(np.diff(cycle.forces.angle_deg[:2])[0])))]
+    angle = cycle.forces.angle_deg[
+        :: max(1, round(_STEP_DEG / float(np.diff(cycle.forces.angle_deg[:2])[0])))
+    ]
     parts = [_throw(engine, cycle, angle, cylinder) for cylinder in sorted(engine.order)]
     radial, tangential, torque = (np.concatenate([part[i] for part in parts]) for i in range(3))
     labels = tuple(f"throw {c}, {a:g} deg" for c in sorted(engine.order) for a in angle)
@@ -101,7 +106,7 @@ def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory
 
 
 def _throw(engine: Engine, cycle: Cycle, angle: Array, cylinder: int) -> tuple[Array, Array, Array]:
-    """Radial and tangential force and mean torque of one throw, at angles after its own firing dead centre."""
+    """Radial and tangential force and mean torque of a throw, at angles after its own firing dead centre."""
     interval = engine.cycle_deg / len(engine.order)
     shaft = angle + engine.order.index(cylinder) * interval
     forces = cycle.forces

@@ -77,7 +77,7 @@ def mesh_throw(
         full: mesh the full throw instead (no symmetry; to check the condensation).
         quarter: use the lateral symmetry where there is one.
         graded: refine at fillets and rings.
-        fillet_fraction: element size on a fillet over its radius, for stresses; by default as stiffness needs.
+        fillet_fraction: element size on a fillet over its radius; by default what stiffness needs.
 
     Raises:
         CranktopoError: impossible dimensions, or no valid mesh.
@@ -134,9 +134,7 @@ def _set_sizes(
     gmsh.model.occ.synchronize()
     terms = [f"{size!r}"]
     if graded:
-        terms += [
-            _ring_size(_finest(size, ring[-1], fillet_fraction), *ring) for ring in _rings(scene, full)
-        ]
+        terms += [_ring_size(_finest(size, ring[-1], fillet_fraction), *ring) for ring in _rings(scene, full)]
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"

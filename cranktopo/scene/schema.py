@@ -18,7 +18,16 @@ from cranktopo.scene.supports import Supports
 
 EffectState = Literal["auto", "on", "off"]
 FkmGroup = Literal[
-    "Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS", "GJS", "GJM", "GJL", "Al_wrought", "Al_cast"
+    "Steel",
+    "Forg_Steel",
+    "CaseHard_Steel",
+    "Stainless_Steel",
+    "GS",
+    "GJS",
+    "GJM",
+    "GJL",
+    "Al_wrought",
+    "Al_cast",
 ]
 """Material groups of the FKM guideline."""
 
