@@ -1,4 +1,4 @@
-"""Load states between which the stresses of a throw alternate: joined extremes, or all angles of the cycle."""
+"""Load states between which the stresses of a throw alternate: joined extremes, or the whole cycle."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def _generate(gmsh: Any, mirrored: bool) -> TetMesh:
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D)
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.setOrder(2)
-    return _extract(gmsh, mirrored)
+    return extract_mesh(gmsh, mirrored=mirrored)
 
 
 def _positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
@@ -178,7 +178,8 @@ def _finest(size: float, fillet: float, fraction: float | None = None) -> float:
     return size * min(1.0, max(fillet / 8, _FINEST))
 
 
-def _extract(gmsh: Any, mirrored: bool) -> TetMesh:
+def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
+    """The quadratic mesh of the open session, folded elements straightened."""
     coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
     cells = nodes[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)
