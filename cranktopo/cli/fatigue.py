@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @click.option(
     "--fillet-fraction",
     type=Number("--fillet-fraction", 0.0, 0.5),
-    help="Element size in a fillet over its radius; by default a quarter, the rule's.",
+    help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for VTU and picture of each target.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

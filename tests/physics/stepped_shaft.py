@@ -13,7 +13,7 @@ from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.linear import solve
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.superposition import principal_stresses
-from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
+from cranktopo.evaluate.surface import outer_surface, surface_stress
 from cranktopo.remodel.meshing import TetMesh, extract_mesh
 from cranktopo.remodel.session import cad_session
 
@@ -27,7 +27,7 @@ EVEN, ODD = (0, 2, 4), (1, 3, 5)
 
 @dataclass(frozen=True)
 class Shaft:
-    """Diameters and fillet, mm; each part is as long as 1.5 larger diameters."""
+    """Diameters and fillet, mm; each part is as long as 1.2 larger diameters."""
 
     large: float
     small: float
@@ -36,7 +36,7 @@ class Shaft:
     @property
     def length(self) -> float:
         """Length of each part."""
-        return 1.5 * self.large
+        return 1.2 * self.large
 
     def nominal_MPa(self, load: int) -> float:
         """Nominal stress of the thinner part per unit force or moment."""
@@ -67,6 +67,7 @@ def shaft_mesh(shaft: Shaft, size_mm: float, fillet_fraction: float, growth: flo
             gmsh.option.setNumber(f"Mesh.{option}", 0)
         gmsh.option.setNumber("Mesh.Algorithm3D", 1)
         gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.optimize("Netgen")
         gmsh.model.mesh.setOrder(2)
         return extract_mesh(gmsh, mirrored=True)
 
@@ -98,17 +99,53 @@ def shaft_fields(shaft: Shaft, model: Elasticity, loads: tuple[int, ...]) -> Arr
 
 def concentration(
     shaft: Shaft, size_mm: float, fillet_fraction: float, loads: tuple[int, ...]
-) -> tuple[dict[int, float], Surface, SurfaceStress, int]:
-    """Largest principal stress (shear in torsion) on the surface over the nominal stress, by load."""
+) -> tuple[dict[int, float], dict[int, float], int]:
+    """Concentration factors by load from the mean around the shaft and from the worst node, and nodes.
+
+    Stresses of a round shaft are constant around it in tension and torsion and follow the cosine in bending:
+    the mean is taken over a quadratic in the fillet's angle, fitted to the nodes near the peak.
+    """
     mesh = shaft_mesh(shaft, size_mm, fillet_fraction)
     model = assemble(mesh, YOUNGS_MPA, POISSON)
     found = nodal_stress(model, shaft_fields(shaft, model, loads), YOUNGS_MPA, POISSON)
     surface = outer_surface(model, found.elements, ((2, -shaft.length), (2, shaft.length), (1, 0.0)))
-    stress = surface_stress(model, surface, found)
-    fillet = np.abs(surface.points_mm[2] - shaft.fillet / 2) < shaft.fillet
-    factors = {}
-    for load, field in zip(loads, stress.stress_MPa, strict=True):
-        principal = principal_stresses(field[fillet])
-        peak = (principal[:, 0] - principal[:, 2]) / 2 if load == TORSION else principal[:, 0]
-        factors[load] = float(peak.max() / shaft.nominal_MPa(load))
-    return factors, surface, stress, mesh.points_mm.shape[1]
+    stress = surface_stress(model, surface, found).stress_MPa
+    x, y, z = surface.points_mm
+    rho = np.hypot(x, y)
+    along = np.degrees(np.arctan2(shaft.fillet - z, shaft.small / 2 + shaft.fillet - rho))
+    off = np.hypot(rho - shaft.small / 2 - shaft.fillet, z - shaft.fillet) - shaft.fillet
+    on = (np.abs(off) < 1e-3) & (along > 2) & (along < 60)
+    means, peaks = {}, {}
+    for load, field in zip(loads, stress, strict=True):
+        principal = principal_stresses(field)
+        value = (principal[:, 0] - principal[:, 2]) / 2 if load == TORSION else principal[:, 0]
+        value = value / shaft.nominal_MPa(load)
+        peaks[load] = float(value[on].max())
+        cosine = -x / rho if load == BENDING else np.ones_like(x)
+        used = on & (cosine > 0.7)
+        means[load] = _peak_of_curve(along[used], (value / cosine)[used])
+    return means, peaks, mesh.points_mm.shape[1]
+
+
+def _peak_of_curve(angle: Array, value: Array) -> float:
+    """Peak of a sixth-degree polynomial through the values over the fillet's angle."""
+    curve = np.polynomial.Polynomial.fit(angle, value, 6)
+    return float(curve(np.linspace(angle.min(), angle.max(), 500)).max())
+
+
+def tipton(load: int, shaft: Shaft) -> float:
+    """Concentration factor of a shoulder fillet in closed form.
+
+    Source: S. M. Tipton, J. R. Sorem, R. D. Rolovic, Updated stress concentration factors for filleted shafts
+    in bending and tension, J. Mech. Des. 118 (1996), fits that Peterson's Stress Concentration Factors quotes
+    since its third edition; torsion by the same authors.
+    """
+    x, r = shaft.large / shaft.small, shaft.fillet / shaft.small
+    if load == BENDING:
+        root = (-0.14 - 0.363 * x**2 + 0.503 * x**4) / (1 - 2.39 * x**2 + 3.368 * x**4)
+        return 0.632 + 0.377 * x**-4.4 + r**-0.5 * math.sqrt(root)
+    if load == AXIAL:
+        root = (3.43 - 3.41 * x**2 + 0.0232 * x**4) / (1 - 8.85 * x**2 - 0.078 * x**4)
+        return 0.493 + 0.48 * x**-2.43 + r**-0.48 * math.sqrt(root)
+    root = (0.002 - 0.125 * x**2 + 0.123 * x**4) / (1 - 2.75 * x**2 + 2.55 * x**4)
+    return 0.78 + 0.2 * x**-10 + r**-0.46 * math.sqrt(root)
