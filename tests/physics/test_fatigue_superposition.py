@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as sla
 from numpy.typing import NDArray
@@ -84,7 +83,6 @@ def pin_force(part: Elasticity, model: Elasticity, scene: Scene) -> Array:
     return total
 
 
-@pytest.mark.slow
 def test_superposed_states_equal_a_direct_solve() -> None:
     scene = sprung()
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
