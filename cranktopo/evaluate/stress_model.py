@@ -25,7 +25,7 @@ from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
 Array = NDArray[np.float64]
 
 RULE_FRACTION = 0.17
-"""Element size in a fillet over its radius that keeps every edge below a quarter: IACS UR M53, Appendix III."""
+"""Element size in a fillet over its radius that keeps edges below a quarter (IACS UR M53, Appendix III)."""
 _ACROSS_WEB = 6
 """Elements through the web: the same rule."""
 _NEAR_PEAK = 0.98

@@ -40,7 +40,8 @@ class Extremes:
 
 def von_mises(stress: Array) -> Array:
     """Von Mises stress; last axis holds the six components."""
-    return np.asarray(np.sqrt(np.maximum(np.einsum("...i,ij,...j->...", stress, _DEVIATOR, stress), 0.0)))
+    squared: Array = np.einsum("...i,ij,...j->...", stress, _DEVIATOR, stress)
+    return np.sqrt(np.maximum(squared, 0.0))
 
 
 def signed_von_mises(stress: Array) -> Array:
@@ -53,7 +54,7 @@ def signed_von_mises(stress: Array) -> Array:
 def principal_stresses(stress: Array) -> Array:
     """Principal stresses, falling, in the last axis; that of the argument holds the six components."""
     tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
-    return np.linalg.eigvalsh(tensor)[..., ::-1]
+    return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
 
 
 def extremes(found: SurfaceStress, loads: Array) -> Extremes:

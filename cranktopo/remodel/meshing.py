@@ -107,7 +107,7 @@ def mesh_body(gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool
 
 
 def _generate(gmsh: Any, mirrored: bool, *, smooth: bool = False) -> TetMesh:
-    """The mesh; smoothed by Netgen's optimiser where stresses are wanted, which takes a third off their noise."""
+    """The mesh; Netgen's optimiser smooths it where stresses are wanted and takes a third off their noise."""
     gmsh.option.setNumber("Mesh.Algorithm", _DELAUNAY_2D)
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D)
     gmsh.model.mesh.generate(3)

@@ -1,8 +1,8 @@
 """What the mesh of the fillets costs and gives: concentration factors, seconds and the rule's quality checks.
 
 Run with `python -m tests.benchmarks.fatigue_mesh` (all throws and sizes) or with `--throw NAME --fraction F`
-for one row. Three throws inside the validity of IACS UR M53; factors from finite elements are followed by their
-difference from the rule's polynomials in percent.
+for one row. Three throws inside the validity of IACS UR M53; factors from finite elements are followed by
+their difference from the rule's polynomials in percent.
 """
 
 from __future__ import annotations
@@ -71,7 +71,9 @@ def main() -> None:
     for name in throws():
         for fraction in FRACTIONS:
             command = [sys.executable, "-m", __spec__.name, "--throw", name, "--fraction", f"{fraction}"]
-            print(subprocess.run(command, capture_output=True, text=True, check=True).stdout, end="", flush=True)
+            print(
+                subprocess.run(command, capture_output=True, text=True, check=True).stdout, end="", flush=True
+            )
 
 
 if __name__ == "__main__":

@@ -54,14 +54,20 @@ def shaft_mesh(shaft: Shaft, size_mm: float, fillet_fraction: float, growth: flo
         centre = occ.addPoint(b + r, 0, r)
         curves = [occ.addLine(tags[i], tags[i + 1]) for i in range(3)]
         curves += [occ.addCircleArc(tags[3], centre, tags[4])]
-        curves += [occ.addLine(tags[4], tags[5]), occ.addLine(tags[5], tags[6]), occ.addLine(tags[6], tags[0])]
+        curves += [
+            occ.addLine(tags[4], tags[5]),
+            occ.addLine(tags[5], tags[6]),
+            occ.addLine(tags[6], tags[0]),
+        ]
         section = occ.addPlaneSurface([occ.addCurveLoop(curves)])
         occ.revolve([(2, section)], 0, 0, 0, 0, 0, 1, math.pi)
         occ.remove([(2, section)], recursive=True)
         occ.synchronize()
         ring = f"Fabs(Sqrt((Sqrt(x*x+y*y)-{b + r!r})^2+(z-{r!r})^2)-{r!r})"
         field = gmsh.model.mesh.field.add("MathEval")
-        gmsh.model.mesh.field.setString(field, "F", f"Min({size_mm!r}, {fillet_fraction * r!r}+{growth!r}*{ring})")
+        gmsh.model.mesh.field.setString(
+            field, "F", f"Min({size_mm!r}, {fillet_fraction * r!r}+{growth!r}*{ring})"
+        )
         gmsh.model.mesh.field.setAsBackgroundMesh(field)
         for option in ("MeshSizeFromPoints", "MeshSizeExtendFromBoundary", "MeshSizeFromCurvature"):
             gmsh.option.setNumber(f"Mesh.{option}", 0)

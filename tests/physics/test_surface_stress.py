@@ -21,7 +21,7 @@ YOUNGS, POISSON = 2.1e5, 0.3
 
 
 def test_linear_stress_is_exact_on_the_surface() -> None:
-    """A quadratic displacement is in the space of the elements; its stress and the stress's slope come out."""
+    """A quadratic displacement is in the space of the elements; its stress and slope are exact."""
     rng = np.random.default_rng(1)
     cube = MeshTet2.from_mesh(MeshTet.init_tensor(*(np.linspace(0, s, 4) for s in (2.0, 3.0, 1.5))))
     cells = cube.dofs.element_dofs.copy()

@@ -70,7 +70,7 @@ def test_fkm_regression() -> None:
 
 
 def test_fkm_treats_points_apart() -> None:
-    """A point's answer does not depend on its neighbours in the array; compression helps, tension does not."""
+    """A point's answer does not depend on its neighbours in the array; tension costs strength."""
     points = LocalStress(np.array([100.0] * 4), np.array([-100.0, -50, 0, 150]), np.array([0.1, 0.5, 1, 2]))
     together = fkm(points, FkmStrength(1100))
     for i in range(4):
