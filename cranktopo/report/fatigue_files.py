@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.fatigue import FatigueField
 from cranktopo.store.files import replacing, write_bytes
+
+if TYPE_CHECKING:
+    from cranktopo.report.shading import ShadedMesh
 
 Array = NDArray[np.float64]
 
@@ -101,36 +105,49 @@ def save_fatigue_picture(path: Path, field: FatigueField) -> None:
 
 
 def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None:
+    """The half throw that holds the critical point, seen towards either fillet."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LogNorm
 
-    from cranktopo.report.shading import ShadedMesh, draw, view_axes
+    from cranktopo.report.shading import draw, view_axes
+
+    least, point = field.critical.safety, np.array(field.critical.place.point_mm)
+    far = bool(point[2] > field.model.scene.pitch_mm / 2)
+    norm, colours = LogNorm(least, _TOP * least, clip=True), colormaps["turbo_r"]
+    body = _half(field, far, lambda safety: colours(norm(safety))[:, :3])
+    for panel, (name, (x, y, z)) in zip(axes, _VIEWS, strict=True):
+        side = -1.0 if point[0] < 0 else 1.0
+        view = view_axes((side * x, y, -z if far else z), (0.0, 1.0, 0.0))
+        draw(panel, body, view)
+        panel.plot(*(view @ point)[:2, None], "o", ms=11, mfc="none", mec="black", mew=1.6)
+        panel.set_title(f"towards the {name}")
+        panel.set_axis_off()
+    bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(axes), location="bottom", shrink=0.7)
+    bar.set_label("safety; circle: least, where the view shows it")
+    ticks = least * np.array([1.0, 1.5, 2.0, 3.0, 4.0])
+    bar.set_ticks(ticks, labels=[f"{t:.2f}" for t in ticks])
+    bar.minorticks_off()
+
+
+def _half(field: FatigueField, far: bool, paint: Callable[[Array], Array]) -> ShadedMesh:
+    """One half of the throw, four flat triangles to a face, coloured by its safety."""
+    from cranktopo.report.shading import ShadedMesh
 
     points, faces = throw_surface(field)
-    least = field.critical.safety
-    norm, colours = LogNorm(least, _TOP * least, clip=True), colormaps["turbo_r"]
-    triangles = np.concatenate([faces[:, q] for q in _QUARTERS])
-    safety = field.safety.ravel()[triangles].mean(axis=1)
+    images = field.model.images
+    count = points.shape[0] // len(images)
+    wanted = [i for i, image in enumerate(images) if image.flip_z == far]
+    kept = faces[np.isin(faces[:, 0] // count, wanted)]
+    triangles = np.concatenate([kept[:, q] for q in _QUARTERS])
     normals = np.concatenate(
         [
             field.model.surface.normals * [-1 if i.flip_x else 1, 1, -1 if i.flip_z else 1]
             for i in field.model.images
         ]
     )
-    body = ShadedMesh(points, normals, triangles, colours(norm(safety))[:, :3])
-    for panel, (name, side) in zip(axes, _VIEWS, strict=True):
-        view = view_axes(side, (0.0, 1.0, 0.0))
-        draw(panel, body, view)
-        x, y, _ = view @ np.array(field.critical.place.point_mm)
-        panel.plot([x], [y], "o", ms=11, mfc="none", mec="black", mew=1.6)
-        panel.set_title(f"towards the {name}")
-        panel.set_axis_off()
-    bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(axes), location="bottom", shrink=0.7)
-    bar.set_label("safety")
-    ticks = least * np.array([1.0, 1.5, 2.0, 3.0, 4.0])
-    bar.set_ticks(ticks, labels=[f"{t:.2f}" for t in ticks])
-    bar.minorticks_off()
+    safety = field.safety.ravel()[triangles].mean(axis=1)
+    return ShadedMesh(points, normals, triangles, paint(safety))
 
 
 def _draw_haigh(axes: Any, field: FatigueField) -> None:
