@@ -96,32 +96,34 @@ def _symmetric(
 def _loaded(
     model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral, kinds: list[FieldKind]
 ) -> dict[FieldKind, UnitField]:
-    forces = np.column_stack([_forces(model, scene, kind, 1 if lateral == "none" else 2) for kind in kinds])
-    block = condense(model, scene, parity, lateral, forces)
-    support = scene.supports.bending
-    spring = _spring(scene, support)
+    """Fields of some loads from one condensation, which holds the radial load already."""
+    parts = 1 if lateral == "none" else 2
+    further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
+    forces = [_force(model, scene, kind, parts) for kind in further]
+    block = condense(model, scene, parity, lateral, np.column_stack(forces) if forces else None)
+    cases: dict[FieldKind, tuple[Array, Array]] = {
+        "moment": (np.zeros(model.nodes_mm.size), np.array([1.0 if m == RX else 0.0 for m in block.motions]))
+    }
+    if "bending" in kinds:
+        cases["bending"] = (block.displacement[:, len(block.motions)] / (2 * parts), block.load / 2)
+    start = block.displacement.shape[1] - len(further)
+    for column, kind in enumerate(further):
+        cases[kind] = (block.displacement[:, start + column], block.further[:, column])
+    spring = _spring(scene, scene.supports.bending)
     found: dict[FieldKind, UnitField] = {}
-    for column, kind in enumerate(kinds):
+    for kind in kinds:
+        fixed, force = cases[kind]
         turning = kind != "tangential"
-        force = block.further[:, column]
-        if kind == "moment":
-            force = force + np.array([1.0 if m == RX else 0.0 for m in block.motions])
-        motion = bending_motion(block, force, support, spring, turning=turning)
-        fixed = block.displacement[:, block.displacement.shape[1] - len(kinds) + column]
+        motion = bending_motion(block, force, scene.supports.bending, spring, turning=turning)
         found[kind] = UnitField(kind, fixed + _units(block) @ motion, 1 if turning else -1, 1)
     return found
 
 
-def _forces(model: Elasticity, scene: Scene, kind: FieldKind, parts: int) -> Array:
+def _force(model: Elasticity, scene: Scene, kind: FieldKind, parts: int) -> Array:
     """Nodal forces on the model of a unit load of the full throw; the model is one of 2 parts of it."""
-    pin_z = scene.web_z_mm[1]
-    if kind == "moment":
-        return np.zeros(model.nodes_mm.size)
     if kind == "centrifugal":
         return centrifugal_force(model, density_tonne_per_mm3(scene.material.density_kg_m3))
-    if kind == "tangential":
-        return mean_displacement(model, axis=0, z_from_mm=pin_z) / (2 * parts)
-    return -mean_displacement(model, axis=1, z_from_mm=pin_z) / (2 * parts)
+    return mean_displacement(model, axis=0, z_from_mm=scene.web_z_mm[1]) / (2 * parts)
 
 
 def _units(block: Condensed) -> Array:
