@@ -10,8 +10,8 @@ from cranktopo.evaluate.fatigue import FatigueField
 from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.report.tables import Table
 
-_SAME = 0.01
-"""Relative difference of safety below which two variants count as equal."""
+_SAME = 0.02
+"""Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> Table:
