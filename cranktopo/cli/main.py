@@ -21,6 +21,7 @@ COMMANDS = {
     "evaluate": "Judge designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
     "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
     "report": "Write the page of a run: verdict, 3D view, curves, tables; HTML or Markdown with PNGs.",
+    "fatigue": "Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",

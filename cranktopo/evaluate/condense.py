@@ -40,7 +40,9 @@ class Condensed:
         stiffness: shape (m, m), N/mm, N, N mm, of the half throw (both signs of x).
         load: mean of -u_y over the pin material per unit motion, shape (m,).
         load_compliance: mean of -u_y under unit force on the half pin, section fixed, mm/N.
-        displacement: unit-motion fields, then the load field where there is one, shape (unknowns, m [+ 1]).
+        displacement: unit-motion fields, then the load field where there is one, then the fields of further
+            loads with the section fixed, shape (unknowns, m [+ 1] + k).
+        further: section forces of the half throw that answer the further loads, shape (m, k).
     """
 
     motions: tuple[int, ...]
@@ -48,13 +50,16 @@ class Condensed:
     load: Array
     load_compliance: float
     displacement: Array
+    further: Array
 
     def index(self, *motions: int) -> list[int]:
         """Positions of motions in this block."""
         return [self.motions.index(m) for m in motions]
 
 
-def condense(model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral) -> Condensed:
+def condense(
+    model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral, further: Array | None = None
+) -> Condensed:
     """Condense the half throw to the motions of its rigid section.
 
     Args:
@@ -62,6 +67,8 @@ def condense(model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral) 
         scene: the throw (web position, pitch).
         parity: motion about the mid-pin plane.
         lateral: motions even or odd in x of a quarter model, or all six of a half model.
+        further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
+            (unknowns, k).
 
     Raises:
         CranktopoError: the solve failed, or a plane of the model is missing.
@@ -74,7 +81,10 @@ def condense(model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral) 
     mean = np.zeros(model.nodes_mm.size)
     if loaded:
         mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
-    loads = np.column_stack([-(model.stiffness @ rigid)[free], *([mean[free]] if loaded else [])])
+    others = np.zeros((model.nodes_mm.size, 0)) if further is None else further
+    loads = np.column_stack(
+        [-(model.stiffness @ rigid)[free], *([mean[free]] if loaded else []), others[free]]
+    )
     matrix = model.stiffness[free][:, free]
     corners = free[free < model.prolongation.shape[1]]
     fields = np.zeros((model.nodes_mm.size, loads.shape[1]))
@@ -82,12 +92,14 @@ def condense(model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral) 
     units = fields[:, : len(motions)]
     units += rigid
     parts = 1 if lateral == "none" else 2
+    pin = len(motions)
     return Condensed(
         motions,
         parts * _symmetric(units.T @ (model.stiffness @ units)),
         units.T @ mean,
-        float(mean @ fields[:, -1]) / parts if loaded else 0.0,
+        float(mean @ fields[:, pin]) / parts if loaded else 0.0,
         fields,
+        parts * units.T @ others,
     )
 
 

@@ -93,6 +93,25 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
     return np.asarray(mean / inside.sum(), dtype=np.float64)
 
 
+def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
+    """Nodal forces of rotation about the crank axis at 1 rad/s, shape (unknowns,), N.
+
+    Args:
+        model: the body.
+        density_tonne_per_mm3: mass density.
+    """
+    from skfem import Basis, ElementTetP2
+
+    basis = Basis(model.mesh, ElementTetP2(), intorder=_LOAD_ORDER)
+    points = np.asarray(basis.global_coordinates())
+    force = np.zeros(model.nodes_mm.size)
+    for axis in (0, 1):
+        pull = density_tonne_per_mm3 * points[axis] * basis.dx
+        weights = np.stack([(np.asarray(phi[0]) * pull).sum(axis=1) for phi in basis.basis])
+        np.add.at(force, 3 * basis.element_dofs + axis, weights)
+    return force
+
+
 def _chunk_matrix(basis: Any, youngs: float, poisson: float, unknowns: int) -> sp.csr_matrix:
     """Sum of the element matrices of a chunk: lambda div u div v + 2 mu eps(u):eps(v)."""
     lame = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from typing import Literal
 
 import numpy as np
@@ -15,6 +16,20 @@ TorsionSupport = Literal["free", "held", "spring"]
 BendingSupport = Literal["pinned", "clamped", "spring"]
 
 
+_ALL = frozenset({UX, UY, UZ, RX, RY, RZ})
+_TORSION: dict[TorsionSupport, frozenset[int]] = {
+    "free": _ALL,
+    "held": frozenset({RZ, UZ}),
+    "spring": _ALL,
+}
+_BENDING: dict[BendingSupport, frozenset[int]] = {
+    "pinned": frozenset({UZ, RX, RY, RZ}),
+    "clamped": frozenset({UZ}),
+    "spring": _ALL,
+}
+"""Motions that each support leaves to the section."""
+
+
 def torsional_stiffness_Nm_per_rad(
     block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> float:
@@ -25,11 +40,8 @@ def torsional_stiffness_Nm_per_rad(
         support: "free" to translate and tilt, "held" against both, "spring" radial springs.
         spring_N_per_mm: radial stiffness of each bearing, for "spring".
     """
-    released = {RZ, UZ} if support == "held" else {UX, UY, UZ, RX, RY, RZ}
-    springs = {UX: spring_N_per_mm, UY: spring_N_per_mm} if support == "spring" else {}
-    torque = np.array([1.0 if m == RZ else 0.0 for m in block.motions])
-    twist = _response(block, released, springs, torque)
-    return 1.0 / (2.0 * float(torque @ twist)) / NMM_PER_NM
+    twist = torsion_motion(block, support, spring_N_per_mm)[block.motions.index(RZ)]
+    return 1.0 / (2.0 * float(twist)) / NMM_PER_NM
 
 
 def bending_stiffness_N_per_mm(
@@ -42,17 +54,42 @@ def bending_stiffness_N_per_mm(
         support: "pinned" section centre, "clamped" (no tilt either), or "spring" radial springs.
         spring_N_per_mm: radial stiffness of each bearing, for "spring".
     """
-    released = {
-        "pinned": {UZ, RX, RY, RZ},
-        "clamped": {UZ},
-        "spring": {UX, UY, UZ, RX, RY, RZ},
-    }[support]
-    springs = {UX: spring_N_per_mm, UY: spring_N_per_mm} if support == "spring" else {}
-    motion = _response(block, released, springs, block.load)
+    motion = bending_motion(block, block.load, support, spring_N_per_mm)
     return 2.0 / (block.load_compliance + float(block.load @ motion))
 
 
-def _response(block: Condensed, released: set[int], springs: dict[int, float], force: Array) -> Array:
+def torsion_motion(block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0) -> Array:
+    """Section motion per unit torque, shape (m,), mm and rad per N mm; arguments as the stiffness."""
+    torque = np.array([1.0 if m == RZ else 0.0 for m in block.motions])
+    return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), torque)
+
+
+def bending_motion(
+    block: Condensed,
+    force: Array,
+    support: BendingSupport,
+    spring_N_per_mm: float = 0.0,
+    *,
+    turning: bool = True,
+) -> Array:
+    """Section motion under section forces, shape (m,), mm and rad.
+
+    Args:
+        block: symmetric block.
+        force: on the section of the half throw, shape (m,), N and N mm.
+        support: as in `bending_stiffness_N_per_mm`.
+        spring_N_per_mm: radial stiffness of each bearing, for "spring".
+        turning: whether the section may turn about the crank axis; a tangential force needs a torque there.
+    """
+    released = _BENDING[support] - (frozenset() if turning else {RZ})
+    return _response(block, released, _springs(support, spring_N_per_mm), force)
+
+
+def _springs(support: str, spring_N_per_mm: float) -> dict[int, float]:
+    return {UX: spring_N_per_mm, UY: spring_N_per_mm} if support == "spring" else {}
+
+
+def _response(block: Condensed, released: Set[int], springs: dict[int, float], force: Array) -> Array:
     """Section motion under a section force, held motions at zero; rigid motions of the whole stay at zero."""
     index = [i for i, m in enumerate(block.motions) if m in released]
     stiffness = block.stiffness + np.diag([springs.get(m, 0.0) for m in block.motions])

@@ -60,7 +60,7 @@ def _straight(points: Array, cells: NDArray[np.int64]) -> Array:
 
 def _jacobians(nodes: Array) -> Array:
     """Jacobian determinant at 15 points of each element, shape (15, elements); nodes as `_straight`."""
-    gradients = _shape_gradients(_check_points())
+    gradients = shape_gradients(_check_points())
     matrix = np.einsum("ine,pnj->ijpe", nodes, gradients)
     return np.asarray(np.einsum("ipe,ipe->pe", matrix[:, 0], np.cross(matrix[:, 1], matrix[:, 2], axis=0)))
 
@@ -74,7 +74,7 @@ def _check_points() -> Array:
     return np.vstack([corners, middles, inner, np.full((1, 4), 0.25)])
 
 
-def _shape_gradients(barycentric: Array) -> Array:
+def shape_gradients(barycentric: Array) -> Array:
     """Gradients of the ten quadratic shape functions in (xi, eta, zeta), shape (points, 10, 3)."""
     slope = np.array([[-1.0, -1, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     corner = (4 * barycentric - 1)[:, :, None] * slope

@@ -67,6 +67,7 @@ def mesh_throw(
     full: bool = False,
     quarter: bool = True,
     graded: bool = True,
+    fillet_fraction: float | None = None,
 ) -> Part:
     """Mesh of the half throw of a scene, as a quarter model where the throw is symmetric in x.
 
@@ -76,6 +77,7 @@ def mesh_throw(
         full: mesh the full throw instead (no symmetry; to check the condensation).
         quarter: use the lateral symmetry where there is one.
         graded: refine at fillets and rings.
+        fillet_fraction: element size on a fillet over its radius; by default what stiffness needs.
 
     Raises:
         CranktopoError: impossible dimensions, or no valid mesh.
@@ -93,27 +95,26 @@ def mesh_throw(
         mirrored = quarter and not full and may_mirror(scene, web_asymmetry(scene))
         if mirrored:
             body = _positive_x(occ, body, scene.pitch_mm)
-        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored, graded=graded, full=full)
+        _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full, fillet_fraction=fillet_fraction)
+        mesh = _generate(gmsh, mirrored, smooth=fillet_fraction is not None)
     return Part(mesh, half, web_volume)
 
 
-def mesh_body(
-    gmsh: Any,
-    scene: Scene,
-    element_size_mm: float,
-    *,
-    mirrored: bool,
-    graded: bool = True,
-    full: bool = False,
-) -> TetMesh:
+def mesh_body(gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool) -> TetMesh:
     """Mesh of whatever body the open session holds; arguments as `mesh_throw`."""
-    gmsh.model.occ.synchronize()
-    _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full)
+    _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False)
+    return _generate(gmsh, mirrored)
+
+
+def _generate(gmsh: Any, mirrored: bool, *, smooth: bool = False) -> TetMesh:
+    """The mesh; Netgen's optimiser smooths it where stresses are wanted and takes a third off their noise."""
     gmsh.option.setNumber("Mesh.Algorithm", _DELAUNAY_2D)
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D)
     gmsh.model.mesh.generate(3)
+    if smooth:
+        gmsh.model.mesh.optimize("Netgen")
     gmsh.model.mesh.setOrder(2)
-    return _extract(gmsh, mirrored)
+    return extract_mesh(gmsh, mirrored=mirrored)
 
 
 def _positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
@@ -123,11 +124,20 @@ def _positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
     return list(kept)
 
 
-def _set_sizes(gmsh: Any, scene: Scene, size: float, *, graded: bool, full: bool) -> None:
+def _set_sizes(
+    gmsh: Any,
+    scene: Scene,
+    size: float,
+    *,
+    graded: bool,
+    full: bool,
+    fillet_fraction: float | None = None,
+) -> None:
     """One analytic size field: distance to each fillet surface (or sharp ring), growing linearly."""
+    gmsh.model.occ.synchronize()
     terms = [f"{size!r}"]
     if graded:
-        terms += [_ring_size(size, *ring) for ring in _rings(scene, full)]
+        terms += [_ring_size(_finest(size, ring[-1], fillet_fraction), *ring) for ring in _rings(scene, full)]
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"
@@ -149,9 +159,9 @@ def _rings(scene: Scene, full: bool) -> list[tuple[float, float, float, float]]:
     return rings + [(y, r, scene.pitch_mm - z, f) for y, r, z, f in rings] if full else rings
 
 
-def _ring_size(size: float, y: float, radius: float, z: float, fillet: float) -> str:
+def _ring_size(finest: float, y: float, radius: float, z: float, fillet: float) -> str:
     around = f"Sqrt((Sqrt(x*x+(y-({y!r}))*(y-({y!r})))-{radius!r})^2+(z-({z!r}))^2)"
-    return f"{_finest(size, fillet)!r}+{_GROWTH!r}*Fabs({around}-{fillet!r})"
+    return f"{finest!r}+{_GROWTH!r}*Fabs({around}-{fillet!r})"
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -164,11 +174,15 @@ def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> N
     return result
 
 
-def _finest(size: float, fillet: float) -> float:
+def _finest(size: float, fillet: float, fraction: float | None = None) -> float:
+    """Element size on a fillet or at a sharp ring, mm."""
+    if fraction is not None and fillet:
+        return min(size, fraction * fillet)
     return size * min(1.0, max(fillet / 8, _FINEST))
 
 
-def _extract(gmsh: Any, mirrored: bool) -> TetMesh:
+def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
+    """The quadratic mesh of the open session, folded elements straightened."""
     coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
     cells = nodes[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)

@@ -96,6 +96,8 @@ _UNITS = {
     "mm": "mm",
     "s": "s",
     "deg": "deg",
+    "MPa": "MPa",
+    "per_mm": "1/mm",
 }
 
 

@@ -12,10 +12,24 @@ from pydantic import Field, model_validator
 from cranktopo.errors import invalid, suggest
 from cranktopo.scene.base import Fraction, NonNegative, Positive, Table
 from cranktopo.scene.engine import Engine
+from cranktopo.scene.fatigue import Fatigue
 from cranktopo.scene.geometry import Envelope, Throw, Web
 from cranktopo.scene.supports import Supports
 
 EffectState = Literal["auto", "on", "off"]
+FkmGroup = Literal[
+    "Steel",
+    "Forg_Steel",
+    "CaseHard_Steel",
+    "Stainless_Steel",
+    "GS",
+    "GJS",
+    "GJM",
+    "GJL",
+    "Al_wrought",
+    "Al_cast",
+]
+"""Material groups of the FKM guideline."""
 
 
 @cache
@@ -35,6 +49,7 @@ class Material(Table):
     ultimate_MPa: Positive | None = None
     fatigue_tension_MPa: Positive | None = None
     fatigue_bending_MPa: Positive | None = None
+    fkm_group: FkmGroup = "Steel"
     source: str = ""
 
     @model_validator(mode="before")
@@ -113,6 +128,7 @@ class Scene(Table):
     envelope: Envelope | None = None
     effects: Effects = Effects()
     optimise: Optimise = Optimise()
+    fatigue: Fatigue = Fatigue()
     published: Published | None = None
 
     @property

@@ -3,7 +3,8 @@
 Run with `python -m tests.benchmarks.effects_truth`. Load cases are compared by strain energy relative to
 the larger one of bending and torsion, bearings by bending stiffness, bores by torsional stiffness and mass,
 fillets by the stiffness of the body-fitted judge; the rest is the scene's own web on 3 mm cells. The inertia
-effects are forces in closed form: their truth is the load analysis with and without them.
+effects are forces in closed form: their truth is the load analysis with and without them. Fatigue is the
+nominal stress amplitude over the strength, from linearised sections of the judge's model.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.loads.cases import DEFAULT_EFFECTS, load_cases
 from cranktopo.scene import Scene, load_scene, scene_from_dict
+from tests.benchmarks.nominal_stress import nominal_amplitude_MPa
 
 CELL_MM = 3.0
 CASES = frozenset({"bending", "torsion", "tangential", "centrifugal"})
@@ -124,6 +126,9 @@ def truths(scene: Scene) -> dict[str, float]:
         stiffer, heavier = (100 * (solid[key] / rigid[key] - 1) for key in ("torsion", "volume"))
         result |= {"bores": max(stiffer, heavier), "bores, torsion alone": stiffer}
     result["fillets"] = _stiffening_by_fillets(scene)
+    strength = scene.material.fatigue_bending_MPa
+    if strength is not None:
+        result["fatigue"] = 100 * nominal_amplitude_MPa(scene) / strength
     full = _peak_radial(scene, DEFAULT_EFFECTS)
     for name in ("reciprocating_inertia", "rotating_rod_mass"):
         result[name] = 100 * abs(_peak_radial(scene, DEFAULT_EFFECTS - {name}) / full - 1)

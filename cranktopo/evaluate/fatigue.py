@@ -1,0 +1,278 @@
+"""Fatigue safety over the whole surface of a throw: unit stresses, load states, a method, the worst place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.effects import plan
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.fillets import Place, place
+from cranktopo.evaluate.fkm import FkmStrength, fkm
+from cranktopo.evaluate.local_stress import LocalStress
+from cranktopo.evaluate.lsa import LsaStrength, lsa
+from cranktopo.evaluate.stress_model import RULE_FRACTION, StressModel, solve_stresses
+from cranktopo.evaluate.superposition import Extremes, extremes
+from cranktopo.evaluate.targets import Target
+from cranktopo.evaluate.unit_fields import FieldKind
+from cranktopo.loads.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.loads.load_case import LoadKind
+from cranktopo.scene import Scene
+from cranktopo.units import NMM_PER_NM
+
+Array = NDArray[np.float64]
+FieldMethod = Literal["lsa", "fkm"]
+Progress = Callable[[str], None]
+
+_UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
+    "bending": lambda h: h.radial_N,
+    "tangential": lambda h: h.tangential_N,
+    "torsion": lambda h: -h.torque_Nm * NMM_PER_NM,
+    "centrifugal": lambda h: h.angular_speed_rad_s**2,
+}
+"""Factor of each unit field; a force along +x on the pin turns the shaft about -z, and so does its torque."""
+
+
+@dataclass(frozen=True)
+class Critical:
+    """The point of least safety.
+
+    Attributes:
+        place: where.
+        safety: there.
+        amplitude_MPa, mean_MPa, gradient_per_mm: cyclic stress there.
+        strength_MPa: fully reversed strength of the point.
+        amplitude_share: part of the used strength that is the amplitude's, 0 to 1.
+        factors: of the method, by name.
+        states: the two extreme load states.
+    """
+
+    place: Place
+    safety: float
+    amplitude_MPa: float
+    mean_MPa: float
+    gradient_per_mm: float
+    strength_MPa: float
+    amplitude_share: float
+    factors: dict[str, float]
+    states: tuple[str, str]
+
+    @property
+    def decided_by(self) -> str:
+        """Which stress uses up more of the strength."""
+        return "amplitude" if self.amplitude_share >= 0.5 else "mean stress"
+
+    def as_json(self) -> dict[str, Any]:
+        """The point as `fatigue --json` prints it."""
+        at = self.place
+        return {
+            "fillet": at.fillet or None,
+            "around_deg": at.around_deg if at.fillet else None,
+            "along_deg": at.along_deg if at.fillet else None,
+            "point_mm": list(at.point_mm),
+            "safety": self.safety,
+            "amplitude_MPa": self.amplitude_MPa,
+            "mean_MPa": self.mean_MPa,
+            "gradient_per_mm": self.gradient_per_mm,
+            "strength_MPa": self.strength_MPa,
+            "amplitude_share": self.amplitude_share,
+            "decided_by": self.decided_by,
+            "factors": self.factors,
+            "states": list(self.states),
+        }
+
+
+@dataclass(frozen=True)
+class FatigueField:
+    """Safety over the surface of a whole throw.
+
+    Attributes:
+        model: unit stresses.
+        method: "lsa" or "fkm".
+        history: load states.
+        safety, amplitude_MPa, mean_MPa: at each node of each image, shape (images, n).
+        critical: point of least safety in the fillets.
+        elsewhere: point of least safety off them, on edges and pockets that the mesh does not resolve.
+        fillet_safety: least safety of each fillet.
+    """
+
+    model: StressModel
+    method: FieldMethod
+    history: LoadHistory
+    safety: Array
+    amplitude_MPa: Array
+    mean_MPa: Array
+    critical: Critical
+    elsewhere: Critical
+    fillet_safety: dict[str, float]
+
+
+def check_material(scene: Scene, method: str) -> None:
+    """Check that the material has what a method needs.
+
+    Raises:
+        CranktopoError: a strength is missing.
+    """
+    needed = {"lsa": ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa", "ultimate_MPa")}
+    for key in needed.get(method, ("ultimate_MPa",)):
+        if getattr(scene.material, key) is None:
+            raise CranktopoError(
+                f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
+                f"(material '{scene.material.name}').",
+                hint=f"Give material.{key}, or name a material of the library.",
+            )
+
+
+def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[LoadKind, ...]]:
+    """Effects that the plan of a scene switches on, and the loads to be solved.
+
+    The extreme states hold radial force and torque; the tangential force only acts in the cycle.
+    """
+    enabled = plan(scene).enabled
+    possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
+    if kind == "cycle":
+        possible = ("bending", "tangential", "torsion", "centrifugal")
+    return enabled, tuple(k for k in possible if k in enabled)
+
+
+def assess(
+    target: Target,
+    method: FieldMethod,
+    kind: HistoryKind = "extremes",
+    fillet_fraction: float = RULE_FRACTION,
+    progress: Progress = lambda _: None,
+) -> FatigueField:
+    """Fatigue safety of a throw by a method of local stresses.
+
+    Args:
+        target: a design.
+        method: "lsa" or "fkm".
+        kind: load states.
+        fillet_fraction: element size in the fillets over their radius.
+        progress: called with one line per step.
+
+    Raises:
+        CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
+    """
+    check_material(target.scene, method)
+    enabled, kinds = load_kinds(target.scene, kind)
+    history = load_history(target.scene, kind, enabled)
+    progress(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
+    return safety_field(solve_stresses(target, kinds, fillet_fraction), method, history)
+
+
+def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) -> FatigueField:
+    """Safety at every surface node of every image of the model.
+
+    Args:
+        model: unit stresses.
+        method: "lsa" or "fkm".
+        history: load states.
+    """
+    loads = np.stack([_UNIT_OF[kind](history) for kind in model.kinds], axis=1)
+    found = [extremes(model.stress, loads * image.signs) for image in model.images]
+    strength = [_strength(model.scene, method)(e.local) for e in found]
+    safety = np.stack([s[0] for s in strength])
+    fillet = {
+        "journal": float(safety[:, model.on_journal].min()),
+        "pin": float(safety[:, model.on_pin].min()),
+    }
+    return FatigueField(
+        model,
+        method,
+        history,
+        safety,
+        np.stack([e.local.amplitude_MPa for e in found]),
+        np.stack([e.local.mean_MPa for e in found]),
+        _critical(model, method, history, found, safety, model.on_fillet),
+        _critical(model, method, history, found, safety, ~model.on_fillet),
+        fillet,
+    )
+
+
+def _strength(
+    scene: Scene, method: FieldMethod
+) -> Callable[[LocalStress], tuple[Array, Array, Array, dict[str, Array]]]:
+    """Function giving safety, reversed strength, amplitude's share, and factors of points."""
+    return _by_lsa(scene) if method == "lsa" else _by_fkm(scene)
+
+
+def lsa_strength(scene: Scene) -> LsaStrength:
+    """Strength for method "lsa" of a scene whose material is checked."""
+    material, settings = scene.material, scene.fatigue
+    return LsaStrength(
+        material.fatigue_tension_MPa or 0.0,
+        material.fatigue_bending_MPa or 0.0,
+        material.yield_MPa or 0.0,
+        material.ultimate_MPa or 0.0,
+        settings.specimen_diameter_mm,
+        settings.size_factor,
+        settings.survival_factor,
+        settings.surface_treatment_factor,
+    )
+
+
+def fkm_strength(scene: Scene) -> FkmStrength:
+    """Strength for method "fkm" of a scene whose material is checked."""
+    material, settings = scene.material, scene.fatigue
+    return FkmStrength(
+        material.ultimate_MPa or 0.0,
+        material.fkm_group,
+        settings.roughness_um,
+        settings.surface_treatment_factor,
+    )
+
+
+def _by_lsa(scene: Scene) -> Callable[[LocalStress], tuple[Array, Array, Array, dict[str, Array]]]:
+    strength = lsa_strength(scene)
+
+    def judge(stress: LocalStress) -> tuple[Array, Array, Array, dict[str, Array]]:
+        r = lsa(stress, strength)
+        share = r.amplitude_term * r.safety
+        return r.safety, r.strength_MPa, share, {"fG": r.support_factor, "beta_over_alpha": r.notch_ratio}
+
+    return judge
+
+
+def _by_fkm(scene: Scene) -> Callable[[LocalStress], tuple[Array, Array, Array, dict[str, Array]]]:
+    strength = fkm_strength(scene)
+
+    def judge(stress: LocalStress) -> tuple[Array, Array, Array, dict[str, Array]]:
+        r = fkm(stress, strength)
+        factors = {"n": r.support_factor, "K_WK": r.design_factor, "K_AK": r.mean_factor}
+        share = np.minimum(r.mean_factor, 1.0)
+        return r.safety, r.reversed_MPa / r.design_factor, share, factors
+
+    return judge
+
+
+def _critical(
+    model: StressModel,
+    method: FieldMethod,
+    history: LoadHistory,
+    found: list[Extremes],
+    safety: Array,
+    among: NDArray[np.bool_],
+) -> Critical:
+    """The point of least safety among some nodes."""
+    image, node = np.unravel_index(int(np.where(among, safety, np.inf).argmin()), safety.shape)
+    e = found[image]
+    local = e.local
+    one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
+    _, strength, share, factors = _strength(model.scene, method)(one)
+    point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
+    return Critical(
+        place(model.scene, point),
+        float(safety[image, node]),
+        float(one.amplitude_MPa[0]),
+        float(one.mean_MPa[0]),
+        float(one.gradient_per_mm[0]),
+        float(strength[0]),
+        float(share[0]),
+        {name: float(value[0]) for name, value in factors.items()},
+        (history.labels[e.highest[node]], history.labels[e.lowest[node]]),
+    )

@@ -1,0 +1,187 @@
+"""A throw against the crankshaft rule: concentration factors in closed form and from finite elements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.fatigue import Progress, check_material, load_kinds
+from cranktopo.evaluate.m53 import (
+    LEAST_FACTOR,
+    Dimensions,
+    Factors,
+    FilletCheck,
+    Nominal,
+    concentration_factors,
+    fatigue_strength_MPa,
+    journal_equivalent_MPa,
+    nominal_stresses,
+    outside_validity,
+    pin_equivalent_MPa,
+)
+from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
+from cranktopo.evaluate.superposition import principal_stresses, von_mises
+from cranktopo.evaluate.targets import Target
+from cranktopo.loads.histories import HistoryKind, load_history
+from cranktopo.scene import Scene
+from cranktopo.scene.outline import half_width_mm
+from cranktopo.units import NMM_PER_NM
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RuleCheck:
+    """A throw against IACS UR M53.
+
+    Attributes:
+        name: of the target.
+        throw_kg: its mass.
+        outside: dimensions outside the validity of the rule's polynomials.
+        closed, elements: concentration factors by polynomial and by finite elements.
+        nominal: alternating nominal stresses.
+        closed_checks, element_checks: pin and journal fillet with either set of factors.
+        quality: of the mesh.
+    """
+
+    name: str
+    throw_kg: float
+    outside: tuple[str, ...]
+    closed: Factors
+    elements: Factors
+    nominal: Nominal
+    closed_checks: dict[str, FilletCheck]
+    element_checks: dict[str, FilletCheck]
+    quality: Quality
+
+    @property
+    def safety(self) -> float:
+        """Least acceptability factor with the factors from finite elements."""
+        return min(check.acceptability for check in self.element_checks.values())
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the rule accepts both fillets."""
+        return self.safety >= LEAST_FACTOR
+
+    def as_json(self) -> dict[str, Any]:
+        """The check as `fatigue --method m53 --json` prints it."""
+
+        def checks(found: dict[str, FilletCheck]) -> dict[str, Any]:
+            return {name: {**vars(c), "acceptability": c.acceptability} for name, c in found.items()}
+
+        return {
+            "target": self.name,
+            "throw_kg": self.throw_kg,
+            "safety": self.safety,
+            "accepted": self.accepted,
+            "least_acceptability": LEAST_FACTOR,
+            "outside_validity": list(self.outside),
+            "factors": {"closed_form": vars(self.closed), "finite_elements": vars(self.elements)},
+            "nominal": vars(self.nominal),
+            "fillets": {
+                "closed_form": checks(self.closed_checks),
+                "finite_elements": checks(self.element_checks),
+            },
+            "quality": vars(self.quality),
+        }
+
+
+def check_rule(
+    target: Target,
+    kind: HistoryKind = "extremes",
+    fillet_fraction: float = RULE_FRACTION,
+    progress: Progress = lambda _: None,
+) -> RuleCheck:
+    """Check a throw against the rule; arguments as `fatigue.assess`.
+
+    Raises:
+        CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.
+    """
+    scene = target.scene
+    check_material(scene, "m53")
+    history = load_history(scene, kind, load_kinds(scene, kind)[0])
+    force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
+    size = dimensions(scene)
+    nominal = nominal_stresses(size, force / 2 * web_lever(scene), force / 2, torque * NMM_PER_NM)
+    progress(f"{target.name}: four-point bending, three-point bending and torsion")
+    model = solve_stresses(target, ("moment", "bending", "torsion"), fillet_fraction)
+    closed, elements = concentration_factors(size), element_factors(model)
+    return RuleCheck(
+        target.name,
+        model.throw_kg,
+        outside_validity(size),
+        closed,
+        elements,
+        nominal,
+        _checks(scene, size, closed, nominal),
+        _checks(scene, size, elements, nominal),
+        model.quality,
+    )
+
+
+def dimensions(scene: Scene) -> Dimensions:
+    """A scene in the symbols of the rule; the web is as wide as half-way between its axes."""
+    throw = scene.throw
+    main, pin, radius = throw.main_journal, throw.crankpin, throw.radius_mm
+    return Dimensions(
+        pin=pin.outer_diameter_mm,
+        journal=main.outer_diameter_mm,
+        throw=radius,
+        web_thickness=scene.web.thickness_mm,
+        web_width=2 * float(half_width_mm(scene.web, radius, np.array([radius / 2]))[0]),
+        pin_fillet=pin.fillet_mm,
+        journal_fillet=main.fillet_mm,
+        pin_bore=pin.bore_diameter_mm,
+        journal_bore=main.bore_diameter_mm,
+    )
+
+
+def web_lever(scene: Scene) -> float:
+    """Distance from the mid-journal plane to the mid-plane of the web, mm."""
+    return sum(scene.web_z_mm) / 2
+
+
+def element_factors(model: StressModel) -> Factors:
+    """Concentration factors from unit stresses, as Appendix III of the rule defines them.
+
+    Bending: largest von Mises stress in a fillet under a pure moment; torsion: half the largest difference of
+    principal stresses; shear: what three-point bending adds to the journal fillet over its moment.
+
+    Args:
+        model: fields "moment", "bending", "torsion" in this order.
+    """
+    size = dimensions(model.scene)
+    moment, radial, twist = model.stress.stress_MPa
+    lever = web_lever(model.scene)
+    pure, three = nominal_stresses(size, 1.0, 0.0, 1.0), nominal_stresses(size, lever / 2, 0.5, 0.0)
+    principal = principal_stresses(twist)
+    shear = (principal[:, 0] - principal[:, 2]) / 2
+    beta = float(von_mises(moment[model.on_journal]).max() / pure.bending_MPa)
+    remainder = float(von_mises(radial[model.on_journal]).max()) - beta * three.bending_MPa
+    return Factors(
+        alpha_bending=float(von_mises(moment[model.on_pin]).max() / pure.bending_MPa),
+        alpha_torsion=float(shear[model.on_pin].max() / pure.pin_torsion_MPa),
+        beta_bending=beta,
+        beta_shear=remainder / three.shear_MPa,
+        beta_torsion=float(shear[model.on_journal].max() / pure.journal_torsion_MPa),
+    )
+
+
+def _checks(scene: Scene, size: Dimensions, factors: Factors, nominal: Nominal) -> dict[str, FilletCheck]:
+    settings, ultimate = scene.fatigue, scene.material.ultimate_MPa or 0.0
+    process = settings.process_factor * settings.surface_treatment_factor
+    added = settings.additional_stress_MPa
+    return {
+        "pin": FilletCheck(
+            pin_equivalent_MPa(factors, nominal, added),
+            fatigue_strength_MPa(size.pin, size.pin_fillet, ultimate, process),
+        ),
+        "journal": FilletCheck(
+            journal_equivalent_MPa(factors, nominal, added),
+            fatigue_strength_MPa(size.journal, size.journal_fillet, ultimate, process),
+        ),
+    }

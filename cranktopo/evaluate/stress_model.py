@@ -1,0 +1,234 @@
+"""Unit stresses on the surface of a throw, solved once: for fatigue, concentration factors and pictures."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.evaluation import default_element_size_mm
+from cranktopo.evaluate.fillets import fillet_nodes
+from cranktopo.evaluate.stress import nodal_stress
+from cranktopo.evaluate.superposition import principal_stresses, von_mises
+from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
+from cranktopo.evaluate.targets import Target
+from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
+from cranktopo.remodel.meshing import mesh_throw
+from cranktopo.scene import Scene
+from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
+
+Array = NDArray[np.float64]
+
+RULE_FRACTION = 0.17
+"""Element size in a fillet over its radius that keeps edges below a quarter (IACS UR M53, Appendix III)."""
+_ACROSS_WEB = 6
+"""Elements through the web: the same rule."""
+_NEAR_PEAK = 0.98
+"""Part of the largest stress from which a node counts as the place where the rule checks the mesh."""
+NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
+"""Quality limits of the same rule for surface-normal stress and jump between elements."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Mesh and the rule's quality checks where each unit load stresses each fillet most.
+
+    Attributes:
+        fillet_size_mm: element size asked for in the finer fillet.
+        longest_edge: longest element edge in the fillets over the fillet's radius.
+        nodes: number of mesh nodes.
+        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
+        jump_percent: departure of an element's stress from the nodal mean over the same, worst.
+        mesh_seconds, solve_seconds: wall time.
+    """
+
+    fillet_size_mm: float
+    longest_edge: float
+    nodes: int
+    normal_percent: float
+    jump_percent: float
+    mesh_seconds: float
+    solve_seconds: float
+
+    @property
+    def within_rule(self) -> bool:
+        """Whether both checks are within their limits."""
+        return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
+
+
+@dataclass(frozen=True)
+class Image:
+    """One mirror image of the model that makes up the throw.
+
+    Attributes:
+        flip_x, flip_z: whether it is mirrored in x = 0, and in the mid-pin plane.
+        signs: of each field, shape (fields,).
+    """
+
+    flip_x: bool
+    flip_z: bool
+    signs: Array
+
+    def points_mm(self, points_mm: Array, pitch_mm: float) -> Array:
+        """Points (3, n) of the model moved into the image."""
+        x, y, z = points_mm
+        return np.stack([-x if self.flip_x else x, y, pitch_mm - z if self.flip_z else z])
+
+
+@dataclass(frozen=True)
+class StressModel:
+    """Stresses of unit loads on the surface of the half throw, or of its half x >= 0.
+
+    Attributes:
+        name: of the target.
+        scene: the throw.
+        throw_kg: mass of the throw.
+        kinds: load of each field.
+        surface: outer surface of the model.
+        stress: of each field per unit load.
+        images: mirror images that make up the throw.
+        on_journal, on_pin: which surface nodes lie on the fillets, shape (n,).
+        quality: of the mesh.
+    """
+
+    name: str
+    scene: Scene
+    throw_kg: float
+    kinds: tuple[FieldKind, ...]
+    surface: Surface
+    stress: SurfaceStress
+    images: tuple[Image, ...]
+    on_journal: NDArray[np.bool_]
+    on_pin: NDArray[np.bool_]
+    quality: Quality
+
+    @property
+    def on_fillet(self) -> NDArray[np.bool_]:
+        """Which surface nodes lie on either fillet."""
+        return self.on_journal | self.on_pin
+
+
+def solve_stresses(
+    target: Target, kinds: Collection[FieldKind], fillet_fraction: float = RULE_FRACTION
+) -> StressModel:
+    """Mesh a throw for stresses and solve the unit loads that are asked for.
+
+    Args:
+        target: a design; a surface file has no fillets.
+        kinds: which loads; the others cost no solve.
+        fillet_fraction: element size in the fillets over their radius.
+
+    Raises:
+        CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
+    """
+    _check_fillets(target)
+    scene, material = target.scene, target.scene.material
+    start = time.perf_counter()
+    size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
+    part = mesh_throw(scene, size, fillet_fraction=fillet_fraction)
+    meshed = time.perf_counter()
+    youngs = material.E_GPa * MPA_PER_GPA
+    model = assemble(part.mesh, youngs, material.poisson)
+    fields = unit_fields(model, scene, part.mesh.mirrored, kinds)
+    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, material.poisson)
+    planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if part.mesh.mirrored else [])
+    surface = outer_surface(model, found.elements, tuple(planes))
+    stress = surface_stress(model, surface, found)
+    journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
+    density = density_tonne_per_mm3(material.density_kg_m3) * KG_PER_TONNE
+    seconds = (meshed - start, time.perf_counter() - meshed)
+    return StressModel(
+        target.name,
+        scene,
+        2 * density * part.half.volume_mm3,
+        tuple(f.kind for f in fields),
+        surface,
+        stress,
+        _images(fields, part.mesh.mirrored),
+        journal,
+        pin,
+        _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1], seconds),
+    )
+
+
+def _check_fillets(target: Target) -> None:
+    if target.file is not None:
+        raise CranktopoError(
+            f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
+            "singular.",
+            hint="Assess a design whose fillets have a radius.",
+        )
+    for key in ("main_journal", "crankpin"):
+        if getattr(target.scene.throw, key).fillet_mm == 0:
+            raise CranktopoError(
+                f"{target.name}: throw.{key}.fillet_mm = 0: the stress at a sharp edge is singular, so "
+                "that any value of it follows from the mesh alone.",
+                hint="Give the fillet a radius, and leave effects.fillets on.",
+            )
+
+
+def _images(fields: tuple[UnitField, ...], mirrored: bool) -> tuple[Image, ...]:
+    sign_x = np.array([f.sign_x for f in fields], dtype=float)
+    sign_z = np.array([f.sign_z for f in fields], dtype=float)
+    one = np.ones(len(fields))
+    return tuple(
+        Image(x, z, (sign_x if x else one) * (sign_z if z else one))
+        for z in (False, True)
+        for x in ((False, True) if mirrored else (False,))
+    )
+
+
+def _quality(
+    scene: Scene,
+    surface: Surface,
+    stress: SurfaceStress,
+    fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]],
+    fraction: float,
+    nodes: int,
+    seconds: tuple[float, float],
+) -> Quality:
+    on = fillets[0] | fillets[1]
+    if not on.any():
+        raise CranktopoError(
+            "mesh: no nodes on the fillets.", hint="Report this design.", code=ExitCode.INTERNAL
+        )
+    normal = np.abs(_normal_stress(stress.stress_MPa, surface.normals))
+    largest = np.abs(principal_stresses(stress.stress_MPa)).max(axis=-1)
+    jump = stress.jump_MPa.max(axis=-1)
+    where = _examined(von_mises(stress.stress_MPa), fillets)
+    radii = (scene.throw.main_journal.fillet_mm, scene.throw.crankpin.fillet_mm)
+    return Quality(
+        fraction * min(radii),
+        max(_longest_edge(surface, nodes_on) / r for nodes_on, r in zip(fillets, radii, strict=True)),
+        nodes,
+        float(100 * (normal / largest)[where].max()),
+        float(100 * (jump / largest)[where].max()),
+        *seconds,
+    )
+
+
+def _examined(stress: Array, fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    """Nodes near the peak of each field in each fillet, shape (fields, n)."""
+    where = np.zeros(stress.shape, dtype=bool)
+    for on in fillets:
+        inside = np.where(on, stress, 0.0)
+        where |= inside >= _NEAR_PEAK * inside.max(axis=1, keepdims=True)
+    return where
+
+
+def _normal_stress(stress: Array, normals: Array) -> Array:
+    """Stress on the surface's own plane, normal to it, shape (fields, n)."""
+    x, y, z = normals.T
+    weights = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=1)
+    return np.asarray((stress * weights).sum(axis=-1))
+
+
+def _longest_edge(surface: Surface, on: NDArray[np.bool_]) -> float:
+    inside = on[surface.faces].all(axis=0)
+    corners = surface.points_mm[:, surface.faces[:3, inside]]
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max())

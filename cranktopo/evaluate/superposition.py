@@ -1,0 +1,110 @@
+"""Signed equivalent stress over all load states of a cycle, from unit stresses: no state costs a solve.
+
+Squared von Mises stress is a quadratic form of the loads at each node, the first invariant a linear one, so
+the states of a cycle are two matrix products.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.local_stress import LocalStress
+from cranktopo.evaluate.surface import SurfaceStress
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_CHUNK = 4096
+_DEVIATOR = np.zeros((6, 6))
+_DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
+_DEVIATOR[3:, 3:] = 3 * np.eye(3)
+"""Quadratic form of the squared von Mises stress in the six components."""
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Signed von Mises stress in its two extreme states at every node.
+
+    Attributes:
+        local: amplitude, mean and related gradient.
+        highest, lowest: state of the largest and of the smallest value, shape (n,).
+    """
+
+    local: LocalStress
+    highest: Index
+    lowest: Index
+
+
+def von_mises(stress: Array) -> Array:
+    """Von Mises stress; last axis holds the six components."""
+    squared: Array = np.einsum("...i,ij,...j->...", stress, _DEVIATOR, stress)
+    return np.sqrt(np.maximum(squared, 0.0))
+
+
+def signed_von_mises(stress: Array) -> Array:
+    """Von Mises stress with the sign of the principal stress that is largest in magnitude."""
+    values = principal_stresses(stress)
+    sign = np.where(values[..., 0] + values[..., 2] >= 0, 1.0, -1.0)
+    return sign * von_mises(stress)
+
+
+def principal_stresses(stress: Array) -> Array:
+    """Principal stresses, falling, in the last axis; that of the argument holds the six components."""
+    tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
+    return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
+
+
+def extremes(found: SurfaceStress, loads: Array) -> Extremes:
+    """Extreme signed von Mises stresses over load states at every surface node.
+
+    On a surface free of traction the dominating principal stress has the sign of the first invariant.
+
+    Args:
+        found: unit stresses of the fields.
+        loads: factor of each field in each state, shape (states, fields).
+    """
+    count = found.stress_MPa.shape[1]
+    high, low = np.empty(count, dtype=np.intp), np.empty(count, dtype=np.intp)
+    for start in range(0, count, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        signed = _signed(found.stress_MPa[:, part], loads)
+        high[part], low[part] = signed.argmax(axis=1), signed.argmin(axis=1)
+    upper, lower = (_at(found.stress_MPa, loads[state]) for state in (high, low))
+    top, bottom = _sign(upper) * von_mises(upper), _sign(lower) * von_mises(lower)
+    worst = np.where(np.abs(top) >= np.abs(bottom), high, low)
+    gradient = _related_gradient(
+        _at(found.stress_MPa, loads[worst]), _at(found.depth_MPa_per_mm, loads[worst])
+    )
+    return Extremes(LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient), high, low)
+
+
+def _signed(stress: Array, loads: Array) -> Array:
+    """Signed von Mises stress of every node in every state, shape (n, states)."""
+    fields = len(stress)
+    pairs = [(a, b) for a in range(fields) for b in range(a, fields)]
+    form = [
+        (1 if a == b else 2) * np.einsum("ni,ij,nj->n", stress[a], _DEVIATOR, stress[b]) for a, b in pairs
+    ]
+    products = [loads[:, a] * loads[:, b] for a, b in pairs]
+    squared = np.stack(form, axis=1) @ np.stack(products)
+    trace = stress[..., :3].sum(axis=-1).T @ loads.T
+    return np.asarray(np.where(trace >= 0, 1.0, -1.0) * np.sqrt(np.maximum(squared, 0.0)))
+
+
+def _at(stress: Array, loads: Array) -> Array:
+    """Stress of each node in its own state, shape (n, 6); loads (n, fields)."""
+    return np.einsum("fnc,nf->nc", stress, loads)
+
+
+def _sign(stress: Array) -> Array:
+    return np.where(stress[:, :3].sum(axis=1) >= 0, 1.0, -1.0)
+
+
+def _related_gradient(stress: Array, depth: Array) -> Array:
+    """Fall of the von Mises stress into the depth over its surface value, 1/mm; zero where it rises."""
+    squared = np.einsum("ni,ij,nj->n", stress, _DEVIATOR, stress)
+    fall = -np.einsum("ni,ij,nj->n", stress, _DEVIATOR, depth)
+    return np.asarray(np.maximum(fall / np.maximum(squared, 1e-30), 0.0))

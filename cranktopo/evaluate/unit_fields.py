@@ -1,0 +1,141 @@
+"""Displacement fields of the half throw under unit loads: every load state is a sum of them, no new solve."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.condense import RX, Condensed, Lateral, condense
+from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
+from cranktopo.evaluate.supports import bending_motion, torsion_motion
+from cranktopo.frames import Parity
+from cranktopo.loads.bearings import bearing_spring_N_per_mm
+from cranktopo.loads.load_case import LoadKind
+from cranktopo.scene import Scene
+from cranktopo.units import density_tonne_per_mm3
+
+Array = NDArray[np.float64]
+
+
+FieldKind = LoadKind | Literal["moment"]
+
+
+@dataclass(frozen=True)
+class UnitField:
+    """Displacement of the half throw, or of its half x >= 0, under one unit load of the full throw.
+
+    Attributes:
+        kind: "moment" 1 N mm about +x on the near section and its opposite on the far one (four-point
+            bending); "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque
+            at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
+            "centrifugal" 1 rad2/s2 about the crank axis.
+        displacement_mm: shape (unknowns,).
+        sign_x: +1 if the load is its own mirror image in x, -1 if its opposite.
+        sign_z: the same for the mirror at the mid-pin plane.
+    """
+
+    kind: FieldKind
+    displacement_mm: Array
+    sign_x: int
+    sign_z: int
+
+
+def unit_fields(
+    model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind]
+) -> tuple[UnitField, ...]:
+    """Displacement fields of the load kinds that are asked for; the others cost no solve.
+
+    Args:
+        model: half throw, or its half x >= 0.
+        scene: supports, material, positions.
+        mirrored: the model is the half x >= 0.
+        kinds: which loads.
+
+    Returns:
+        The fields in the order moment, bending, tangential, torsion, centrifugal.
+
+    Raises:
+        CranktopoError: a spring support without its stiffness, or a failed solve.
+    """
+    fields = {
+        **_symmetric(model, scene, mirrored, set(kinds)),
+        **(_twisted(model, scene, mirrored) if "torsion" in kinds else {}),
+    }
+    order: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
+    return tuple(fields[kind] for kind in order if kind in fields)
+
+
+def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
+    block = condense(model, scene, "antisymmetric", "odd" if mirrored else "none")
+    motion = torsion_motion(block, scene.supports.torsion, _spring(scene, scene.supports.torsion))
+    return {"torsion": UnitField("torsion", _units(block) @ motion, -1, -1)}
+
+
+def _symmetric(
+    model: Elasticity, scene: Scene, mirrored: bool, kinds: set[FieldKind]
+) -> dict[FieldKind, UnitField]:
+    """Fields of the loads symmetric about the mid-pin plane: one condensation per lateral parity."""
+    sides: tuple[tuple[Lateral, tuple[FieldKind, ...]], ...] = (
+        ("none", ("moment", "bending", "tangential", "centrifugal")),
+    )
+    if mirrored:
+        sides = (("even", ("moment", "bending", "centrifugal")), ("odd", ("tangential",)))
+    found: dict[FieldKind, UnitField] = {}
+    for lateral, possible in sides:
+        wanted = [kind for kind in possible if kind in kinds]
+        if wanted:
+            found |= _loaded(model, scene, "symmetric", lateral, wanted)
+    return found
+
+
+def _loaded(
+    model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral, kinds: list[FieldKind]
+) -> dict[FieldKind, UnitField]:
+    """Fields of some loads from one condensation, which holds the radial load already."""
+    parts = 1 if lateral == "none" else 2
+    further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
+    forces = [_force(model, scene, kind, parts) for kind in further]
+    block = condense(model, scene, parity, lateral, np.column_stack(forces) if forces else None)
+    cases: dict[FieldKind, tuple[Array, Array]] = {
+        "moment": (np.zeros(model.nodes_mm.size), np.array([1.0 if m == RX else 0.0 for m in block.motions]))
+    }
+    if "bending" in kinds:
+        cases["bending"] = (block.displacement[:, len(block.motions)] / (2 * parts), block.load / 2)
+    start = block.displacement.shape[1] - len(further)
+    for column, kind in enumerate(further):
+        cases[kind] = (block.displacement[:, start + column], block.further[:, column])
+    spring = _spring(scene, scene.supports.bending)
+    found: dict[FieldKind, UnitField] = {}
+    for kind in kinds:
+        fixed, force = cases[kind]
+        turning = kind != "tangential"
+        motion = bending_motion(block, force, scene.supports.bending, spring, turning=turning)
+        found[kind] = UnitField(kind, fixed + _units(block) @ motion, 1 if turning else -1, 1)
+    return found
+
+
+def _force(model: Elasticity, scene: Scene, kind: FieldKind, parts: int) -> Array:
+    """Nodal forces on the model of a unit load of the full throw; the model is one of 2 parts of it."""
+    if kind == "centrifugal":
+        return centrifugal_force(model, density_tonne_per_mm3(scene.material.density_kg_m3))
+    return mean_displacement(model, axis=0, z_from_mm=scene.web_z_mm[1]) / (2 * parts)
+
+
+def _units(block: Condensed) -> Array:
+    return block.displacement[:, : len(block.motions)]
+
+
+def _spring(scene: Scene, support: Literal["free", "held", "pinned", "clamped", "spring"]) -> float:
+    if support != "spring":
+        return 0.0
+    spring = bearing_spring_N_per_mm(scene)
+    if spring is None:
+        raise CranktopoError(
+            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm, or choose rigid bearings."
+        )
+    return spring

@@ -1,0 +1,104 @@
+"""`cranktopo fatigue`: its mistakes, its JSON and its files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+from cranktopo.cli.main import main
+from cranktopo.scene.loading import designs_folder
+
+MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+NO_DATA = 'name = "31CrMoV9"'
+PLAIN = 'name = "plain"\nE_GPa = 210.0\npoisson = 0.3\ndensity_kg_m3 = 7850.0'
+
+
+def design(tmp_path: Path, *changes: tuple[str, str]) -> str:
+    text = MIKRON
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "changed.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def without_engine() -> tuple[tuple[str, str], ...]:
+    table = MIKRON[MIKRON.index("[engine]") : MIKRON.index("# Design space")]
+    return ((table, ""),)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (((NO_DATA, PLAIN),), ("material.fatigue_tension_MPa", "missing", "'plain'")),
+        ((("fillet_mm = 2.5", "fillet_mm = 0.0"),), ("main_journal.fillet_mm = 0", "singular")),
+        (without_engine(), ("engine: is missing", "unit loads")),
+        ((('tangential = "off"', 'fillets = "off"'),), ("fillet_mm = 0", "effects.fillets")),
+    ],
+    ids=["material", "fillet", "loads", "fillets left out"],
+)
+def test_mistakes(
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    changes: tuple[tuple[str, str], ...],
+    words: tuple[str, ...],
+) -> None:
+    if "fillets = " in changes[0][1]:
+        changes = (*changes, ("[effects]", '[effects]\nfatigue = "off"'))
+    assert main(["fatigue", design(tmp_path, *changes), "--json"]) == 3
+    captured = capsys.readouterr()
+    error = json.loads(captured.out)["error"]
+    for word in words:
+        assert word in error["message"] + " " + error["hint"]
+    assert "Traceback" not in captured.err
+
+
+@pytest.mark.parametrize("missing", ["gas", "torque"])
+def test_peak_loads_must_be_given(capsys: pytest.CaptureFixture[str], tmp_path: Path, missing: str) -> None:
+    gas = MIKRON[MIKRON.index("[engine.gas]") : MIKRON.index("[engine.masses]")]
+    line = "max_torque_Nm = 500.0\n" if missing == "gas" else "max_gas_force_N = 30000.0\n"
+    path = design(tmp_path, (gas, ""), ("strokes = 4\n", f"strokes = 4\n{line}"))
+    assert main(["fatigue", path]) == 3
+    key = "max_gas_force_N" if missing == "gas" else "max_torque_Nm"
+    assert f"engine.{key}: is missing" in capsys.readouterr().err
+
+
+def test_a_surface_has_no_fillets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "manifest.json").write_text("{}", encoding="utf-8")
+    (tmp_path / "design.toml").write_text(MIKRON, encoding="utf-8")
+    (tmp_path / "web.stl").write_bytes(b"")
+    assert main(["fatigue", str(tmp_path)]) == 3
+    assert "no true fillets" in capsys.readouterr().err
+
+
+def test_rule_has_no_field(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fatigue", "mikron-iiic", "--method", "m53", "--out", "x"]) == 2
+    assert "--out" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_result_and_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """A coarse mesh: the numbers agree with each other and with the files."""
+    arguments = ["fatigue", "mikron-iiic", "--fillet-fraction", "0.45", "--out", str(tmp_path), "--json"]
+    assert main(arguments) == 0
+    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    (entry,) = result["fatigue"]
+    critical = entry["critical"]
+    assert entry["safety"] == critical["safety"] == pytest.approx(min(entry["fillet_safety"].values()))
+    assert critical["fillet"] in ("pin", "journal")
+    used = critical["amplitude_MPa"] / critical["strength_MPa"] + max(critical["mean_MPa"], 0) / 1100
+    assert critical["safety"] == pytest.approx(1 / used)
+    assert entry["unit_loads"] == ["bending", "torsion"]
+    mesh = meshio.read(tmp_path / "fatigue-lsa-mikron-iiic.vtu")
+    safety, on = mesh.point_data["safety"], mesh.point_data["fillet"] > 0.5
+    assert safety[on].min() == pytest.approx(entry["safety"])
+    at = mesh.points[on][safety[on].argmin()]
+    assert np.linalg.norm(at - critical["point_mm"]) < 1e-6
+    assert mesh.points[:, 2].max() == pytest.approx(114.0)
+    assert (tmp_path / "fatigue-lsa-mikron-iiic.png").stat().st_size > 20_000

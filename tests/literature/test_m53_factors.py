@@ -1,0 +1,26 @@
+"""Concentration factors from finite elements against the polynomials of IACS UR M53, three throws."""
+
+from __future__ import annotations
+
+import pytest
+
+from cranktopo.evaluate.m53 import concentration_factors, nominal_stresses
+from cranktopo.evaluate.rule_check import dimensions, element_factors, web_lever
+from cranktopo.evaluate.stress_model import solve_stresses
+from cranktopo.evaluate.targets import Target
+from tests.benchmarks.fatigue_mesh import throws
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rule-example", "mikron-iiic", "industrial-gas"])
+def test_elements_agree_with_the_rule(name: str) -> None:
+    """The shear factor is a small remainder of two large stresses: it is held in the sum it belongs to."""
+    scene = throws()[name]
+    size = dimensions(scene)
+    found = element_factors(solve_stresses(Target(name, scene), ("moment", "bending", "torsion"), 0.25))
+    rule = concentration_factors(size)
+    for factor in ("alpha_bending", "alpha_torsion", "beta_bending", "beta_torsion"):
+        assert getattr(found, factor) == pytest.approx(getattr(rule, factor), rel=0.2), factor
+    n = nominal_stresses(size, web_lever(scene) / 2, 0.5, 0.0)
+    sums = [f.beta_bending * n.bending_MPa + f.beta_shear * n.shear_MPa for f in (found, rule)]
+    assert sums[0] == pytest.approx(sums[1], rel=0.2)

@@ -1,0 +1,157 @@
+"""A stepped shaft under tension, bending and torsion: elements against published concentration factors."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.condense import section_motions
+from cranktopo.evaluate.elasticity import Elasticity, assemble
+from cranktopo.evaluate.linear import solve
+from cranktopo.evaluate.stress import nodal_stress
+from cranktopo.evaluate.superposition import principal_stresses
+from cranktopo.evaluate.surface import outer_surface, surface_stress
+from cranktopo.remodel.meshing import TetMesh, extract_mesh
+from cranktopo.remodel.session import cad_session
+
+Array = NDArray[np.float64]
+YOUNGS_MPA, POISSON = 2.1e5, 0.3
+AXIAL, BENDING, TORSION = 2, 4, 5
+"""Section motion that makes each load; bending about y."""
+EVEN, ODD = (0, 2, 4), (1, 3, 5)
+"""Motions even and odd in y."""
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Diameters and fillet, mm; each part is as long as 1.2 larger diameters."""
+
+    large: float
+    small: float
+    fillet: float
+
+    @property
+    def length(self) -> float:
+        """Length of each part."""
+        return 1.2 * self.large
+
+    def nominal_MPa(self, load: int) -> float:
+        """Nominal stress of the thinner part per unit force or moment."""
+        d = self.small
+        return {AXIAL: 4 / d**2, BENDING: 32 / d**3, TORSION: 16 / d**3}[load] / math.pi
+
+
+def shaft_mesh(shaft: Shaft, size_mm: float, fillet_fraction: float, growth: float = 0.5) -> TetMesh:
+    """The shaft along z, step at z = 0, thinner part above; graded to its fillet."""
+    a, b, r = shaft.large / 2, shaft.small / 2, shaft.fillet
+    with cad_session("stepped shaft") as gmsh:
+        occ = gmsh.model.occ
+        points = [(0, -shaft.length), (a, -shaft.length), (a, 0), (b + r, 0), (b, r), (b, shaft.length)]
+        tags = [occ.addPoint(x, 0, z) for x, z in [*points, (0, shaft.length)]]
+        centre = occ.addPoint(b + r, 0, r)
+        curves = [occ.addLine(tags[i], tags[i + 1]) for i in range(3)]
+        curves += [occ.addCircleArc(tags[3], centre, tags[4])]
+        curves += [
+            occ.addLine(tags[4], tags[5]),
+            occ.addLine(tags[5], tags[6]),
+            occ.addLine(tags[6], tags[0]),
+        ]
+        section = occ.addPlaneSurface([occ.addCurveLoop(curves)])
+        occ.revolve([(2, section)], 0, 0, 0, 0, 0, 1, math.pi)
+        occ.remove([(2, section)], recursive=True)
+        occ.synchronize()
+        ring = f"Fabs(Sqrt((Sqrt(x*x+y*y)-{b + r!r})^2+(z-{r!r})^2)-{r!r})"
+        field = gmsh.model.mesh.field.add("MathEval")
+        gmsh.model.mesh.field.setString(
+            field, "F", f"Min({size_mm!r}, {fillet_fraction * r!r}+{growth!r}*{ring})"
+        )
+        gmsh.model.mesh.field.setAsBackgroundMesh(field)
+        for option in ("MeshSizeFromPoints", "MeshSizeExtendFromBoundary", "MeshSizeFromCurvature"):
+            gmsh.option.setNumber(f"Mesh.{option}", 0)
+        gmsh.option.setNumber("Mesh.Algorithm3D", 1)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.optimize("Netgen")
+        gmsh.model.mesh.setOrder(2)
+        return extract_mesh(gmsh, mirrored=True)
+
+
+def shaft_fields(shaft: Shaft, model: Elasticity, loads: tuple[int, ...]) -> Array:
+    """Displacements per unit load (N, N mm), shape (loads, unknowns); the mirror plane is y = 0.
+
+    The thick end is held, the thin one is a rigid section whose other motions are free.
+    """
+    nodes = model.nodes_mm
+    low, high = (np.nonzero(np.abs(nodes[2] - z) < 1e-6)[0] for z in (-shaft.length, shaft.length))
+    mirror = np.nonzero(np.abs(nodes[1]) < 1e-6)[0]
+    motions = section_motions(nodes, high)
+    fields = []
+    for load in loads:
+        kept, plane = (ODD, [0, 2]) if load == TORSION else (EVEN, [1])
+        held = [(3 * end[:, None] + np.arange(3)).ravel() for end in (low, high)]
+        held += [3 * mirror + axis for axis in plane]
+        free = np.setdiff1d(np.arange(nodes.size), np.concatenate(held))
+        units = motions[:, kept].copy()
+        corners = free[free < model.prolongation.shape[1]]
+        force = -(model.stiffness @ units)[free]
+        units[free] += solve(model.stiffness[free][:, free], force, model.prolongation[free][:, corners])
+        stiffness = 2 * units.T @ (model.stiffness @ units)
+        unit = np.array([1.0 if motion == load else 0.0 for motion in kept])
+        fields.append(units @ np.linalg.solve(stiffness, unit))
+    return np.stack(fields)
+
+
+def concentration(
+    shaft: Shaft, size_mm: float, fillet_fraction: float, loads: tuple[int, ...]
+) -> tuple[dict[int, float], dict[int, float], int]:
+    """Concentration factors by load from the mean around the shaft and from the worst node, and nodes.
+
+    Stresses of a round shaft are constant around it in tension and torsion and follow the cosine in bending:
+    the mean is taken over a quadratic in the fillet's angle, fitted to the nodes near the peak.
+    """
+    mesh = shaft_mesh(shaft, size_mm, fillet_fraction)
+    model = assemble(mesh, YOUNGS_MPA, POISSON)
+    found = nodal_stress(model, shaft_fields(shaft, model, loads), YOUNGS_MPA, POISSON)
+    surface = outer_surface(model, found.elements, ((2, -shaft.length), (2, shaft.length), (1, 0.0)))
+    stress = surface_stress(model, surface, found).stress_MPa
+    x, y, z = surface.points_mm
+    rho = np.hypot(x, y)
+    along = np.degrees(np.arctan2(shaft.fillet - z, shaft.small / 2 + shaft.fillet - rho))
+    off = np.hypot(rho - shaft.small / 2 - shaft.fillet, z - shaft.fillet) - shaft.fillet
+    on = (np.abs(off) < 1e-3) & (along > 2) & (along < 60)
+    means, peaks = {}, {}
+    for load, field in zip(loads, stress, strict=True):
+        principal = principal_stresses(field)
+        value = (principal[:, 0] - principal[:, 2]) / 2 if load == TORSION else principal[:, 0]
+        value = value / shaft.nominal_MPa(load)
+        peaks[load] = float(value[on].max())
+        cosine = -x / rho if load == BENDING else np.ones_like(x)
+        used = on & (cosine > 0.7)
+        means[load] = _peak_of_curve(along[used], (value / cosine)[used])
+    return means, peaks, mesh.points_mm.shape[1]
+
+
+def _peak_of_curve(angle: Array, value: Array) -> float:
+    """Peak of a sixth-degree polynomial through the values over the fillet's angle."""
+    curve = np.polynomial.Polynomial.fit(angle, value, 6)
+    return float(curve(np.linspace(angle.min(), angle.max(), 500)).max())
+
+
+def tipton(load: int, shaft: Shaft) -> float:
+    """Concentration factor of a shoulder fillet in closed form.
+
+    Source: S. M. Tipton, J. R. Sorem, R. D. Rolovic, Updated stress concentration factors for filleted shafts
+    in bending and tension, J. Mech. Des. 118 (1996), fits that Peterson's Stress Concentration Factors quotes
+    since its third edition; torsion by the same authors.
+    """
+    x, r = shaft.large / shaft.small, shaft.fillet / shaft.small
+    if load == BENDING:
+        root = (-0.14 - 0.363 * x**2 + 0.503 * x**4) / (1 - 2.39 * x**2 + 3.368 * x**4)
+        return 0.632 + 0.377 * x**-4.4 + r**-0.5 * math.sqrt(root)
+    if load == AXIAL:
+        root = (3.43 - 3.41 * x**2 + 0.0232 * x**4) / (1 - 8.85 * x**2 - 0.078 * x**4)
+        return 0.493 + 0.48 * x**-2.43 + r**-0.48 * math.sqrt(root)
+    root = (0.002 - 0.125 * x**2 + 0.123 * x**4) / (1 - 2.75 * x**2 + 2.55 * x**4)
+    return 0.78 + 0.2 * x**-10 + r**-0.46 * math.sqrt(root)

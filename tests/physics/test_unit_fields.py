@@ -1,0 +1,49 @@
+"""Fields of unit loads: their sections carry exactly the forces that statics asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cranktopo.evaluate.condense import section_motions
+from cranktopo.evaluate.stress import hooke
+from cranktopo.evaluate.unit_fields import UnitField, unit_fields
+from cranktopo.loads.balance import throw_balance
+from cranktopo.remodel.meshing import mesh_throw
+from cranktopo.scene import Scene
+from tests.physics.judge_cases import LOPSIDED, elastic, mikron_with
+
+KINDS = ("bending", "tangential", "torsion", "centrifugal")
+SIZE_MM = 9.0
+
+
+def section_forces(scene: Scene) -> dict[str, np.ndarray]:
+    """Forces and moments on the near section of the half throw, by load kind, shape (6,)."""
+    part = mesh_throw(scene, SIZE_MM)
+    model = elastic(part.mesh, scene)
+    section = np.nonzero(model.nodes_mm[2] < 1e-6)[0]
+    motions = section_motions(model.nodes_mm, section)
+    parts = 2 if part.mesh.mirrored else 1
+    fields: tuple[UnitField, ...] = unit_fields(model, scene, part.mesh.mirrored, KINDS)
+    return {f.kind: parts * motions.T @ (model.stiffness @ f.displacement_mm) for f in fields}
+
+
+@pytest.mark.parametrize("web", [{}, {"pocket": [LOPSIDED]}], ids=["quarter", "lopsided"])
+def test_sections_carry_what_statics_asks_for(web: dict[str, object]) -> None:
+    scene = mikron_with(**web)
+    found = section_forces(scene)
+    r, pull = scene.throw.radius_mm, throw_balance(scene).throw_unbalance_kg_mm * 1e-3
+    # Bearings share the pin's force; torque about z answers the tangential force's lever, half at each end.
+    assert found["bending"][1] == pytest.approx(0.5, rel=1e-6)
+    assert found["tangential"][0] == pytest.approx(-0.5, rel=1e-6)
+    assert found["tangential"][5] == pytest.approx(r / 2, rel=1e-4)  # of the meshed pin
+    assert found["torsion"][5] == pytest.approx(1.0, rel=1e-6)
+    assert found["centrifugal"][1] == pytest.approx(-pull / 2, rel=2e-3)
+    assert np.abs(found["bending"][[2, 3]]).max() < 1e-6
+    assert np.abs(found["torsion"][[0, 4]]).max() < 1e-6
+
+
+def test_hooke_in_plane_strain() -> None:
+    strain = np.array([1e-3, 0.0, 0.0, 5e-4, 0.0, 0.0])
+    stress = hooke(strain, 2.0e5, 0.25)
+    assert stress == pytest.approx([240.0, 80.0, 80.0, 80.0, 0.0, 0.0])
