@@ -31,6 +31,11 @@ DEFAULT_DESIGN = "mikron-iiic"
     type=Number("resolution", above=0.0),
     help="Largest cell edge, mm; default: the design's.",
 )
+@click.option(
+    "--process",
+    type=click.Choice(["free", "forged", "cast"]),
+    help="How the web is made: a die releases forged and cast ones along x; default: the design's.",
+)
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
 @click.option("--resume", metavar="RUN", help="Continue an interrupted, stopped or killed run.")
@@ -39,6 +44,7 @@ def command(
     design: str | None,
     volume_fraction: float | None,
     resolution_mm: float | None,
+    process: str | None,
     max_iterations: int | None,
     out: Path | None,
     resume: str | None,
@@ -48,7 +54,7 @@ def command(
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
-    if resume and (design or volume_fraction or resolution_mm or out):
+    if resume and (design or volume_fraction or resolution_mm or process or out):
         raise click.UsageError(
             "--resume takes the design and its options from the run; only --max-iterations may be given"
         )
@@ -61,6 +67,7 @@ def command(
         overrides = {
             "volume_fraction": volume_fraction,
             "resolution_mm": resolution_mm,
+            "process": process,
             "max_iterations": max_iterations,
         }
         scene, text = _scene(design or DEFAULT_DESIGN, overrides)
@@ -97,6 +104,7 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
         f"{seconds['per_iteration_median']:.2f} s per iteration), {metrics['peak_memory_MiB']:.0f} MiB",
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
         *_cavity_warning(metrics["surface"]["cavities"]),
+        *_undercut_warning(metrics["surface"]["undercuts"]),
         *(f"{folder / metrics['files'][name]}" for name in ("stl", "picture", "vtu", "history", "metrics")),
     ]
     return "\n".join(lines)
@@ -106,6 +114,12 @@ def _cavity_warning(cavities: int) -> list[str]:
     if not cavities:
         return []
     return [f"{cavities} closed hollow{'s' * (cavities > 1)} inside: no forging die or cutter reaches there"]
+
+
+def _undercut_warning(undercuts: dict[str, Any]) -> list[str]:
+    if undercuts["released"]:
+        return []
+    return [f"{undercuts['volume_mm3']:.0f} mm3 of undercuts along x: no die that parts in x = 0 releases it"]
 
 
 def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:

@@ -23,6 +23,7 @@ from cranktopo.surface import (
     slab_fields,
     write_stl,
 )
+from cranktopo.surface.release import Undercuts, undercuts
 
 Array = NDArray[np.float64]
 
@@ -35,11 +36,13 @@ class Outputs:
         files: name of each file in the run directory by what it holds.
         surface: the extracted surface.
         gates: its checked properties.
+        undercuts: what a die that parts in x = 0 could not release.
     """
 
     files: dict[str, str]
     surface: WebSurface
     gates: GateReport
+    undercuts: Undercuts
 
 
 def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> list[dict[str, Any]]:
@@ -92,7 +95,7 @@ def write_outputs(
         "history": "history.csv",
         "picture": "result.png",
     }
-    return Outputs(files, surface, gates)
+    return Outputs(files, surface, gates, undercuts(surface.web, scene, float(grid.cell_mm.min()) / 2))
 
 
 def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:

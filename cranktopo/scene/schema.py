@@ -16,6 +16,8 @@ from cranktopo.scene.geometry import Envelope, Throw, Web
 from cranktopo.scene.supports import Supports
 
 EffectState = Literal["auto", "on", "off"]
+Process = Literal["free", "forged", "cast"]
+"""How the web is made; forged and cast ones come from a die that parts in the plane x = 0."""
 
 
 @cache
@@ -89,6 +91,7 @@ class Optimise(Table):
     filter_radius_mm: Positive | None = None
     max_iterations: int = Field(default=150, ge=1, le=10000)
     weights: Weights = Weights()
+    process: Process = "free"
 
 
 class Published(Table):

@@ -119,8 +119,7 @@ def extract_half_throw(
     """
     target = _target(grid, scene, solid_fraction)
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
-    usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
-    field = resample(grid if smooth is None else replace(grid, density=smooth), usable)
+    field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target)
     body, dropped = _keep_throw(cutter.web(field, iso), scene)
     start, end = scene.web_z_mm
@@ -136,6 +135,15 @@ def extract_half_throw(
         cavities=len(body.decompose()) - 1,
         x_symmetric=cutter.symmetric,
     )
+
+
+def fine_field(
+    cutter: Cutter, grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
+) -> FineField:
+    """The resampled field whose iso-surface bounds the web; arguments as of `extract_half_throw`."""
+    usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
+    drawn = scene.effects.manufacturing_constraint == "on"
+    return resample(grid if smooth is None else replace(grid, density=smooth), usable, drawn)
 
 
 def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:
