@@ -15,7 +15,8 @@ from cranktopo.scene.geometry import (
     RectangleWeb,
     TaperedWeb,
 )
-from cranktopo.scene.outline import profile_slopes, tangent_sine, y_range_mm
+from cranktopo.scene.outline import tangent_sine, y_range_mm
+from cranktopo.scene.profile import profile_flank
 
 DimTags = list[tuple[int, int]]
 
@@ -123,7 +124,7 @@ def _hull(occ: Any, radii: tuple[float, float], radius: float, sine: float, z: f
 
 
 def _profile(occ: Any, web: ProfileWeb, z: float) -> list[int]:
-    """Right flank, end, left flank, end; a flank is one Bezier cubic per station, exactly the monotone cubic.
+    """Right flank, end, left flank, end; a flank is one Bezier cubic per station, exactly the spline.
 
     One B-spline over all stations would be shorter, but the kernel loses 0.3 % of the volume of such a face.
     """
@@ -145,12 +146,13 @@ def _profile(occ: Any, web: ProfileWeb, z: float) -> list[int]:
 def _flank(
     occ: Any, web: ProfileWeb, corners: dict[tuple[float, float], int], side: float, z: float
 ) -> list[int]:
-    y, half, slopes = web.stations_mm, web.half_widths_mm, profile_slopes(web)
+    flank = profile_flank(web)
+    thirds = flank.slopes / 3
     curves = []
-    for i in range(len(y) - 1):
-        third = (y[i + 1] - y[i]) / 3
-        leave = occ.addPoint(side * (half[i] + slopes[i] * third), y[i] + third, z)
-        arrive = occ.addPoint(side * (half[i + 1] - slopes[i + 1] * third), y[i + 1] - third, z)
-        start, end = corners[side * half[i], y[i]], corners[side * half[i + 1], y[i + 1]]
-        curves.append(occ.addBezier([start, leave, arrive, end]))
+    for i, length in enumerate(flank.lengths_mm):
+        (x0, y0), (x1, y1) = flank.points_mm[i : i + 2]
+        (dx0, dy0), (dx1, dy1) = thirds[i : i + 2] * length
+        leave = occ.addPoint(side * (x0 + dx0), y0 + dy0, z)
+        arrive = occ.addPoint(side * (x1 - dx1), y1 - dy1, z)
+        curves.append(occ.addBezier([corners[side * x0, y0], leave, arrive, corners[side * x1, y1]]))
     return curves

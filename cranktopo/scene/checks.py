@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_engine import check_engine, check_supports
-from cranktopo.scene.geometry import Journal
+from cranktopo.scene.geometry import Journal, ProfileWeb
+from cranktopo.scene.profile import profile_flank
 from cranktopo.scene.schema import Scene
 
 
@@ -62,6 +65,24 @@ def _check_profile(scene: Scene) -> None:
         )
     if any(b <= a for a, b in zip(web.stations_mm, web.stations_mm[1:], strict=False)):
         raise invalid("web.stations_mm", web.stations_mm, "must increase")
+    _check_curve(web)
+
+
+def _check_curve(web: ProfileWeb) -> None:
+    """The curve between the stations must have one half-width at each y, and stay off the mid-plane."""
+    flank = profile_flank(web)
+    u = np.linspace(0, 1, 101)
+    rise = flank.derivatives(np, u)[0][..., 1]
+    x = flank.at(np, u)[..., 0]
+    turned = np.argwhere((rise < -1e-9) | (x < -1e-9))
+    if len(turned):
+        low, high = web.stations_mm[turned[0, 0] : turned[0, 0] + 2]
+        raise invalid(
+            "web.half_widths_mm",
+            web.half_widths_mm,
+            f"the curve folds back between the stations at {low:g} and {high:g} mm",
+            "Add a station there, or let the half-width change less.",
+        )
 
 
 def _check_envelope(scene: Scene) -> None:

@@ -111,11 +111,19 @@ class TaperedWeb(_WebBase):
 
 
 class ProfileWeb(_WebBase):
-    """Half-widths at stations along the throw direction, joined by a smooth curve."""
+    """Half-widths at stations along the throw direction, joined by a curve of continuous curvature.
+
+    A half-width of 0 at an end closes the outline with a round end.
+    """
 
     outline: Literal["profile"]
     stations_mm: tuple[Finite, ...] = Field(min_length=3)
     half_widths_mm: tuple[NonNegative, ...] = Field(min_length=3)
+
+    @property
+    def round_ends(self) -> tuple[bool, bool]:
+        """Whether the lower and the upper end are round and not cut straight across."""
+        return self.half_widths_mm[0] == 0, self.half_widths_mm[-1] == 0
 
 
 Web = Annotated[
