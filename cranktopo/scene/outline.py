@@ -117,4 +117,3 @@ def _rectangle(web: RectangleWeb, distance: float, y: Array) -> Array:
     beyond = np.abs(y - distance / 2) - (distance / 2 + web.overhang_mm - corner)
     width = web.width_mm / 2 - corner + _root(corner**2 - np.maximum(beyond, 0.0) ** 2)
     return np.where(beyond <= corner, width, 0.0)
-

@@ -71,7 +71,9 @@ class Flank:
         )
 
 
-def flank_through(xp: ModuleType, half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]) -> Flank:
+def flank_through(
+    xp: ModuleType, half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]
+) -> Flank:
     """The flank through half-widths at stations.
 
     Args:
