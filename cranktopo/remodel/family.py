@@ -16,7 +16,6 @@ from cranktopo.remodel.checks import SHOULDER_MM
 from cranktopo.remodel.occupancy import Occupancy
 from cranktopo.remodel.rules import Rules
 from cranktopo.scene import Scene
-from cranktopo.scene.geometry import Web
 from cranktopo.scene.profile import Flank, flank_through
 
 Array = NDArray[np.float64]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,10 +66,10 @@ def occupancy(body: Manifold, scene: Scene, cell_mm: float) -> Occupancy:
     margin = _MARGIN_CELLS * cell_mm
     x = _edges(0.0, max(-x0, x1) + margin, cell_mm)
     y, z = _edges(y0 - margin, y1 + margin, cell_mm), _edges(start, end, cell_mm)
-    filled = np.stack([_layer(body, x, y, pair) for pair in zip(z[:-1], z[1:], strict=True)], axis=-1)
+    filled = np.stack([_layer(body, x, y, pair) for pair in pairwise(z)], axis=-1)
     sizes = np.array([e[1] - e[0] for e in (x, y, z)])
-    centres = [(e[:-1] + e[1:]) / 2 for e in (x, y, z)]
-    return Occupancy(*centres, cell_mm=sizes, filled=filled)
+    cx, cy, cz = ((e[:-1] + e[1:]) / 2 for e in (x, y, z))
+    return Occupancy(cx, cy, cz, sizes, filled)
 
 
 def _edges(low: float, high: float, cell: float) -> Array:

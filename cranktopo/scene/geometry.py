@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -48,13 +49,22 @@ class CylinderPocket(Table):
 
 
 class SidePocket(Table):
-    """Slot cut from both lateral faces, symmetric in x."""
+    """Slot cut from both lateral faces, symmetric in x.
+
+    Length and height are those of its floor, the innermost face; its walls open outward by the draft angle.
+    """
 
     shape: Literal["side"]
     y_mm: Finite
     length_mm: Positive
     height_mm: Positive
     depth_mm: Positive
+    draft_deg: float = Field(default=0.0, ge=0, le=60)
+
+    @property
+    def slope(self) -> float:
+        """How much each wall opens per mm toward the side."""
+        return math.tan(math.radians(self.draft_deg))
 
 
 class BoxPocket(Table):
@@ -72,9 +82,24 @@ class BoxPocket(Table):
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
 
 
+class EndBevel(Table):
+    """Bevel across one end of the web, on the face that carries no journal there.
+
+    On the journal face it takes off the crankpin's end of the web, on the pin face the main journal's. It
+    starts at `y_mm` on its face and reaches `depth_mm` below that face at the very end of the outline; it is
+    straight across the web, and along the throw an arc that rises `crown_mm` over its chord (0 = plane).
+    """
+
+    face: Literal["journal", "pin"]
+    y_mm: Finite
+    depth_mm: Positive
+    crown_mm: NonNegative = 0.0
+
+
 class _WebBase(Table):
     thickness_mm: Positive
     chamfer_mm: NonNegative = 0.0
+    bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
 
 
