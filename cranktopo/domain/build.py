@@ -29,7 +29,7 @@ from cranktopo.errors import invalid
 from cranktopo.scene.bevel import bevel_cuts_mm
 from cranktopo.scene.geometry import Envelope, Journal, SidePocket, Web
 from cranktopo.scene.schema import Scene
-from cranktopo.scene.side_pocket import side_floor_mm, side_heights_mm
+from cranktopo.scene.side_pocket import side_cuts_mm, side_floor_mm
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
 Target = Literal["envelope", "web"]
@@ -170,10 +170,7 @@ def _web_cuts(scene: Scene, target: Target) -> list[float]:
     cuts = [start + height for height in bevel_cuts_mm(scene.web, SECTIONS)]
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            middle = (start + stop) / 2
-            cuts += [
-                middle + side * height for side in (-1, 1) for height in side_heights_mm(pocket, SECTIONS)
-            ]
+            cuts += [start + height for height in side_cuts_mm(scene.web, pocket, SECTIONS)]
         elif pocket.face == "journal" and pocket.depth_mm:
             cuts.append(start + pocket.depth_mm)
         elif pocket.face == "pin" and pocket.depth_mm:
@@ -209,7 +206,7 @@ def _pockets_at(scene: Scene, z: float) -> list[Shape]:
     shapes: list[Shape] = []
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            shapes.append(_side_slots(scene.web, pocket, z - (start + stop) / 2))
+            shapes.append(_side_slots(scene.web, pocket, z - start))
             continue
         depth = pocket.depth_mm or scene.web.thickness_mm
         from_face = {"journal": z - start, "pin": stop - z, "through": 0.0}[pocket.face]

@@ -108,7 +108,10 @@ def _check_depth(scene: Scene, key: str, pocket: Pocket) -> None:
         depth: float | None = pocket.depth_mm
         name = "depth_mm"
     elif pocket.shape == "side":
-        depth, name = pocket.height_mm + 2 * pocket.slope * pocket.depth_mm, "height_mm"
+        depth, name = (
+            pocket.height_mm + 2 * (pocket.slope * pocket.depth_mm + abs(pocket.offset_mm)),
+            "height_mm",
+        )
     else:
         depth, name = pocket.depth_mm, "depth_mm"
     if depth is not None and depth >= thickness:

@@ -169,7 +169,7 @@ def _pocket(scene: Scene, index: int, pocket: Pocket) -> list[Feature]:
         half_x, half_y = pocket.size_x_mm / 2, pocket.size_y_mm / 2
         x, y = (pocket.x_mm - half_x, pocket.x_mm + half_x), (pocket.y_mm - half_y, pocket.y_mm + half_y)
         return [Slab(key, x, y, _depth_range(scene, pocket.face, pocket.depth_mm))]
-    middle, half = (start + end) / 2, pocket.height_mm / 2
+    middle, half = (start + end) / 2 + pocket.offset_mm, pocket.height_mm / 2
     width = 2 * largest_half_width_mm(scene.web)
     if pocket.slope > 0:
         floor, outer = width / 2 - pocket.depth_mm, width / 2 + _BEYOND_MM

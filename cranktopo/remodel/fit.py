@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.checks import check_solid
-from cranktopo.remodel.export import surface_of
-from cranktopo.remodel.family import Layout, reaches_mm, web_of
+from cranktopo.remodel.family import bounds, web_of
+from cranktopo.remodel.leftover import Leftover, leftovers
 from cranktopo.remodel.occupancy import Occupancy, occupancy
 from cranktopo.remodel.rules import Rules
-from cranktopo.remodel.search import Problem, search
-from cranktopo.remodel.starts import outline_start
+from cranktopo.remodel.search import Problem
+from cranktopo.remodel.select import Candidate, Trial, fit_from, model_fill, select
 from cranktopo.scene import Scene, scene_from_dict
 
 if TYPE_CHECKING:
@@ -23,22 +24,35 @@ if TYPE_CHECKING:
     from cranktopo.surface.mesh import SurfaceMesh
 
 Array = NDArray[np.float64]
+_COARSE = 2.0
+"""Cells of the search for features and stations over those of the final fit."""
+_SPREAD = 1.0
+"""Standard deviation of the further starts about the first, mm or degrees."""
+_DEFAULT = Rules()
 
 
 @dataclass(frozen=True)
 class FittedWeb:
-    """A web of the family and how well it fits.
+    """A web of the family, and how it was reached.
 
     Attributes:
         scene: the design with the fitted web; everything but web and name is as it was.
-        iou: overlap of fitted and extracted web, volume of the intersection over that of the union.
+        names: names of the parameters.
+        values: their fitted values before rounding, mm or degrees.
+        trials: which stations and features were tried, and what each gained.
+        overlaps: overlap of the fills from each start of the final fit, the best first.
+        leftovers: where the family cannot follow the body.
     """
 
     scene: Scene
-    iou: float
+    names: tuple[str, ...]
+    values: tuple[float, ...]
+    trials: tuple[Trial, ...]
+    overlaps: tuple[float, ...]
+    leftovers: tuple[Leftover, ...]
 
 
-def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = Rules()) -> FittedWeb:  # noqa: B008
+def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = _DEFAULT) -> FittedWeb:
     """Fit a web that a die or a mill can make to an extracted body.
 
     Args:
@@ -53,33 +67,64 @@ def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = Rules()) -> Fitte
     from cranktopo.surface.mesh import solid_of
 
     body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
-    cells = occupancy(body, scene, rules.cell_mm)
-    problem = Problem(cells, _free_of_bores(scene, cells), scene, rules)
-    layout = Layout(rules.max_stations)
     with double_precision():
-        values, _ = search(
-            problem,
-            layout,
-            outline_start(layout, cells, reaches_mm(scene, rules)),
-            (3 * rules.cell_mm, rules.cell_mm),
-        )
-    fitted = scene_with_web(scene, web_of(layout, values, scene))
-    return FittedWeb(fitted, overlap(fitted, body))
+        chosen, trials = select(_problem(body, scene, rules, _COARSE * rules.cell_mm))
+        fine = _problem(body, scene, rules, rules.cell_mm)
+        fits = _final_fits(fine, chosen)
+        best = fits[0]
+        rest = leftovers(fine, model_fill(fine, best))
+    return FittedWeb(
+        scene_with_web(scene, web_of(best.layout, best.values, scene)),
+        best.layout.names,
+        tuple(float(value) for value in best.values),
+        trials,
+        tuple(found.overlap for found in fits),
+        tuple(rest),
+    )
 
 
-def scene_with_web(scene: Scene, web: dict[str, object]) -> Scene:
+def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     """The scene with another web, checked as if it were read from a file.
 
     Raises:
         CranktopoError: the web does not fit the throw.
     """
     data = scene.model_dump(mode="json", exclude={"web", "published"}, exclude_none=True)
-    fitted = scene_from_dict({**data, "web": web}, f"re-model of {scene.name}")
+    name = f"{scene.name.removesuffix(_SUFFIX)}{_SUFFIX}"
+    fitted = scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
     check_solid(fitted)
     return fitted
 
 
+_SUFFIX = "-remodel"
+
+
+def _problem(body: Manifold, scene: Scene, rules: Rules, cell_mm: float) -> Problem:
+    cells = occupancy(body, scene, cell_mm)
+    return Problem(cells, _free_of_bores(scene, cells), scene, rules)
+
+
+def _final_fits(problem: Problem, chosen: Candidate) -> list[Candidate]:
+    """Fits from the chosen web and from scattered copies of it, best first."""
+    random = np.random.default_rng(0)
+    low, high = bounds(chosen.layout, problem.scene, problem.rules)
+    starts = [chosen.values]
+    for _ in range(problem.rules.starts - 1):
+        scattered = chosen.values + random.normal(0.0, _SPREAD, len(chosen.values))
+        starts.append(np.clip(scattered, low, high))
+    found = [fit_from(problem, chosen.layout, start, "final") for start in starts]
+    fits = [candidate for candidate in found if candidate is not None]
+    if not fits:
+        raise CranktopoError(
+            "remodel: no web keeps the manufacturing rules on the finer cells.",
+            hint="Lower the least wall or the least radius.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+    return sorted(fits, key=lambda candidate: -candidate.overlap)
+
+
 def _free_of_bores(scene: Scene, cells: Occupancy) -> Array:
+    """Share of each cell that no bore takes, (nx, ny), from 5 x 5 points."""
     offsets = (np.arange(5) - 2) / 5
     x = (cells.x_mm[:, None] + cells.cell_mm[0] * offsets).ravel()[:, None]
     y = (cells.y_mm[:, None] + cells.cell_mm[1] * offsets).ravel()[None, :]
@@ -88,15 +133,3 @@ def _free_of_bores(scene: Scene, cells: Occupancy) -> Array:
     for journal, centre in ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm)):
         free *= x**2 + (y - centre) ** 2 > journal.bore_radius_mm**2
     return np.asarray(free.reshape(len(cells.x_mm), 5, len(cells.y_mm), 5).mean(axis=(1, 3)))
-
-
-def overlap(scene: Scene, body: Manifold) -> float:
-    """Intersection over union of the scene's web and a body's part between the web faces."""
-    from cranktopo.surface.mesh import solid_of
-
-    mesh = surface_of(scene, "web")
-    model = solid_of(mesh.vertices_mm, mesh.faces, "fitted web")
-    start, end = scene.web_z_mm
-    slab = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
-    both = (model ^ slab).volume()
-    return float(both / (model.volume() + slab.volume() - both))

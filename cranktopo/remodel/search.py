@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.family import Layout, fill, violations
+from cranktopo.remodel.family import Layout, bounds
+from cranktopo.remodel.fill import fill
+from cranktopo.remodel.limits import violations
 from cranktopo.remodel.occupancy import Occupancy
 from cranktopo.remodel.rules import Rules
 from cranktopo.scene import Scene
 
 Array = NDArray[np.float64]
-_TOLERANCE_MM = 1e-4
+_TOLERANCE = 1e-4
+_FLAT = 1e-6
 _FEASIBLE = 1e-6
-_EVALUATIONS = 300
-_REACH_MM = 15.0
-"""How far a parameter may move from its start."""
+_KEPT = 5e-3
+"""Violation that rounding of the parameters absorbs."""
+_EVALUATIONS = 200
+_REACH = 15.0
+"""How far a parameter may move in one search, mm or degrees."""
 
 
 @dataclass(frozen=True)
@@ -37,91 +44,103 @@ class Problem:
     rules: Rules
 
 
-def misfit(problem: Problem, layout: Layout, width_mm: float) -> Callable[[Array], tuple[float, Array]]:
-    """Squared difference of the fills over the filled volume, with its gradient; call in double precision.
-
-    Args:
-        problem: the fit.
-        layout: the parameters.
-        width_mm: half-width of the smooth step.
-    """
+def compiled(problem: Problem, layout: Layout) -> Fit:
+    """The functions of a fit, compiled; call them in double precision."""
     import jax
     import jax.numpy as jnp
 
     target, free = jnp.asarray(problem.target.filled), jnp.asarray(problem.free)[:, :, None]
 
-    def value(values: jax.Array) -> jax.Array:
-        model = fill(layout, values, problem.target, width_mm) * free
+    def misfit(values: jax.Array, width_mm: float) -> jax.Array:
+        model = fill(layout, values, problem.target, problem.scene, width_mm) * free
         return ((model - target) ** 2).sum() / target.sum()
 
-    both = jax.jit(jax.value_and_grad(value))
+    def overlap(values: jax.Array, width_mm: float) -> jax.Array:
+        model = fill(layout, values, problem.target, problem.scene, width_mm) * free
+        return jnp.minimum(model, target).sum() / jnp.maximum(model, target).sum()
 
-    def numpy_both(values: Array) -> tuple[float, Array]:
-        result, gradient = both(jnp.asarray(values))
-        return float(result), np.asarray(gradient)
+    def limits(values: jax.Array) -> jax.Array:
+        return violations(layout, values, problem.scene, problem.rules)
 
-    return numpy_both
+    return Fit(
+        layout,
+        jax.jit(jax.value_and_grad(misfit)),
+        jax.jit(overlap),
+        jax.jit(limits),
+        jax.jit(jax.jacfwd(limits)),
+        bounds(layout, problem.scene, problem.rules),
+    )
 
 
-def search(
-    problem: Problem, layout: Layout, start: Array, widths_mm: tuple[float, ...]
-) -> tuple[Array, float]:
+@dataclass(frozen=True)
+class Fit:
+    """Compiled functions of a parameter vector.
+
+    Attributes:
+        layout: the parameters.
+        misfit: (values, step half-width in mm) -> squared difference of the fills over the filled volume,
+            with its gradient.
+        overlap: (values, step half-width in mm) -> intersection over union of the fills.
+        limits: values -> constraints, kept where <= 0.
+        slopes: values -> their gradients.
+        bounds: lower and upper bounds of the values.
+    """
+
+    layout: Layout
+    misfit: Callable[[Array, float], tuple[Any, Any]]
+    overlap: Callable[[Array, float], Any]
+    limits: Callable[[Array], Any]
+    slopes: Callable[[Array], Any]
+    bounds: tuple[Array, Array]
+
+
+def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
     """Fit the parameters from one start, with ever sharper steps; call in double precision.
 
     Args:
-        problem: the fit.
-        layout: the parameters.
+        fit: the compiled functions.
         start: first values.
         widths_mm: half-widths of the smooth step, one search each.
 
     Returns:
-        Values and the last misfit.
+        Values that keep the constraints, and their misfit; the misfit is infinite when none were found.
     """
-    import jax
-    import jax.numpy as jnp
-
-    limits = jax.jit(lambda v: violations(layout, v, problem.scene, problem.rules))
-    slopes = jax.jit(jax.jacfwd(lambda v: violations(layout, v, problem.scene, problem.rules)))
     values, error = start, np.inf
     for width in widths_mm:
-        values, error = _minimise(
-            misfit(problem, layout, width),
-            lambda v: np.asarray(limits(jnp.asarray(v))),
-            lambda v: np.asarray(slopes(jnp.asarray(v))),
-            values,
-        )
+        values, error = _minimise(fit, values, width)
+        if not np.isfinite(error):
+            break
     return values, error
 
 
-def _minimise(
-    objective: Callable[[Array], tuple[float, Array]],
-    limits: Callable[[Array], Array],
-    slopes: Callable[[Array], Array],
-    start: Array,
-) -> tuple[Array, float]:
+def _minimise(fit: Fit, start: Array, width_mm: float) -> tuple[Array, float]:
     import nlopt
 
+    best, least = start, np.inf
+    low, high = np.maximum(fit.bounds[0], start - _REACH), np.minimum(fit.bounds[1], start + _REACH)
+
     def value(values: Array, gradient: Array) -> float:
-        result, slope = objective(values)
+        nonlocal best, least
+        result, slope = fit.misfit(values, width_mm)
         if gradient.size:
             gradient[:] = slope
-        return result
+        if result < least and np.max(fit.limits(values)) < _KEPT:
+            best, least = values.copy(), float(result)
+        return float(result)
 
     def constrain(result: Array, values: Array, gradient: Array) -> None:
         if gradient.size:
-            gradient[:] = slopes(values)
-        result[:] = limits(values)
+            gradient[:] = fit.slopes(values)
+        result[:] = fit.limits(values)
 
-    count = len(limits(start))
     optimiser = nlopt.opt(nlopt.LD_SLSQP, len(start))
     optimiser.set_min_objective(value)
-    optimiser.add_inequality_mconstraint(constrain, np.full(count, _FEASIBLE))
-    optimiser.set_lower_bounds(start - _REACH_MM)
-    optimiser.set_upper_bounds(start + _REACH_MM)
-    optimiser.set_xtol_abs(_TOLERANCE_MM)
+    optimiser.add_inequality_mconstraint(constrain, np.full(len(fit.limits(start)), _FEASIBLE))
+    optimiser.set_lower_bounds(low)
+    optimiser.set_upper_bounds(high)
+    optimiser.set_xtol_abs(_TOLERANCE)
+    optimiser.set_ftol_rel(_FLAT)
     optimiser.set_maxeval(_EVALUATIONS)
-    try:
-        values = optimiser.optimize(start)
-    except nlopt.RoundoffLimited:
-        return start, objective(start)[0]
-    return values, float(optimiser.last_optimum_value())
+    with suppress(nlopt.RoundoffLimited):
+        optimiser.optimize(np.clip(start, low, high))
+    return best, least

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -54,7 +54,7 @@ def web_volume_mm3(scene: Scene) -> float:
     return total - sum(_wedge_volume(scene, wedge) for wedge in wedges) - 2 * _chamfer_volume(scene)
 
 
-def _layer_volume(scene: Scene, cuts: list[Feature], layer: tuple[float, float]) -> float:
+def _layer_volume(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, float]) -> float:
     """Volume between two heights; bevels make the layer's height depend on the place along the throw."""
     web, radius, start = scene.web, scene.throw.radius_mm, scene.web_z_mm[0]
 
@@ -80,7 +80,7 @@ def _wedge_volume(scene: Scene, wedge: Wedge) -> float:
     return _integrate(slice_area, sorted(corners | set(_breaks(scene, [wedge], scene.web_z_mm))))
 
 
-def _breaks(scene: Scene, cuts: list[Feature], layer: tuple[float, float]) -> list[float]:
+def _breaks(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, float]) -> list[float]:
     """Places along the throw where a section's width or height has a kink, the ends of the web included."""
     web, radius = scene.web, scene.throw.radius_mm
     low, high = y_range_mm(web, radius)
@@ -95,7 +95,7 @@ def _breaks(scene: Scene, cuts: list[Feature], layer: tuple[float, float]) -> li
     return sorted({*inside, *(y for a, b in pairwise(inside) for y in _crossings(scene, cuts, a, b))})
 
 
-def _crossings(scene: Scene, cuts: list[Feature], start: float, end: float) -> list[float]:
+def _crossings(scene: Scene, cuts: Sequence[Feature], start: float, end: float) -> list[float]:
     """Where the edge of a cut crosses the outline between two places, by bisection."""
     from scipy.optimize import brentq
 
@@ -128,7 +128,7 @@ def _integrate(function: Callable[[Array], Array], breaks: list[float]) -> float
     return total
 
 
-def _cut_length(cuts: list[Feature], y: Array, half: Array) -> Array:
+def _cut_length(cuts: Sequence[Feature], y: Array, half: Array) -> Array:
     """Length of the union of the cuts' lateral intervals inside the outline at each y, mm."""
     if not cuts:
         return np.zeros_like(y)

@@ -52,6 +52,7 @@ class SidePocket(Table):
     """Slot cut from both lateral faces, symmetric in x.
 
     Length and height are those of its floor, the innermost face; its walls open outward by the draft angle.
+    Its middle lies `offset_mm` from the web's mid-plane toward the pin.
     """
 
     shape: Literal["side"]
@@ -59,6 +60,7 @@ class SidePocket(Table):
     length_mm: Positive
     height_mm: Positive
     depth_mm: Positive
+    offset_mm: Finite = 0.0
     draft_deg: float = Field(default=0.0, ge=0, le=60)
 
     @property

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import invalid
+from cranktopo.scene import profile
 from cranktopo.scene.geometry import ObroundWeb, ProfileWeb, RectangleWeb, TaperedWeb, Web
-from cranktopo.scene.profile import profile_half_width_mm, profile_largest_half_width_mm
+from cranktopo.scene.profile import flank_half_width_mm, profile_flank
 
 Array = NDArray[np.float64]
 
@@ -34,7 +35,7 @@ def half_width_mm(web: Web, throw_radius_mm: float, y_mm: Array) -> Array:
         return web.semi_axis_lateral_mm * _root(inside)
     if web.outline == "rectangle":
         return _rectangle(web, throw_radius_mm, y_mm)
-    return profile_half_width_mm(web, y_mm)
+    return flank_half_width_mm(profile_flank(web), y_mm)
 
 
 def y_range_mm(web: Web, throw_radius_mm: float) -> tuple[float, float]:
@@ -60,7 +61,7 @@ def largest_half_width_mm(web: Web) -> float:
         return max(web.main_radius_mm, web.pin_radius_mm)
     if web.outline == "ellipse":
         return web.semi_axis_lateral_mm
-    return profile_largest_half_width_mm(web)
+    return profile.largest_half_width_mm(profile_flank(web))
 
 
 def outline_kinks_mm(web: Web, radius_mm: float) -> list[float]:

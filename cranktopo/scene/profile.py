@@ -113,9 +113,8 @@ def profile_flank(web: ProfileWeb) -> Flank:
     return flank_through(np, half, np.array(web.stations_mm, dtype=np.float64), web.round_ends)
 
 
-def profile_half_width_mm(web: ProfileWeb, y_mm: Array) -> Array:
+def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
     """Half-width at positions along the throw, mm; 0 beyond the ends."""
-    flank = profile_flank(web)
     stations = flank.points_mm[:, 1]
     inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
     y = np.clip(y_mm, stations[0], stations[-1]).ravel()
@@ -129,9 +128,8 @@ def profile_half_width_mm(web: ProfileWeb, y_mm: Array) -> Array:
     return np.asarray(np.where(inside, np.maximum(half, 0.0), 0.0))
 
 
-def profile_largest_half_width_mm(web: ProfileWeb) -> float:
+def largest_half_width_mm(flank: Flank) -> float:
     """Largest half-width of the curve, mm: it may lie between two stations."""
-    flank = profile_flank(web)
     largest = float(flank.points_mm[:, 0].max())
     for piece in range(len(flank.lengths_mm)):
         start, end = flank.points_mm[piece : piece + 2, 0]

@@ -17,11 +17,12 @@ def side_floor_mm(web: Web, pocket: SidePocket, height_mm: float, y_mm: Array) -
     Args:
         web: the web, whose largest half-width the depth counts from.
         pocket: the pocket.
-        height_mm: height over the mid-plane of the web.
+        height_mm: height over the journal face of the web.
         y_mm: positions along the throw.
     """
+    middle = web.thickness_mm / 2 + pocket.offset_mm
     beyond = np.maximum(
-        np.abs(y_mm - pocket.y_mm) - pocket.length_mm / 2, abs(height_mm) - pocket.height_mm / 2
+        np.abs(y_mm - pocket.y_mm) - pocket.length_mm / 2, abs(height_mm - middle) - pocket.height_mm / 2
     )
     inner = largest_half_width_mm(web) - pocket.depth_mm
     if pocket.slope == 0:
@@ -29,9 +30,10 @@ def side_floor_mm(web: Web, pocket: SidePocket, height_mm: float, y_mm: Array) -
     return np.asarray(inner + np.maximum(beyond, 0.0) / pocket.slope)
 
 
-def side_heights_mm(pocket: SidePocket, sections: int) -> list[float]:
-    """Heights over the mid-plane at which the pocket's section changes; sloped walls in thin layers, mm."""
-    half = pocket.height_mm / 2
+def side_cuts_mm(web: Web, pocket: SidePocket, sections: int) -> list[float]:
+    """Heights over the journal face where the pocket's section changes, mm; thin layers at sloped walls."""
+    half, middle = pocket.height_mm / 2, web.thickness_mm / 2 + pocket.offset_mm
     if pocket.slope == 0:
-        return [half]
-    return list(np.linspace(half, half + pocket.depth_mm * pocket.slope, sections + 1))
+        return [middle - half, middle + half]
+    wall = np.linspace(half, half + pocket.depth_mm * pocket.slope, sections + 1)
+    return [*(middle - wall), *(middle + wall)]

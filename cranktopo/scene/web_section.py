@@ -12,7 +12,7 @@ from cranktopo.scene.bevel import bevel_cuts_mm, throw_range_mm
 from cranktopo.scene.geometry import BoxPocket, CylinderPocket
 from cranktopo.scene.outline import half_width_mm, largest_half_width_mm, y_range_mm
 from cranktopo.scene.schema import Scene
-from cranktopo.scene.side_pocket import side_floor_mm, side_heights_mm
+from cranktopo.scene.side_pocket import side_cuts_mm, side_floor_mm
 
 Array = NDArray[np.float64]
 SECTIONS = 64
@@ -90,13 +90,10 @@ def section_moments(scene: Scene, z_mm: float) -> Moments:
 def _pocket_cuts(scene: Scene) -> list[float]:
     """Heights at which a pocket begins or ends."""
     start, stop = scene.web_z_mm
-    middle = (start + stop) / 2
     cuts: list[float] = []
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            cuts += [
-                middle + side * height for side in (-1, 1) for height in side_heights_mm(pocket, SECTIONS)
-            ]
+            cuts += [start + height for height in side_cuts_mm(scene.web, pocket, SECTIONS)]
         elif pocket.depth_mm is not None:
             cuts.append(start + pocket.depth_mm if pocket.face == "journal" else stop - pocket.depth_mm)
     return cuts
@@ -111,7 +108,7 @@ def _holes(scene: Scene, z: float, y: Array) -> list[tuple[Array, Array]]:
     wall = np.full_like(y, 2 * largest_half_width_mm(scene.web))
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            inner = np.minimum(side_floor_mm(scene.web, pocket, z - (start + stop) / 2, y), wall)
+            inner = np.minimum(side_floor_mm(scene.web, pocket, z - start, y), wall)
             holes += [(inner, wall), (-wall, -inner)]
         elif _reaches(pocket, z, start, stop):
             holes.append(_pocket(pocket, y))
