@@ -20,6 +20,7 @@ COMMANDS = {
     "evaluate": "Judge designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
     "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
+    "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, closeness.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
 }
 
