@@ -21,6 +21,7 @@ COMMANDS = {
     "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
+    "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, closeness.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
 }
 

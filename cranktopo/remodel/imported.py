@@ -81,7 +81,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
 
 
 def read_surface(path: Path, scene: Scene) -> Any:
-    """The closed surface (trimesh) of the half throw in an STL file, its end sections snapped onto their planes.
+    """The closed surface (trimesh) of the half throw in an STL file, its ends snapped onto their planes.
 
     Raises:
         CranktopoError: unreadable, not watertight, several bodies, or another extent than the half throw's.

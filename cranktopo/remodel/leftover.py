@@ -90,7 +90,8 @@ def _describe(problem: Problem, region: Mask, volume: float, lacking: bool) -> L
     face: Literal["journal", "pin"] | None = None
     if kind == "recess" and on_journal != on_pin:
         face = "journal" if on_journal else "pin"
-    return Leftover(kind, volume, _triple(centre), _triple(low), _triple(high), bool(where[:, 0].min() > 0), face)
+    pair = bool(where[:, 0].min() > 0)
+    return Leftover(kind, volume, _triple(centre), _triple(low), _triple(high), pair, face)
 
 
 def _open_sideways(problem: Problem, region: Mask) -> bool:

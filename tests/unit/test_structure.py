@@ -26,6 +26,7 @@ ORDER = [
     "evaluate",
     "report",
     "pipeline",
+    "pipeline_remodel",
     "cli",
 ]
 HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")
