@@ -187,10 +187,14 @@ class OutlineEnvelope(_EnvelopeBase):
 
 
 class StlEnvelope(_EnvelopeBase):
-    """Design space: the web slab inside a closed surface mesh, mm, in the frame of `cranktopo.frames`."""
+    """Design space: the web slab inside a closed surface mesh, mm, in the frame of `cranktopo.frames`.
+
+    With `symmetric` the mesh is its own mirror image in x = 0, which is checked, and half of it is enough.
+    """
 
     shape: Literal["stl"]
     file: str
+    symmetric: bool = False
 
 
 Envelope = Annotated[

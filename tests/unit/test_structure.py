@@ -27,6 +27,7 @@ ORDER = [
     "report",
     "pipeline",
     "pipeline_remodel",
+    "iterate",
     "cli",
 ]
 HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")
