@@ -40,11 +40,13 @@ def read_web(folder: Path) -> SurfaceMesh:
 
 
 def write_envelope(folder: Path) -> Path:
-    """Write the web of a step as an envelope that is exactly its own mirror image, and return its path."""
+    """Write the web of a step as an envelope that is exactly its own mirror image, once; return its path."""
+    path = folder / "envelope.stl"
+    if path.is_file():
+        return path
     web = read_web(folder)
     body = solid_of(web.vertices_mm, web.faces, f"web of {folder.name}")
     half = body.trim_by_plane(_X_AXIS, 0.0).warp_batch(_snap)
-    path = folder / "envelope.stl"
     write_stl(path, mesh_of((half + half.mirror(_X_AXIS)).simplify(_SIMPLIFY_MM)))
     return path
 

@@ -14,7 +14,7 @@ from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
 from cranktopo.surface.grid import DensityGrid, is_x_symmetric
 from cranktopo.surface.isosurface import FineField, iso_solid, resample
-from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
 from cranktopo.surface.solids import (
     envelope_solid,
     is_mirror_image,
@@ -125,7 +125,7 @@ def extract_half_throw(
     start, end = scene.web_z_mm
     web = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
     return WebSurface(
-        half_throw=mesh_of(body),
+        half_throw=sound_mesh_of(body, _SLIVER_MM),
         web=mesh_of(web),
         iso_value=iso,
         target_volume_mm3=target,
