@@ -19,6 +19,7 @@ from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.report.metrics import Timing, optimise_metrics
 from cranktopo.report.outputs import history_rows, write_outputs
+from cranktopo.report.writing import REPORT, write_run_report
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import input_files
 from cranktopo.store import (
@@ -225,5 +226,7 @@ def _finish(
         outputs,
         timing,
     )
+    metrics["files"]["report"] = REPORT
     run.write_metrics(metrics)
+    write_run_report(run)
     return metrics

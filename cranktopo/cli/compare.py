@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.cli.completion import designs
 from cranktopo.cli.evaluate import evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
+from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
+    from cranktopo.evaluate.evaluation import Evaluation
+    from cranktopo.evaluate.targets import Target
     from cranktopo.report.comparison import Comparison
 
 
 @click.command()
-@click.argument("targets", metavar="TARGET...", nargs=-1, required=True)
+@click.argument("targets", metavar="TARGET...", nargs=-1, required=True, shell_complete=designs)
 @click.option("--baseline", required=True, metavar="TARGET", help="The target that counts as 100 %.")
 @click.option(
     "--format",
@@ -31,13 +36,21 @@ if TYPE_CHECKING:
 @click.option(
     "--plot", type=click.Path(path_type=Path), help="Also draw stiffness over mass (.png .svg .pdf)."
 )
+@click.option(
+    "--report",
+    "page",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Also write a page with 3D view (.html), or Markdown with PNGs (.md).",
+)
 @mesh_options
+@talkative
 def command(
     targets: tuple[str, ...],
     baseline: str,
     form: str,
     as_json: bool,
     plot: Path | None,
+    page: Path | None,
     element_size_mm: float | None,
     accuracy: float | None,
     design: str | None,
@@ -46,33 +59,46 @@ def command(
 
     The stiffnesses are those of the supports in the designs. A star marks the best of each column. The
     baseline is evaluated too when it is not among the targets.
+
+    Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
     if plot is not None and not plot.parent.is_dir():
         raise CranktopoError(f"--plot '{plot}': its folder does not exist.", code=ExitCode.USAGE)
+    if page is not None:
+        from cranktopo.report.writing import check_report_path
+
+        check_report_path(page)
     names = targets if baseline in targets else (baseline, *targets)
-    comparison, missed = _compare(names, names.index(baseline), element_size_mm, accuracy, design)
+    resolved = _resolved(names, design)
+    evaluations, missed = evaluate_targets(names, element_size_mm, accuracy, design)
+    comparison = _compared(resolved, evaluations, names.index(baseline))
     click.echo(_text(comparison, "json" if as_json else form))
     if plot is not None:
         from cranktopo.report.scatter import plot_stiffness_over_mass
 
         plot_stiffness_over_mass(comparison, plot)
-        click.echo(f"plot: {plot}", err=True)
+        say(f"plot: {plot}")
+    if page is not None:
+        from cranktopo.report.comparison_page import comparison_page
+        from cranktopo.report.writing import write_report
+
+        write_report(comparison_page(comparison, resolved, ["cranktopo", *sys.argv[1:]]), page)
+        say(f"report: {page}")
     warn_missed(missed, accuracy)
 
 
-def _compare(
-    names: tuple[str, ...], baseline: int, size: float | None, accuracy: float | None, design: str | None
-) -> tuple[Comparison, list[str]]:
+def _resolved(names: tuple[str, ...], design: str | None) -> list[Target]:
     from cranktopo.evaluate.targets import resolve_target
+
+    return [resolve_target(name, design) for name in names]
+
+
+def _compared(targets: list[Target], evaluations: list[Evaluation], baseline: int) -> Comparison:
     from cranktopo.report.comparison import Entry, compare
 
-    published = [
-        None if target.file else target.scene.published
-        for target in (resolve_target(name, design) for name in names)
-    ]
-    evaluations, missed = evaluate_targets(names, size, accuracy, design)
+    published = [None if target.file else target.scene.published for target in targets]
     entries = [Entry(e, p) for e, p in zip(evaluations, published, strict=True)]
-    return compare(entries, evaluations[baseline].target), missed
+    return compare(entries, evaluations[baseline].target)
 
 
 def _text(comparison: Comparison, form: str) -> str:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.cli.completion import designs
 from cranktopo.cli.options import mesh_options
+from cranktopo.cli.talk import detail, say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
@@ -15,9 +17,10 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("targets", metavar="TARGET...", nargs=-1)
+@click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
 @mesh_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@talkative
 def command(
     targets: tuple[str, ...],
     element_size_mm: float | None,
@@ -29,6 +32,8 @@ def command(
 
     A TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design). Both
     stiffnesses are those of the full throw; each comes with an error estimate from a second, coarser mesh.
+
+    Example: cranktopo evaluate mikron-iiic --accuracy 1%
     """
     evaluations, missed = evaluate_targets(targets or ("mikron-iiic",), element_size_mm, accuracy, design)
     if as_json:
@@ -72,10 +77,12 @@ def evaluate_targets(
     evaluations, missed = [], []
     for target in resolved:
         if accuracy is None:
-            evaluations.append(evaluate(target, element_size_mm, _progress))
+            evaluations.append(evaluate(target, element_size_mm, say))
+            _detail(evaluations[-1])
             continue
-        evaluation, reached = evaluate_to_accuracy(target, accuracy, _progress)
+        evaluation, reached = evaluate_to_accuracy(target, accuracy, say)
         evaluations.append(evaluation)
+        _detail(evaluation)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
     return evaluations, missed
 
@@ -87,5 +94,9 @@ def warn_missed(missed: list[str], accuracy: float | None) -> None:
         raise click.exceptions.Exit(ExitCode.CRITERION_NOT_MET)
 
 
-def _progress(line: str) -> None:
-    click.echo(line, err=True)
+def _detail(evaluation: Evaluation) -> None:
+    fine = evaluation.fine
+    detail(
+        f"{evaluation.target}: {fine.nodes} nodes, {fine.mesh_seconds:.1f} s to mesh, "
+        f"{fine.solve_seconds:.1f} s to solve, error estimate {evaluation.error_percent:.2f} %"
+    )

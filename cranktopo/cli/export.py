@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, get_args
 
 import click
 
+from cranktopo.cli.completion import designs
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ _PARTS = ("throw", "half", "web", "crankshaft")
 
 
 @click.command()
-@click.argument("design")
+@click.argument("design", shell_complete=designs)
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("--part", type=click.Choice(_PARTS), default="throw", show_default=True, help="What to write.")
 @click.option(
@@ -27,6 +28,8 @@ def command(design: str, file: Path, part: str, facet_mm: float, force: bool) ->
     """Write the exact solid of DESIGN to FILE (.step or .stl), mm.
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
+
+    Example: cranktopo export mikron-iiic throw.step
     """
     from cranktopo.remodel.export import PartName, export_solid
     from cranktopo.scene import load_scene

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.cli.completion import runs
+from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
@@ -18,7 +20,7 @@ _FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
 
 
 @click.command("extract")
-@click.argument("run")
+@click.argument("run", shell_complete=runs)
 @click.option("--iteration", type=click.IntRange(min=1), help="Design of an earlier iteration.")
 @click.option(
     "--format", "form", type=click.Choice(_FORMATS), help="Default: by the suffix of --out, or stl."
@@ -26,6 +28,7 @@ _FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
 @click.option("--out", type=click.Path(path_type=Path), help="File; default: RUN/surface/iteration-N.stl.")
 @click.option("--force", is_flag=True, help="Replace an existing --out.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@talkative
 def command(
     run: str, iteration: int | None, form: Format | None, out: Path | None, force: bool, as_json: bool
 ) -> None:
@@ -33,6 +36,8 @@ def command(
 
     Journals, pins and bores are exact cylinders, the volume is that of the density. Nothing is written
     unless the surface is closed, oriented, one body and within 0.5 % of its volume.
+
+    Example: cranktopo extract 20250101-120000_mikron-iiic_0123abcd --iteration 12 --format 3mf
     """
     chosen = _format(form, out)
     if out is not None:
@@ -43,6 +48,7 @@ def command(
     from cranktopo.surface.extraction import extract_run
 
     store = open_run(run)
+    say(f"{store.name}: extracting the surface")
     with double_precision():
         found = extract_run(store, iteration)
     path = out or store.path / "surface" / f"iteration-{found.iteration:04d}.{chosen}"

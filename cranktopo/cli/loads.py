@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cranktopo.cli.completion import designs
 from cranktopo.errors import CranktopoError, invalid
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ MOST_SPEEDS = 1000
 
 
 @click.command(name="loads")
-@click.argument("design", default="mikron-iiic")
+@click.argument("design", default="mikron-iiic", shell_complete=designs)
 @click.option("--speed", metavar="RPM|FROM:TO:STEP", help="Speed or sweep of speeds instead of the scene's.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write all curves.")
@@ -29,6 +30,8 @@ def command(
 
     DESIGN is a TOML file or the name of a built-in design. A sweep repeats the analysis with the same gas
     pressures; the plot shows its last speed.
+
+    Example: cranktopo loads mikron-iiic --speed 1000:2800:200 --plot loads.png
     """
     from cranktopo.scene import load_scene
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import sys
 from typing import Any
 
 import click
 
-from cranktopo.errors import CranktopoError, ExitCode, suggest
+from cranktopo.cli.group import LazyGroup
+from cranktopo.cli.talk import coloured
+from cranktopo.errors import CranktopoError, ExitCode
 
 # Command -> module that holds a click command of the same name. Modules load only when called for, so
 # that `--help` stays fast.
@@ -19,11 +20,15 @@ COMMANDS = {
     "loads": "Forces over the working cycle, their extremes, and the load cases.",
     "evaluate": "Judge designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
     "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
+    "report": "Write the page of a run: verdict, 3D view, curves, tables; HTML or Markdown with PNGs.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
     "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, closeness.",
     "iterate": "The whole loop: remove a little, extract, re-model, judge, again inside the new solid.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
+    "runs": "List, show or clean up runs.",
+    "doctor": "Check this machine: Python, JAX, gmsh, memory, optional tools, and how to install them.",
+    "completion": "Print the line that makes a shell complete commands, options and designs.",
 }
 
 _EPILOG = (
@@ -33,42 +38,20 @@ _EPILOG = (
 )
 
 
-class LazyGroup(click.Group):
-    """A click group that imports a command's module when the command is used."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of the commands."""
-        return list(COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of that name, imported now."""
-        if cmd_name not in COMMANDS:
-            return None
-        module = importlib.import_module(f"cranktopo.cli.{cmd_name}")
-        command: click.Command = module.command
-        return command
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click does, with a suggestion for a misspelt command."""
-        name = args[0]
-        if name not in COMMANDS and not name.startswith("-"):
-            raise click.UsageError(f"No such command '{name}'. {suggest(name, list(COMMANDS))}", ctx)
-        return super().resolve_command(ctx, args)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The command list, from the table above and not from the modules."""
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
-
-
-@click.group(cls=LazyGroup, epilog=_EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=LazyGroup,
+    entries=COMMANDS,
+    package="cranktopo.cli",
+    epilog=_EPILOG,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 @click.version_option(package_name="cranktopo")
 def cli() -> None:
     """Topology and shape optimisation of crankshaft webs.
 
     A DESIGN is a TOML file or the name of a built-in design; without one, mikron-iiic is used.
+
+    Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
 
 
@@ -108,7 +91,7 @@ def _run(arguments: list[str]) -> int:
 def _report(error: CranktopoError, arguments: list[str]) -> int:
     if "--json" in arguments:
         click.echo(json.dumps(error.as_json()))
-    click.echo(f"error: {error}", err=True)
+    click.echo(f"{coloured('error:', 'red', err=True)} {error}", err=True)
     return int(error.code)
 
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cranktopo.cli.completion import designs, runs
 from cranktopo.cli.parameters import Number
+from cranktopo.cli.talk import NORMAL, QUIET, detail, level, say, talkative
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -17,10 +19,11 @@ if TYPE_CHECKING:
     from cranktopo.optimise.state import State
 
 DEFAULT_DESIGN = "mikron-iiic"
+_SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 
 
 @click.command("optimise")
-@click.argument("design", required=False)
+@click.argument("design", required=False, shell_complete=designs)
 @click.option(
     "--volume-fraction",
     type=Number("volume fraction", above=0.0, below=1.0),
@@ -38,8 +41,11 @@ DEFAULT_DESIGN = "mikron-iiic"
 )
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
-@click.option("--resume", metavar="RUN", help="Continue an interrupted, stopped or killed run.")
+@click.option(
+    "--resume", metavar="RUN", shell_complete=runs, help="Continue an interrupted, stopped or killed run."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as one JSON object.")
+@talkative
 def command(
     design: str | None,
     volume_fraction: float | None,
@@ -60,9 +66,8 @@ def command(
         )
     from cranktopo import pipeline
 
-    notice = _Notice()
     if resume:
-        run, prepared = pipeline.reopen(resume, max_iterations, notice)
+        run, prepared = pipeline.reopen(resume, max_iterations, say)
     else:
         overrides = {
             "volume_fraction": volume_fraction,
@@ -71,11 +76,17 @@ def command(
             "max_iterations": max_iterations,
         }
         scene, text = _scene(design or DEFAULT_DESIGN, overrides)
-        run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, notice)
+        run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, say)
     with _Bar() as bar:
         metrics = pipeline.optimise(run, prepared, bool(resume), bar)
     click.echo(json.dumps(metrics) if as_json else summary(metrics, run.path))
-    return ExitCode.DONE if metrics["status"] == "converged" else ExitCode.NOT_CONVERGED
+    return _exit_code(metrics)
+
+
+def _exit_code(metrics: dict[str, Any]) -> ExitCode:
+    if metrics["status"] != "converged":
+        return ExitCode.NOT_CONVERGED
+    return ExitCode.CRITERION_NOT_MET if "refusal" in metrics["surface"] else ExitCode.DONE
 
 
 def summary(metrics: dict[str, Any], folder: Path) -> str:
@@ -103,23 +114,24 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
         f"{seconds['total']:.1f} s (compiling {seconds['compile']:.1f} s, "
         f"{seconds['per_iteration_median']:.2f} s per iteration), {metrics['peak_memory_MiB']:.0f} MiB",
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
-        *_cavity_warning(metrics["surface"]["cavities"]),
-        *_undercut_warning(metrics["surface"]["undercuts"]),
-        *(f"{folder / metrics['files'][name]}" for name in ("stl", "picture", "vtu", "history", "metrics")),
+        *_surface_warning(metrics["surface"]),
+        *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
     ]
     return "\n".join(lines)
 
 
-def _cavity_warning(cavities: int) -> list[str]:
-    if not cavities:
-        return []
-    return [f"{cavities} closed hollow{'s' * (cavities > 1)} inside: no forging die or cutter reaches there"]
-
-
-def _undercut_warning(undercuts: dict[str, Any]) -> list[str]:
-    if undercuts["released"]:
-        return []
-    return [f"{undercuts['volume_mm3']:.0f} mm3 of undercuts along x: no die that parts in x = 0 releases it"]
+def _surface_warning(surface: dict[str, Any]) -> list[str]:
+    if "refusal" in surface:
+        return [f"no STL: {surface['refusal']}"]
+    cavities, undercuts = surface["cavities"], surface["undercuts"]
+    lines = []
+    if cavities:
+        hollows = f"closed hollow{'s' * (cavities > 1)}"
+        lines.append(f"{cavities} {hollows} inside: no forging die or cutter reaches there")
+    if not undercuts["released"]:
+        volume = undercuts["volume_mm3"]
+        lines.append(f"{volume:.0f} mm3 of undercuts along x: no die that parts in x = 0 releases it")
+    return lines
 
 
 def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:
@@ -133,20 +145,17 @@ def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:
     return scene.model_copy(update={"optimise": settings}), resolve_design(design).read_text(encoding="utf-8")
 
 
-class _Notice:
-    """Prints lines about the model on stderr."""
-
-    def __call__(self, line: str) -> None:
-        click.echo(line, err=True)
-
-
 class _Bar:
-    """Progress bar on stderr: both compliances, volume, greyness, time left; silent without a terminal."""
+    """Progress on stderr: compliances, volume, greyness, time left.
+
+    A bar on a terminal, a line per iteration with --verbose, nothing but the solver's notices otherwise.
+    """
 
     def __enter__(self) -> _Bar:
         from tqdm import tqdm
 
-        self._bar = tqdm(unit="it", file=sys.stderr, disable=not sys.stderr.isatty(), dynamic_ncols=True)
+        hidden = level() != NORMAL or not sys.stderr.isatty()
+        self._bar = tqdm(unit="it", file=sys.stderr, disable=hidden, dynamic_ncols=True)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -160,9 +169,9 @@ class _Bar:
         self._bar.total = done + (0 if state.done else iterations_left(problem, state))
         cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
         work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
-        self._bar.set_postfix_str(
-            f"{work}, volume {row.volume_fraction:.3f}, grey {row.greyness:.3f}", refresh=False
-        )
-        if row.notice:
+        text = f"{work}, volume {row.volume_fraction:.3f}, grey {row.greyness:.3f}"
+        self._bar.set_postfix_str(text, refresh=False)
+        detail(f"iteration {row.iteration}: {text}, {row.cg_iterations} cycles, {row.seconds:.2f} s")
+        if row.notice and level() > QUIET:
             self._bar.write(f"iteration {row.iteration}: {row.notice}", file=sys.stderr)
         self._bar.update(done - self._bar.n)

@@ -6,15 +6,19 @@ import json
 
 import click
 
+from cranktopo.cli.completion import designs
+
 
 @click.command(name="plan")
-@click.argument("design", default="mikron-iiic")
+@click.argument("design", default="mikron-iiic", shell_complete=designs)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(design: str, as_json: bool) -> None:
     """The effects of a design: state, reason, what leaving each out changes, and what it costs.
 
     DESIGN is a TOML file or the name of a built-in design. Costs and estimates come from closed forms;
     nothing is solved.
+
+    Example: cranktopo plan opposed-piston
     """
     from cranktopo.effects import plan
     from cranktopo.report.plan_text import plan_text

@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, get_args
 
 import click
 
+from cranktopo.cli.completion import designs
+from cranktopo.cli.talk import say, talkative
+
 if TYPE_CHECKING:
     from cranktopo.evaluate.chain import Bearings
     from cranktopo.evaluate.shaft import ShaftEvaluation
 
 
 @click.command()
-@click.argument("design", default="mikron-iiic")
+@click.argument("design", default="mikron-iiic", shell_complete=designs)
 @click.option(
     "--bearings",
     type=click.Choice(["rigid", "spring", "free"]),
@@ -23,14 +26,18 @@ if TYPE_CHECKING:
 )
 @click.option("--element-size-mm", type=click.FloatRange(min=0, min_open=True), help="General element size.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
+@talkative
 def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:
-    """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies."""
+    """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies.
+
+    Example: cranktopo shaft mikron-iiic --bearings free
+    """
     from cranktopo.evaluate.chain import Bearings
     from cranktopo.evaluate.shaft import evaluate_shaft
-    from cranktopo.scene import load_scene
+    from cranktopo.evaluate.targets import load_simulated
 
-    scene = load_scene(design)
-    click.echo(f"{scene.name}: condensing one throw", err=True)
+    scene = load_simulated(design)
+    say(f"{scene.name}: condensing one throw")
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     shaft = evaluate_shaft(scene, support, element_size_mm)
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else _text(shaft))

@@ -43,7 +43,7 @@ def resolve_target(text: str, design: str | None = None) -> Target:
     if path.is_dir():
         return _run(path)
     if path.suffix.lower() not in _GEOMETRY:
-        scene = _simulated(text)
+        scene = load_simulated(text)
         return Target(scene.name, scene)
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
@@ -53,7 +53,7 @@ def resolve_target(text: str, design: str | None = None) -> Target:
             hint="Add --design NAME.",
             code=ExitCode.USAGE,
         )
-    return Target(path.name, _simulated(design), path)
+    return Target(path.name, load_simulated(design), path)
 
 
 def _run(folder: Path) -> Target:
@@ -63,9 +63,17 @@ def _run(folder: Path) -> Target:
                 f"target '{folder}': {name} is missing, so this is no finished run.",
                 hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
             )
-    return Target(folder.name, _simulated(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)
+    return Target(folder.name, load_simulated(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)
 
 
-def _simulated(design: str) -> Scene:
+def load_simulated(design: str) -> Scene:
+    """The scene of a design, without what its effects plan leaves out.
+
+    Args:
+        design: TOML path or name of a built-in design.
+
+    Raises:
+        CranktopoError: no such design, an invalid scene, or a plan that cannot be made.
+    """
     scene = load_scene(design)
     return simulated_scene(scene, plan(scene))

@@ -139,7 +139,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
         "percent_of_baseline": records(percent_table(comparison)),
         "best": {
             name: comparison.entries[row].evaluation.target
-            for (name, _, _), row in zip(_COLUMNS, _best(comparison), strict=True)
+            for (name, _, _), row in zip(_COLUMNS, best_rows(comparison), strict=True)
         },
         "published": None if published is None else records(published),
     }
@@ -151,7 +151,7 @@ def _table(
     values: list[tuple[float, ...]],
     digits: int | None = None,
 ) -> Table:
-    best = _best(comparison)
+    best = best_rows(comparison)
     return Table(
         columns=("target", *names),
         rows=tuple(
@@ -162,8 +162,8 @@ def _table(
     )
 
 
-def _best(comparison: Comparison) -> list[int]:
-    """Row of the best entry of each column."""
+def best_rows(comparison: Comparison) -> list[int]:
+    """Row of the best entry of each column of the value table, in the order of its columns."""
     values = [entry.values for entry in comparison.entries]
     rows = range(len(values))
     return [

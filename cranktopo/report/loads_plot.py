@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from cranktopo.errors import invalid
-from cranktopo.loads.analysis import LoadAnalysis
+from cranktopo.loads.analysis import Cycle, LoadAnalysis
 
 
 def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
@@ -22,30 +24,67 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    cycle = analysis.cycle
-    if cycle is None:
-        raise invalid("engine.gas", None, "must be given for a plot over the cycle")
+    _cycle(analysis)
     formats = FigureCanvasAgg.get_supported_filetypes()
     if path.suffix.lstrip(".") not in formats:
         raise invalid("--plot", str(path), "must end in .png, .svg or .pdf")
-    forces, angle = cycle.forces, cycle.forces.angle_deg
     figure = Figure(figsize=(9, 10), layout="constrained")
-    top, middle, bottom = figure.subplots(3, 1, sharex=True)
-    top.plot(angle, forces.gas_force_N / 1000, label="gas")
-    top.plot(angle, forces.inertia_force_N / 1000, label="inertia of the piston")
-    top.plot(angle, forces.small_end_force_N / 1000, "k", lw=1, label="total on the piston pin")
-    top.set_ylabel("force [kN]")
-    middle.plot(angle, forces.radial_force_N / 1000, label="radial")
-    middle.plot(angle, forces.tangential_force_N / 1000, label="tangential")
-    middle.set_ylabel("force on the crankpin [kN]")
-    bottom.plot(angle, forces.torque_Nm, label="one throw")
-    bottom.plot(angle, cycle.torque.engine_Nm, label=f"engine, {analysis.engine.cylinders} cylinders")
-    bottom.axhline(cycle.engine_torque()[0], color="0.5", lw=0.8, ls="--", label="engine, mean")
-    bottom.set_ylabel("torque [N m]")
-    bottom.set_xlabel("crank angle from firing top dead centre [deg]")
-    for axes in (top, middle, bottom):
-        axes.grid(alpha=0.3)
-        axes.legend()
-        axes.set_xlim(0, analysis.engine.cycle_deg)
+    for axes, panel in zip(figure.subplots(3, 1, sharex=True), PANELS, strict=True):
+        panel(axes, analysis)
+        axes.label_outer()
     figure.suptitle(title)
     figure.savefig(path, dpi=120)
+
+
+def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
+    """Gas, inertia and their sum on the piston pin.
+
+    Args:
+        axes: matplotlib axes.
+        analysis: an analysis with a cycle.
+    """
+    forces = _cycle(analysis).forces
+    angle = forces.angle_deg
+    axes.plot(angle, forces.gas_force_N / 1000, label="gas")
+    axes.plot(angle, forces.inertia_force_N / 1000, label="inertia of the piston")
+    axes.plot(angle, forces.small_end_force_N / 1000, "k", lw=1, label="total on the piston pin")
+    _frame(axes, analysis, "force [kN]")
+
+
+def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
+    """Radial and tangential force on the crankpin; arguments as `draw_piston_forces`."""
+    forces = _cycle(analysis).forces
+    axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label="radial")
+    axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label="tangential")
+    _frame(axes, analysis, "force on the crankpin [kN]")
+
+
+def draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
+    """Torque of one throw and of the engine; arguments as `draw_piston_forces`."""
+    cycle = _cycle(analysis)
+    angle = cycle.forces.angle_deg
+    axes.plot(angle, cycle.forces.torque_Nm, label="one throw")
+    axes.plot(angle, cycle.torque.engine_Nm, label=f"engine, {analysis.engine.cylinders} cylinders")
+    axes.axhline(cycle.engine_torque()[0], color="0.5", lw=0.8, ls="--", label="engine, mean")
+    _frame(axes, analysis, "torque [N m]")
+
+
+PANELS: tuple[Callable[[Any, LoadAnalysis], None], ...] = (
+    draw_piston_forces,
+    draw_crankpin_forces,
+    draw_torque,
+)
+
+
+def _cycle(analysis: LoadAnalysis) -> Cycle:
+    if analysis.cycle is None:
+        raise invalid("engine.gas", None, "must be given for a plot over the cycle")
+    return analysis.cycle
+
+
+def _frame(axes: Any, analysis: LoadAnalysis, label: str) -> None:
+    axes.set_ylabel(label)
+    axes.set_xlabel("crank angle from firing top dead centre [deg]")
+    axes.grid(alpha=0.3)
+    axes.legend()
+    axes.set_xlim(0, analysis.engine.cycle_deg)

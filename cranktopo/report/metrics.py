@@ -153,7 +153,9 @@ def _original(scene: Scene, problem: Problem, result: Assessment, original: Asse
 
 
 def _surface(outputs: Outputs) -> dict[str, Any]:
-    surface, gates = outputs.surface, outputs.gates
+    if outputs.skin is None:
+        return {"refusal": outputs.refusal}
+    surface, gates = outputs.skin.surface, outputs.skin.gates
     return {
         "iso_value": surface.iso_value,
         "web_volume_mm3": surface.volume_mm3,
@@ -164,7 +166,7 @@ def _surface(outputs: Outputs) -> dict[str, Any]:
         "dropped_islands": surface.dropped_islands,
         "dropped_volume_mm3": surface.dropped_volume_mm3,
         "x_symmetric": surface.x_symmetric,
-        "undercuts": outputs.undercuts.as_json(),
+        "undercuts": outputs.skin.undercuts.as_json(),
     }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.optimise.loop import Design
 from cranktopo.optimise.state import Record
 from cranktopo.report.picture import save_run_picture
@@ -29,20 +30,33 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Outputs:
-    """What was written.
+class Skin:
+    """A surface that passed its gates.
 
     Attributes:
-        files: name of each file in the run directory by what it holds.
         surface: the extracted surface.
         gates: its checked properties.
         undercuts: what a die that parts in x = 0 could not release.
     """
 
-    files: dict[str, str]
     surface: WebSurface
     gates: GateReport
     undercuts: Undercuts
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What was written.
+
+    Attributes:
+        files: name of each file in the run directory by what it holds.
+        skin: the extracted surface, or None where the density has none worth writing.
+        refusal: why there is none, one sentence; empty where there is one.
+    """
+
+    files: dict[str, str]
+    skin: Skin | None
+    refusal: str = ""
 
 
 def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> list[dict[str, Any]]:
@@ -69,7 +83,10 @@ def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> li
 def write_outputs(
     run: RunStore, scene: Scene, domain: Domain, design: Design, rows: list[dict[str, Any]]
 ) -> Outputs:
-    """Write history.csv, density.vtu, web.stl and result.png of a design.
+    """Write history.csv, density.vtu, and web.stl and result.png where the density has a surface.
+
+    A design that is still grey, as after the first iterations, may have none: the rest is written, with
+    the reason.
 
     Args:
         run: where to write.
@@ -79,23 +96,30 @@ def write_outputs(
         rows: from `history_rows`.
 
     Raises:
-        CranktopoError: no closed surface with the design's volume, or a file cannot be written.
+        CranktopoError: a file cannot be written.
     """
     run.write_history(rows)
     _write_vtu(run, domain, design.physical)
+    files = {"vtu": "density.vtu", "history": "history.csv"}
+    for name in ("web.stl", "result.png"):  # of an earlier end of a resumed run
+        (run.path / name).unlink(missing_ok=True)
+    try:
+        skin = _skin(scene, domain, design)
+    except CranktopoError as error:
+        if error.code != ExitCode.CRITERION_NOT_MET:
+            raise
+        return Outputs(files, None, str(error))
+    write_stl(run.path / "web.stl", skin.surface.half_throw)
+    title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
+    save_run_picture(run.path / "result.png", skin.surface.half_throw, rows, title, scene.web_z_mm)
+    return Outputs({"stl": "web.stl", **files, "picture": "result.png"}, skin)
+
+
+def _skin(scene: Scene, domain: Domain, design: Design) -> Skin:
     grid, usable, smooth = slab_fields(domain, design)
     surface = extract_half_throw(grid, scene, usable, smooth)
-    gates = check_surface(surface)
-    write_stl(run.path / "web.stl", surface.half_throw)
-    title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
-    save_run_picture(run.path / "result.png", surface.half_throw, rows, title, scene.web_z_mm)
-    files = {
-        "stl": "web.stl",
-        "vtu": "density.vtu",
-        "history": "history.csv",
-        "picture": "result.png",
-    }
-    return Outputs(files, surface, gates, undercuts(surface.web, scene, float(grid.cell_mm.min()) / 2))
+    step = float(grid.cell_mm.min()) / 2
+    return Skin(surface, check_surface(surface), undercuts(surface.web, scene, step))
 
 
 def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,9 +15,19 @@ from cranktopo.report.comparison import Comparison
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+TORSION_LABEL, BENDING_LABEL = "torsional stiffness, kN m/rad", "bending stiffness, kN/mm"
 _MARKERS = "osD^vP*X"
 _LINES = (0.8, 0.9, 1.0, 1.1, 1.2)
 _FORMATS = (".png", ".svg", ".pdf")
+
+
+@dataclass(frozen=True)
+class Point:
+    """One design in the plot; the stiffness in the unit of the axis."""
+
+    name: str
+    mass_kg: float
+    stiffness: float
 
 
 def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
@@ -37,9 +49,8 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
 
     figure = Figure(figsize=(11, 4.8), layout="constrained")
     FigureCanvasAgg(figure)
-    panels = (("torsional stiffness, kN m/rad", 1), ("bending stiffness, kN/mm", 2))
-    for axes, (label, column) in zip(figure.subplots(1, 2), panels, strict=True):
-        _panel(axes, comparison, label, column)
+    for axes, (label, points) in zip(figure.subplots(1, 2), scatter_points(comparison).items(), strict=True):
+        draw_stiffness_over_mass(axes, points, comparison.baseline, label)
     partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:
         figure.savefig(partial, dpi=130)
@@ -48,20 +59,35 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
         partial.unlink(missing_ok=True)
 
 
-def _panel(axes: Axes, comparison: Comparison, label: str, column: int) -> None:
-    masses = [entry.values[0] for entry in comparison.entries]
-    stiffness = [entry.values[column] for entry in comparison.entries]
+def draw_stiffness_over_mass(axes: Axes, points: Sequence[Point], baseline: int, label: str) -> None:
+    """Draw stiffness over mass with lines of equal stiffness per mass.
+
+    Args:
+        axes: matplotlib axes.
+        points: what is compared.
+        baseline: number of the point that counts as 100 %.
+        label: of the stiffness, with its unit.
+    """
+    masses = [point.mass_kg for point in points]
+    stiffness = [point.stiffness for point in points]
     x_range = 0.92 * min(masses), 1.08 * max(masses)
     y_range = 0.88 * min(stiffness), 1.12 * max(stiffness)
     axes.set(xlim=x_range, ylim=y_range, xlabel="mass of the throw, kg", ylabel=label)
-    ratio = stiffness[comparison.baseline] / masses[comparison.baseline]
+    ratio = stiffness[baseline] / masses[baseline]
     for factor in _LINES:
         _equal_ratio(axes, factor, factor * ratio, x_range, y_range[1])
-    for entry, x, y, marker in zip(comparison.entries, masses, stiffness, cycle(_MARKERS), strict=False):
-        axes.scatter([x], [y], marker=marker, label=entry.evaluation.target, zorder=2)
+    for point, marker in zip(points, cycle(_MARKERS), strict=False):
+        axes.scatter([point.mass_kg], [point.stiffness], marker=marker, label=point.name, zorder=2)
     axes.legend(fontsize=8, loc="lower right")
-    baseline = comparison.entries[comparison.baseline].evaluation.target
-    axes.set_title(f"dashed: equal stiffness per mass, % of {baseline}", fontsize=9)
+    axes.set_title(f"dashed: equal stiffness per mass, % of {points[baseline].name}", fontsize=9)
+
+
+def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
+    """The points of a comparison by the label of their stiffness."""
+    return {
+        label: [Point(e.evaluation.target, e.values[0], e.values[column]) for e in comparison.entries]
+        for column, label in ((1, TORSION_LABEL), (2, BENDING_LABEL))
+    }
 
 
 def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, float], top: float) -> None:

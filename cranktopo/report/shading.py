@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Colour = tuple[float, float, float]
 WEB_COLOUR = (0.30, 0.52, 0.80)
 JOURNAL_COLOUR = (0.78, 0.79, 0.81)
-_LARGEST_FACE_MM = 3.0
+LARGEST_FACE_MM = 3.0
 _HAIR_MM = 1e-3
 _SHARP_DEGREES = 35.0
 _AMBIENT = 0.30
@@ -46,12 +46,15 @@ class ShadedMesh:
     colours: Array
 
 
-def shaded(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> ShadedMesh:
+def shaded(
+    mesh: SurfaceMesh, web_z_mm: tuple[float, float], largest_face_mm: float | None = LARGEST_FACE_MM
+) -> ShadedMesh:
     """Make a half throw ready for drawing, journals in another colour than the web.
 
     Args:
         mesh: closed mesh of the half throw.
         web_z_mm: axial range of the web; what lies outside is a journal.
+        largest_face_mm: longest edge, as sorting by depth needs it; None keeps the faces as they are.
     """
     # A hair off the sides of the web: a cut in the plane of a face may leave that face on either part.
     start, end = web_z_mm[0] - _HAIR_MM, web_z_mm[1] + _HAIR_MM
@@ -59,7 +62,7 @@ def shaded(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> ShadedMesh:
     main, rest = whole.split_by_plane((0.0, 0.0, -1.0), -start)
     web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -end)
     coloured = ((main, JOURNAL_COLOUR), (web, WEB_COLOUR), (pin, JOURNAL_COLOUR))
-    parts = [_refined(solid, colour) for solid, colour in coloured if not solid.is_empty()]
+    parts = [_coloured(solid, colour, largest_face_mm) for solid, colour in coloured if not solid.is_empty()]
     before = np.cumsum([0, *(len(part.vertices_mm) for part in parts)])
     return ShadedMesh(
         vertices_mm=np.concatenate([part.vertices_mm for part in parts]),
@@ -114,8 +117,9 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
     axes.set_aspect("equal")
 
 
-def _refined(solid: Manifold, colour: Colour) -> ShadedMesh:
-    fine = solid.calculate_normals(0, _SHARP_DEGREES).refine_to_length(_LARGEST_FACE_MM).to_mesh64(0)
+def _coloured(solid: Manifold, colour: Colour, largest_face_mm: float | None) -> ShadedMesh:
+    with_normals = solid.calculate_normals(0, _SHARP_DEGREES)
+    fine = (with_normals.refine_to_length(largest_face_mm) if largest_face_mm else with_normals).to_mesh64(0)
     table, faces = np.asarray(fine.vert_properties), np.asarray(fine.tri_verts).astype(np.int64)
     return ShadedMesh(table[:, :3], table[:, 3:6], faces, np.tile(colour, (len(faces), 1)))
 

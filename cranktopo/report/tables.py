@@ -27,6 +27,19 @@ class Table:
     digits: tuple[int, ...]
     marks: frozenset[tuple[int, int]] = frozenset()
 
+    @property
+    def heads(self) -> tuple[tuple[str, str], ...]:
+        """Label and unit of each column."""
+        return tuple(_head(name) for name in self.columns)
+
+    def is_text(self, column: int) -> bool:
+        """Whether a column holds words."""
+        return any(isinstance(row[column], str) for row in self.rows)
+
+    def longest(self, column: int) -> int:
+        """Letters of the longest cell of a column."""
+        return max((len(self.cell(row, column)) for row in range(len(self.rows))), default=0)
+
     def cell(self, row: int, column: int) -> str:
         """A cell as text, rounded, with a trailing `*` where it is marked."""
         value = self.rows[row][column]
@@ -38,7 +51,7 @@ class Table:
 
 def terminal(table: Table) -> str:
     """The table for a terminal: right-aligned numbers, a column's head broken at its unit."""
-    heads = [_head(name) for name in table.columns]
+    heads = table.heads
     body = [[table.cell(r, c) for c in range(len(table.columns))] for r in range(len(table.rows))]
     lines = [[head[part] for head in heads] for part in (0, 1)] + body
     widths = [max(len(line[c]) for line in lines) for c in range(len(heads))]
@@ -47,9 +60,10 @@ def terminal(table: Table) -> str:
 
 def markdown(table: Table) -> str:
     """The table as GitHub Markdown."""
-    head = " | ".join(" ".join(_head(name)).strip() for name in table.columns)
-    rule = " | ".join(["---", *["---:"] * (len(table.columns) - 1)])
-    rows = [" | ".join(table.cell(r, c) for c in range(len(table.columns))) for r in range(len(table.rows))]
+    numbers = range(len(table.columns))
+    head = " | ".join(" ".join(head).strip() for head in table.heads)
+    rule = " | ".join("---" if c == 0 or table.is_text(c) else "---:" for c in numbers)
+    rows = [" | ".join(table.cell(r, c).replace("|", "\\|") for c in numbers) for r in range(len(table.rows))]
     return "\n".join(f"| {line} |" for line in (head, rule, *rows))
 
 
@@ -75,6 +89,9 @@ _UNITS = {
     "kNm_per_rad_kg": "kN m/rad/kg",
     "kN_per_mm": "kN/mm",
     "kN_per_mm_kg": "kN/mm/kg",
+    "N_mm": "N mm",
+    "N": "N",
+    "Nm": "N m",
     "percent": "%",
     "mm": "mm",
     "s": "s",

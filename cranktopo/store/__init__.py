@@ -4,7 +4,15 @@ from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpo
 from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
 from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
 from cranktopo.store.lock import locked
-from cranktopo.store.runs import RUNS, RunStore, check_destination, create_run, list_runs, open_run
+from cranktopo.store.runs import (
+    RUNS,
+    RunStore,
+    check_destination,
+    create_run,
+    list_runs,
+    open_run,
+    remove_run,
+)
 
 __all__ = [
     "RUNS",
@@ -18,6 +26,7 @@ __all__ = [
     "locked",
     "open_run",
     "read_json",
+    "remove_run",
     "replacing",
     "save_checkpoint",
     "save_iteration",

@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import os
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, suggest
 from cranktopo.store.files import (
     json_text,
     read_json,
@@ -20,6 +22,7 @@ from cranktopo.store.files import (
     write_json,
     write_text,
 )
+from cranktopo.store.lock import locked
 from cranktopo.store.manifest import (
     RunStatus,
     check_manifest,
@@ -244,6 +247,23 @@ def list_runs(root: Path = RUNS) -> list[RunStore]:
     return [RunStore(path.parent) for path in sorted(root.glob(f"*/{_MANIFEST}"))]
 
 
+def remove_run(run: RunStore) -> None:
+    """Delete a run directory that no process works in.
+
+    Args:
+        run: the run.
+
+    Raises:
+        CranktopoError: not a run directory, in use, or it cannot be deleted.
+    """
+    run.manifest()
+    with locked(run.path):
+        try:
+            shutil.rmtree(run.path)
+        except OSError as error:
+            raise unwritable(run.path, error) from None
+
+
 def _check_empty(out: Path) -> None:
     if not out.is_dir():
         raise CranktopoError(f"output '{out}': exists and is a file.", hint="Choose another --out.")
@@ -287,8 +307,9 @@ def _by_name(reference: str, root: Path) -> Path:
             f"run '{reference}': {len(matches)} runs begin so: {', '.join(matches[:4])}.",
             hint="Give more of the name.",
         )
+    near = f"{suggest(reference, names)} " if get_close_matches(reference, names, n=1) else ""
     raise CranktopoError(
-        f"run '{reference}': no such run under '{root}'.", hint="List runs with 'cranktopo runs list'."
+        f"run '{reference}': no such run under '{root}'.", hint=f"{near}List runs with 'cranktopo runs list'."
     )
 
 

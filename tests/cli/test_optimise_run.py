@@ -49,6 +49,7 @@ def test_files(run: Path, metrics: dict[str, Any]) -> None:
         "density.vtu",
         "web.stl",
         "result.png",
+        "report.html",
         "checkpoint",
         "density",
         ".lock",
@@ -221,3 +222,24 @@ def test_a_solver_fallback_is_announced(
     line = "iteration 1: multigrid CG stopped at relative residual"
     assert line in capsys.readouterr().err
     assert line in (out / "run.log").read_text(encoding="utf-8")
+
+
+def test_a_design_without_a_surface_is_saved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The first design is uniform: no iso-surface encloses its volume, and everything else is written."""
+    out = tmp_path / "first"
+    arguments = ["--volume-fraction", "0.3", *COARSE, "--max-iterations", "1", "--verbose"]
+    assert main(["optimise", *arguments, "--out", str(out)]) == 5
+    printed, said = capsys.readouterr()
+    assert "iteration 1: bending" in said
+    assert "no STL: surface: no iso-value encloses" in printed
+    assert "web.stl" not in printed
+    first = json.loads((out / "metrics.json").read_text())
+    assert first["status"] == "stopped"
+    assert first["surface"]["refusal"].startswith("surface: no iso-value")
+    share = first["volume_fraction"]["reached"] / 0.3
+    assert first["mass_kg"]["web"] == pytest.approx(0.458 * share, abs=0.003)
+    assert not {"stl", "picture"} & set(first["files"])
+    assert all((out / name).is_file() for name in first["files"].values())
+    assert not (out / "web.stl").exists()
+    assert "the density has no surface" in (out / "report.html").read_text()
+    assert json.loads((out / "manifest.json").read_text())["status"] == "done"

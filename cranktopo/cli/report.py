@@ -1,0 +1,37 @@
+"""`cranktopo report`: the page of a finished run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from cranktopo.cli.completion import runs
+
+
+@click.command(name="report")
+@click.argument("run", shell_complete=runs)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="File, .html or .md; default: report.html in the run.",
+)
+@click.option("--markdown", "as_markdown", is_flag=True, help="Markdown with PNGs beside it.")
+def command(run: str, out: Path | None, as_markdown: bool) -> None:
+    """Write the report of RUN: one HTML file that opens from disk, or Markdown with pictures.
+
+    RUN is a run directory, its name under runs/, or the beginning of that name. `cranktopo optimise` writes
+    the page by itself; write it again to include what was added to the run since.
+
+    Example: cranktopo report runs/20250101-120000_mikron-iiic_0123abcd --markdown --out web.md
+    """
+    from cranktopo.report.writing import check_report_path, write_run_report
+    from cranktopo.store import open_run
+
+    if as_markdown and out is not None and out.suffix.lower() != ".md":
+        raise click.UsageError(f"--markdown writes .md, but --out is '{out}'")
+    if out is not None:
+        check_report_path(out)
+    store = open_run(run)
+    target = out or (store.path / "report.md" if as_markdown else None)
+    click.echo(write_run_report(store, target))

@@ -1,0 +1,176 @@
+"""The report of a comparison as content."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from cranktopo.effects import plan
+from cranktopo.evaluate.targets import Target
+from cranktopo.loads import load_cases
+from cranktopo.remodel.export import export_solid
+from cranktopo.report.accuracy import error_picture
+from cranktopo.report.comparison import (
+    Comparison,
+    best_rows,
+    percent_table,
+    published_table,
+    value_table,
+)
+from cranktopo.report.page import Fact, Page, Picture, Section
+from cranktopo.report.picture import gallery_figure
+from cranktopo.report.record import read_surface
+from cranktopo.report.scatter import scatter_points
+from cranktopo.report.sections import effects_section, loads_section, pairs, scatter_pictures
+from cranktopo.report.tables import Table
+from cranktopo.report.verdict import fatigue_fact
+from cranktopo.report.viewer import Body, Scenery
+from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
+from cranktopo.surface import SurfaceMesh
+
+_FACET_MM = 2.0
+# Columns of a comparison that make its verdict, and how they read there.
+_VERDICT = {0: "Lightest", 3: "Stiffest in torsion per mass", 4: "Stiffest in bending per mass"}
+_TORSION_PER_MASS, _BENDING_PER_MASS = 3, 4
+
+
+def comparison_page(comparison: Comparison, targets: Sequence[Target], command: Sequence[str]) -> Page:
+    """The report of a comparison.
+
+    Args:
+        comparison: evaluated targets.
+        targets: the same targets, in the same order.
+        command: the command line that made it.
+    """
+    scene = targets[comparison.baseline].scene
+    effects = plan(scene)
+    cases = [case.as_json() for case in load_cases(scene, effects.enabled)]
+    bodies = _bodies(targets)
+    others = [target.name for row, target in enumerate(targets) if row != comparison.baseline]
+    return Page(
+        title=f"{', '.join(others)} against {_name(comparison, comparison.baseline)}",
+        subtitle=f"Judged with quadratic tetrahedra on {timestamp()[:10]}",
+        headline=_headline(comparison),
+        facts=_facts(comparison),
+        sections=(
+            _variants(comparison),
+            _accuracy(comparison),
+            loads_section(scene, cases),
+            effects_section(effects.as_json()),
+            _provenance(targets, command),
+        ),
+        scenery=Scenery(bodies) if bodies else None,
+        picture=_gallery(bodies) if bodies else None,
+    )
+
+
+def _name(comparison: Comparison, row: int) -> str:
+    return comparison.entries[row].evaluation.target
+
+
+def _change(comparison: Comparison, row: int, column: int) -> str:
+    return f"{comparison.percent(row, column) - 100:+.1f} %"
+
+
+def _headline(comparison: Comparison) -> str:
+    row, baseline = best_rows(comparison)[_TORSION_PER_MASS], _name(comparison, comparison.baseline)
+    if row == comparison.baseline:
+        return f"None is stiffer in torsion per kilogram than {baseline}."
+    return (
+        f"{_name(comparison, row)} is the stiffest in torsion per kilogram: "
+        f"{_change(comparison, row, _TORSION_PER_MASS)} against {baseline}, bending per kilogram "
+        f"{_change(comparison, row, _BENDING_PER_MASS)}, mass {_change(comparison, row, 0)}."
+    )
+
+
+def _facts(comparison: Comparison) -> tuple[Fact, ...]:
+    best = best_rows(comparison)
+    found = []
+    for column, label in _VERDICT.items():
+        row = best[column]
+        same = row == comparison.baseline
+        note = "the baseline itself" if same else f"{_change(comparison, row, column)} of the baseline"
+        found.append(Fact(label, _name(comparison, row), note, "neutral" if same else "good"))
+    return (*found, fatigue_fact(None, "stiffness was compared, not life"))
+
+
+def _variants(comparison: Comparison) -> Section:
+    tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
+    published = published_table(comparison)
+    if published is not None:
+        tables.append(("Beside published values", published))
+    return Section(
+        "variants",
+        "Variants",
+        "A star marks the best of each column. Stiffnesses are those of the full throw with the supports of "
+        "its design.",
+        tuple(tables),
+        scatter_pictures(scatter_points(comparison), comparison.baseline),
+    )
+
+
+def _accuracy(comparison: Comparison) -> Section:
+    evaluations = [entry.evaluation for entry in comparison.entries]
+    columns = ("target", "element_size_mm", "nodes", "torsion_error_percent", "bending_error_percent")
+    rows = tuple(
+        (
+            e.target,
+            e.fine.element_size_mm,
+            float(e.fine.nodes),
+            e.torsion_error_percent,
+            e.bending_error_percent,
+            e.total_seconds,
+        )
+        for e in evaluations
+    )
+    rungs = [
+        {"name": e.target, "seconds": e.total_seconds, "error_percent": e.error_percent} for e in evaluations
+    ]
+    return Section(
+        "accuracy",
+        "Accuracy and its price",
+        "Errors are estimated from a second, coarser mesh.",
+        (("Meshes", Table((*columns, "time_s"), rows, (0, 2, 0, 2, 2, 1))),),
+        (error_picture(rungs),),
+    )
+
+
+def _provenance(targets: Sequence[Target], command: Sequence[str]) -> Section:
+    hashes = [
+        (f"{t.name}, SHA-256 of the scene", settings_hash(t.scene.model_dump(mode="json"), {}))
+        for t in targets
+    ]
+    files = [(f"{t.name}, SHA-256 of {t.file.name}", file_hash(t.file)) for t in targets if t.file]
+    installed = [(name, text or "not installed") for name, text in versions().items()]
+    rows = [("command", " ".join(command)), ("written", timestamp()), *hashes, *files]
+    return Section(
+        "provenance",
+        "Where this comes from",
+        tables=(("Comparison", pairs(rows)), ("Versions", pairs(installed))),
+    )
+
+
+def _bodies(targets: Sequence[Target]) -> tuple[Body, ...]:
+    meshes = [(target, _surface(target)) for target in targets]
+    return tuple(
+        Body(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2)
+        for target, mesh in meshes
+        if mesh is not None
+    )
+
+
+def _surface(target: Target) -> SurfaceMesh | None:
+    """Facets of a target; none for a STEP file, which only the judge reads."""
+    if target.file is not None:
+        return read_surface(target.file) if target.file.suffix.lower() == ".stl" else None
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "half.stl"
+        export_solid(target.scene, "half", path, _FACET_MM)
+        return read_surface(path)
+
+
+def _gallery(bodies: Sequence[Body]) -> Picture:
+    alt = f"Half throws of {', '.join(body.name for body in bodies)}; journals grey, webs blue"
+    figure = gallery_figure([(body.name, body.mesh, body.web_z_mm) for body in bodies])
+    return Picture("gallery", figure, alt)

@@ -1,0 +1,89 @@
+"""A report as content: what it says, whatever it is printed on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from cranktopo.report.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from cranktopo.report.viewer import Scenery
+
+Mood = Literal["good", "bad", "neutral", "unknown"]
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One answer of the verdict.
+
+    Attributes:
+        label: what is answered.
+        value: the answer, with its unit.
+        note: what it is measured against, or what would answer it.
+        mood: whether the answer is welcome.
+    """
+
+    label: str
+    value: str
+    note: str
+    mood: Mood
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A plot.
+
+    Attributes:
+        name: file name without ending.
+        figure: the plot.
+        alt: what a reader who cannot see it needs to know.
+    """
+
+    name: str
+    figure: Figure
+    alt: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the report.
+
+    Attributes:
+        anchor: name for links.
+        title: heading.
+        text: introduction, one paragraph; may be empty.
+        tables: tables by caption.
+        pictures: plots.
+    """
+
+    anchor: str
+    title: str
+    text: str = ""
+    tables: tuple[tuple[str, Table], ...] = ()
+    pictures: tuple[Picture, ...] = ()
+
+
+@dataclass(frozen=True)
+class Page:
+    """A whole report.
+
+    Attributes:
+        title: heading.
+        subtitle: run, design and date.
+        headline: the verdict in one sentence.
+        facts: the verdict, one answer each.
+        sections: the rest, in order.
+        scenery: what the 3D view shows; None where there is no surface.
+        picture: still picture of it, for paper and for browsers without 3D.
+    """
+
+    title: str
+    subtitle: str
+    headline: str
+    facts: tuple[Fact, ...]
+    sections: tuple[Section, ...]
+    scenery: Scenery | None = None
+    picture: Picture | None = None

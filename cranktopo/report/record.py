@@ -1,0 +1,89 @@
+"""Everything that a finished run says about itself, read from its directory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cranktopo.effects import plan, simulated_scene
+from cranktopo.errors import CranktopoError
+from cranktopo.report.steps import Step, steps
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.store import RunStore, read_json
+from cranktopo.surface import SurfaceMesh
+
+# What other commands print with --json, where the run holds it.
+_FATIGUE, _ACCURACY = "fatigue.json", "accuracy.json"
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """A finished run.
+
+    Attributes:
+        metrics: content of metrics.json.
+        manifest: content of manifest.json.
+        history: rows of history.csv.
+        scene: the scene as it was simulated.
+        mesh: surface of the half throw, or None.
+        steps: its intermediate designs, as far as they were kept.
+        fatigue: content of fatigue.json, or None.
+        accuracy: content of accuracy.json, or None.
+    """
+
+    metrics: dict[str, Any]
+    manifest: dict[str, Any]
+    history: list[dict[str, Any]]
+    scene: Scene
+    mesh: SurfaceMesh | None
+    steps: tuple[Step, ...]
+    fatigue: dict[str, Any] | None
+    accuracy: dict[str, Any] | None
+
+
+def read_record(run: RunStore) -> RunRecord:
+    """Read a finished run.
+
+    Args:
+        run: the run directory.
+
+    Raises:
+        CranktopoError: the run has no metrics yet, or a file is damaged.
+    """
+    if not (run.path / "metrics.json").is_file():
+        raise CranktopoError(
+            f"run '{run.path}': not finished, metrics.json is missing.",
+            hint=f"Continue it with: cranktopo optimise --resume {run.path}",
+        )
+    manifest, metrics = run.manifest(), run.read_metrics()
+    scene = scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
+    scene = simulated_scene(scene, plan(scene))
+    surface = metrics.get("files", {}).get("stl")
+    return RunRecord(
+        metrics=metrics,
+        manifest=manifest,
+        history=run.read_history(),
+        scene=scene,
+        mesh=read_surface(run.path / surface) if surface else None,
+        steps=steps(run, scene),
+        fatigue=_optional(run.path / _FATIGUE),
+        accuracy=_optional(run.path / _ACCURACY),
+    )
+
+
+def read_surface(path: Path) -> SurfaceMesh:
+    """The closed surface in an STL file, mm; raises CranktopoError when it cannot be read."""
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(path)
+    except Exception as error:  # trimesh raises what its parsers raise, all meaning this
+        raise CranktopoError(f"'{path}': cannot be read as STL: {error}.", hint="Export it again.") from None
+    return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
+
+
+def _optional(path: Path) -> dict[str, Any] | None:
+    return read_json(path) if path.is_file() else None

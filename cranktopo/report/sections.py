@@ -1,0 +1,111 @@
+"""Parts that the report of a run and that of a comparison share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from cranktopo.loads import analyse
+from cranktopo.report.loads_plot import PANELS
+from cranktopo.report.page import Picture, Section
+from cranktopo.report.scatter import Point, draw_stiffness_over_mass
+from cranktopo.report.tables import Table
+from cranktopo.scene import Scene
+
+_PANEL_INCHES, _AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74)
+_LOAD_ALT = (
+    "Gas force, inertia force of the piston and their sum over the crank angle",
+    "Radial and tangential force on the crankpin over the crank angle",
+    "Torque of one throw and of the engine over the crank angle",
+)
+
+
+def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any) -> Picture:
+    """A plot with one pair of axes.
+
+    Args:
+        name: file name without ending.
+        alt: text for readers who cannot see it.
+        draw: function of the axes and the arguments.
+        arguments: passed on.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=_PANEL_INCHES, facecolor="none")
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes(_AXES)
+    axes.set_facecolor("none")
+    draw(axes, *arguments)
+    return Picture(name, figure, alt)
+
+
+def loads_section(scene: Scene, cases: Sequence[Mapping[str, Any]]) -> Section:
+    """Load cases, and the curves over the cycle where the scene has an engine with gas data.
+
+    Args:
+        scene: the scene.
+        cases: its load cases, as `loads --json` holds them.
+    """
+    rows = tuple(
+        (c["name"], *(c[key] or None for key in ("radial_N", "tangential_N", "torque_Nm")), c["from"])
+        for c in cases
+    )
+    columns = ("load_case", "radial_N", "tangential_N", "torque_Nm", "from")
+    table = Table(columns, rows, (0, 0, 0, 1, 0))
+    analysis = analyse(scene) if scene.engine else None
+    pictures: tuple[Picture, ...] = ()
+    text = "The scene names no engine: unit loads, so that stiffnesses are what counts."
+    if analysis is not None:
+        count = analysis.engine.cylinders
+        text = f"{count} cylinder{'s' * (count > 1)} at {analysis.engine.speed_rpm:g} rpm."
+        if analysis.cycle is not None:
+            pictures = tuple(
+                picture(f"loads-{number}", alt, panel, analysis)
+                for number, (panel, alt) in enumerate(zip(PANELS, _LOAD_ALT, strict=True), start=1)
+            )
+    return Section("loads", "Loads", text, (("Load cases", table),), pictures)
+
+
+def effects_section(effects: Sequence[Mapping[str, Any]]) -> Section:
+    """The effects plan with its reasons.
+
+    Args:
+        effects: objects of metrics.json.
+    """
+    rows = tuple(
+        (e["name"].replace("_", " "), e["state"], e["estimate_percent"], e["reason"], e["changes"])
+        for e in effects
+    )
+    columns = ("effect", "state", "size_percent", "because", "leaving_it_out_changes")
+    return Section(
+        "effects",
+        "Which physics was simulated, and why",
+        "An effect that is off costs nothing: no solve, no cell, no mesh.",
+        (("Effects plan", Table(columns, rows, (0, 0, 1, 0, 0))),),
+    )
+
+
+def scatter_pictures(points: Mapping[str, Sequence[Point]], baseline: int) -> tuple[Picture, ...]:
+    """Stiffness over mass, one plot per stiffness.
+
+    Args:
+        points: by the label of the stiffness.
+        baseline: number of the point that counts as 100 %.
+    """
+    return tuple(
+        picture(
+            f"scatter-{label.split()[0]}", _words(label, row), draw_stiffness_over_mass, row, baseline, label
+        )
+        for label, row in points.items()
+    )
+
+
+def _words(label: str, points: Sequence[Point]) -> str:
+    values = "; ".join(f"{p.name} {p.mass_kg:.3f} kg, {p.stiffness:.1f}" for p in points)
+    return f"{label} over mass: {values}"
+
+
+def pairs(rows: Sequence[tuple[str, Any]]) -> Table:
+    """A table of names and values as text."""
+    return Table(("what", "value"), tuple((name, str(value)) for name, value in rows), (0, 0))

@@ -1,0 +1,117 @@
+"""The verdict on a run: mass, stiffness per mass, fatigue, whether it can be made."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cranktopo.report.page import Fact, Mood
+from cranktopo.report.record import RunRecord
+
+_NOTICEABLE_PERCENT = 0.05
+_ADJECTIVES = {"torsion": "Torsional"}
+
+
+def headline(metrics: dict[str, Any]) -> str:
+    """The verdict in one sentence, against the original web in the same model.
+
+    Args:
+        metrics: content of metrics.json.
+    """
+    original = metrics["original_web"]
+    mass = _percent(metrics["mass_kg"]["throw"], original["mass_kg"]["throw"])
+    parts = [f"{abs(mass):.1f} % {'lighter' if mass < 0 else 'heavier'}"]
+    for name, gain in original["gain_of_stiffness_per_mass_percent"].items():
+        parts.append(f"{abs(gain):.1f} % {'stiffer' if gain > 0 else 'softer'} in {name} per kilogram")
+    text = f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else parts[0]
+    return f"The optimised throw is {text} than the original."
+
+
+def facts(record: RunRecord) -> tuple[Fact, ...]:
+    """The answers of the verdict, mass first."""
+    metrics = record.metrics
+    return (
+        _mass(metrics),
+        *_stiffness(metrics),
+        fatigue_fact(record.fatigue or metrics.get("fatigue"), "a density result has no fillets"),
+        release_fact(metrics),
+        _end(metrics),
+    )
+
+
+def fatigue_fact(fatigue: dict[str, Any] | None, otherwise: str) -> Fact:
+    """Safety against fatigue, where it was judged.
+
+    Args:
+        fatigue: the object that `cranktopo fatigue --json` prints for the design, and for its `baseline`
+            where one was given; None where nothing was judged.
+        otherwise: why it was not judged.
+    """
+    entries = (fatigue or {}).get("fatigue", [])
+    baseline = (fatigue or {}).get("baseline")
+    judged = next((entry for entry in entries if entry["target"] != baseline), None)
+    if judged is None or judged.get("safety") is None:
+        return Fact("Fatigue", "not judged", otherwise, "unknown")
+    original = next((entry["safety"] for entry in entries if entry["target"] == baseline), None)
+    note = "least safety" if original is None else f"least safety; {baseline} has {original:.2f}"
+    return Fact("Fatigue", f"{judged['safety']:.2f}", note, "good" if judged["safety"] >= 1 else "bad")
+
+
+def release_fact(metrics: dict[str, Any]) -> Fact:
+    """Whether a die or a cutter can make it.
+
+    Args:
+        metrics: content of metrics.json; `surface.undercuts` with `released` and `volume_mm3` where a die
+            was tried.
+    """
+    surface = metrics["surface"]
+    label = "Releasable"
+    if "refusal" in surface:
+        return Fact(label, "no", "the density has no surface", "bad")
+    if surface["cavities"]:
+        hollows = f"{surface['cavities']} closed hollow{'s' * (surface['cavities'] > 1)} inside"
+        return Fact(label, "no", f"{hollows}: no die or cutter reaches there", "bad")
+    undercuts = surface.get("undercuts")
+    if undercuts is None:
+        return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
+    if undercuts["released"]:
+        return Fact(label, "yes", "a die that parts in x = 0 releases it", "good")
+    volume = undercuts["volume_mm3"]
+    return Fact(label, "no", f"{volume:.0f} mm3 of undercuts along x hold the die", "bad")
+
+
+def _mass(metrics: dict[str, Any]) -> Fact:
+    now, before = (m["mass_kg"]["throw"] for m in (metrics, metrics["original_web"]))
+    change = _percent(now, before)
+    note = f"{change:+.1f} % against the original's {before:.3f} kg"
+    return Fact("Mass of the throw", f"{now:.3f} kg", note, _mood(-change))
+
+
+def _stiffness(metrics: dict[str, Any]) -> list[Fact]:
+    found = []
+    gains = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
+    for key, value in metrics["stiffness_per_mass"].items():
+        name = next(name for name in gains if key.startswith(name))
+        unit = "kN m/rad per kg" if key.endswith("rad_kg") else "kN/mm per kg"
+        before = metrics["original_web"]["stiffness_per_mass"][key]
+        note = f"{gains[name]:+.1f} % against the original's {before / 1000:.1f}"
+        label = f"{_ADJECTIVES.get(name, name.capitalize())} stiffness per mass"
+        found.append(Fact(label, f"{value / 1000:.1f} {unit}", note, _mood(gains[name])))
+    return found
+
+
+def _end(metrics: dict[str, Any]) -> Fact:
+    done = metrics["status"] == "converged"
+    value = f"{metrics['status']} after {metrics['iterations']} iterations"
+    if not metrics["connected"]:
+        return Fact("Optimisation", value, "journal and crankpin are not connected", "bad")
+    return Fact("Optimisation", value, metrics["stop_reason"], "good" if done else "bad")
+
+
+def _mood(gain_percent: float) -> Mood:
+    if abs(gain_percent) < _NOTICEABLE_PERCENT:
+        return "neutral"
+    return "good" if gain_percent > 0 else "bad"
+
+
+def _percent(now: float, before: float) -> float:
+    return 100 * (now / before - 1)

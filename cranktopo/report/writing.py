@@ -1,0 +1,63 @@
+"""Writes a report in the form that its file name asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.report.html import html
+from cranktopo.report.markdown_page import write_markdown
+from cranktopo.report.page import Page
+from cranktopo.report.record import read_record
+from cranktopo.report.run_page import run_page
+from cranktopo.store import RunStore, write_text
+
+REPORT = "report.html"
+SUFFIXES = (".html", ".md")
+
+
+def check_report_path(path: Path) -> None:
+    """Check, before long work, that a report can go there; raises CranktopoError when it cannot."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise CranktopoError(
+            f"report '{path}': must end in {' or '.join(SUFFIXES)}.",
+            hint=f"Name it {path.stem or 'report'}.html.",
+            code=ExitCode.USAGE,
+        )
+    if not path.parent.is_dir():
+        raise CranktopoError(f"report '{path}': its folder does not exist.", code=ExitCode.USAGE)
+
+
+def write_report(page: Page, path: Path) -> None:
+    """Write a report as HTML or Markdown, by the ending of its name.
+
+    Args:
+        page: its content.
+        path: the file; replaced only when it is complete.
+
+    Raises:
+        CranktopoError: another ending, no such folder, or it cannot be written.
+    """
+    check_report_path(path)
+    if path.suffix.lower() == ".md":
+        write_markdown(page, path)
+    else:
+        write_text(path, html(page))
+
+
+def write_run_report(run: RunStore, path: Path | None = None) -> Path:
+    """Write the report of a finished run.
+
+    Args:
+        run: the run.
+        path: the file; report.html in the run directory by default.
+
+    Returns:
+        The file.
+
+    Raises:
+        CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
+    """
+    target = path or run.path / REPORT
+    write_report(run_page(read_record(run)), target)
+    return target

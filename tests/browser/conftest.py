@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.cli.main import main
+
+# Debian's Chromium; software rendering, because a test machine has no screen.
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+@dataclass
+class Visit:
+    """A page that was opened, and what it said and asked for on the way."""
+
+    page: Any
+    complaints: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    def picture(self) -> np.ndarray:
+        """Pixels of the canvas, rows from the top, (h, w, 4), after the next frame."""
+        self.page.wait_for_timeout(150)
+        flat, width, height = self.page.evaluate(
+            """() => {
+                const gl = document.querySelector("canvas").getContext("webgl2");
+                const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+                const pixels = new Uint8Array(4 * w * h);
+                gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+                let text = "";
+                for (let i = 0; i < pixels.length; i += 4096)
+                    text += String.fromCharCode(...pixels.subarray(i, i + 4096));
+                return [btoa(text), w, h];
+            }"""
+        )
+        import base64
+
+        pixels = np.frombuffer(base64.b64decode(flat), np.uint8).reshape(height, width, 4)
+        return pixels[::-1].astype(int)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    path = next((found for name in NAMES if (found := shutil.which(name))), None)
+    if path is None:
+        pytest.skip("no Chromium (apt-get install chromium): the report is not opened in a browser")
+    api = pytest.importorskip("playwright.sync_api", reason="no playwright (pip install playwright)")
+    with api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def visit(browser: Any) -> Iterator[Any]:
+    """Open a file in a fresh browser window and wait for its 3D view."""
+    contexts = []
+
+    def opened(path: Path, **window: Any) -> Visit:
+        context = browser.new_context(**{"viewport": {"width": 1200, "height": 800}, **window})
+        contexts.append(context)
+        found = Visit(context.new_page())
+        found.page.on("console", lambda message: found.complaints.append(message.text))
+        found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
+        found.page.on("request", lambda request: found.requests.append(request.url))
+        found.page.goto(path.resolve().as_uri())
+        found.page.wait_for_selector("#viewer[data-ready]", timeout=30_000)
+        return found
+
+    yield opened
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture(scope="session")
+def run(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short run on a coarse grid, with its report."""
+    out = tmp_path_factory.mktemp("runs") / "short"
+    assert main(["optimise", "--resolution-mm", "4.5", "--max-iterations", "9", "--out", str(out)]) == 5
+    return out
+
+
+@pytest.fixture(scope="session")
+def metrics(run: Path) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads((run / "metrics.json").read_text())
+    return data

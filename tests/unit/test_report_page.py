@@ -1,0 +1,152 @@
+"""What a report says and packs: verdict, scenery, Markdown."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from cranktopo.report.markdown_page import write_markdown
+from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.sections import picture
+from cranktopo.report.steps import MOST_CELLS, Step, _coarse, _spread
+from cranktopo.report.tables import Table
+from cranktopo.report.verdict import fatigue_fact, headline, release_fact
+from cranktopo.report.viewer import MOST_FACES, Body, Scenery, packed
+from cranktopo.surface import DensityGrid, SurfaceMesh
+
+
+def mesh_of(body: trimesh.Trimesh) -> SurfaceMesh:
+    return SurfaceMesh(np.asarray(body.vertices, np.float64), np.asarray(body.faces, np.int64))
+
+
+def metrics(throw_kg: float, torsion: float, bending: float) -> dict[str, Any]:
+    gains = {"bending": bending, "torsion": torsion}
+    original = {"mass_kg": {"throw": 2.0}, "gain_of_stiffness_per_mass_percent": gains}
+    return {"mass_kg": {"throw": throw_kg}, "original_web": original}
+
+
+def test_headline_says_which_way() -> None:
+    assert headline(metrics(1.8, 12.0, -3.0)) == (
+        "The optimised throw is 10.0 % lighter, 3.0 % softer in bending per kilogram and 12.0 % stiffer in "
+        "torsion per kilogram than the original."
+    )
+    assert "5.0 % heavier" in headline(metrics(2.1, 1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("surface", "value", "mood", "words"),
+    [
+        ({"refusal": "too grey"}, "no", "bad", "no surface"),
+        ({"cavities": 2}, "no", "bad", "2 closed hollows"),
+        ({"cavities": 0}, "not checked", "unknown", "undercuts are possible"),
+        ({"cavities": 0, "undercuts": {"released": True, "volume_mm3": 0.0}}, "yes", "good", "x = 0"),
+        ({"cavities": 0, "undercuts": {"released": False, "volume_mm3": 41.6}}, "no", "bad", "42 mm3"),
+        (
+            {"cavities": 1, "undercuts": {"released": True, "volume_mm3": 0.0}},
+            "no",
+            "bad",
+            "1 closed hollow ",
+        ),
+    ],
+)
+def test_release(surface: dict[str, Any], value: str, mood: str, words: str) -> None:
+    fact = release_fact({"surface": surface})
+    assert (fact.value, fact.mood) == (value, mood)
+    assert words in fact.note
+
+
+def test_fatigue_of_the_design_beside_its_baseline() -> None:
+    entries = [{"target": "old", "safety": 1.31}, {"target": "web", "safety": 0.97}]
+    fact = fatigue_fact({"baseline": "old", "fatigue": entries}, "")
+    assert (fact.value, fact.mood, fact.note) == ("0.97", "bad", "least safety; old has 1.31")
+    assert fatigue_fact({"baseline": None, "fatigue": entries}, "").value == "1.31"
+    assert fatigue_fact(None, "why not").note == "why not"
+
+
+def unpacked(text: str) -> tuple[dict[str, Any], list[np.ndarray]]:
+    block = zlib.decompress(base64.b64decode(text))
+    (length,) = struct.unpack("<I", block[:4])
+    header = json.loads(block[4 : 4 + length])
+    rest = block[4 + length :]
+    arrays = [np.frombuffer(rest, a["type"], a["length"], a["offset"]) for a in header["arrays"]]
+    return header, arrays
+
+
+def test_packed_scenery_is_the_body_and_the_densities() -> None:
+    cone = trimesh.creation.cone(radius=9.0, height=31.0, sections=40)
+    density = np.random.default_rng(3).random((4, 3, 2))
+    grid = DensityGrid(np.array([1.0, 2.0, 3.0]), np.array([0.5, 1.5, 2.5]), density)
+    header, arrays = unpacked(
+        packed(Scenery((Body("cone", mesh_of(cone), (10.0, 20.0), 31.0),), (Step(5, grid),), ("n",)))
+    )
+    body = header["bodies"][0]
+    share = arrays[body["positions"]].reshape(-1, 3) / 65535
+    points = np.array(body["low_mm"]) + share * np.array(body["size_mm"])
+    faces = arrays[body["faces"]].reshape(-1, 3)
+    np.testing.assert_allclose(mesh_volume(points, faces), cone.volume, rtol=1e-3)
+    journal = arrays[body["journal"]].astype(bool)
+    heights = points[:, 2]
+    assert (heights[journal] < 10.01).any()
+    assert (heights[journal] > 19.99).any()
+    assert not ((heights[journal] > 10.01) & (heights[journal] < 19.99)).any()
+    assert ((heights[~journal] > 9.99) & (heights[~journal] < 20.01)).all()
+    steps = header["steps"]
+    assert (steps["shape"], steps["iterations"], steps["notes"]) == ([4, 3, 2], [5], ["n"])
+    found = arrays[steps["densities"][0]].reshape(4, 3, 2) / 255
+    np.testing.assert_allclose(found, density, atol=0.5 / 255)
+
+
+def mesh_volume(points: np.ndarray, faces: np.ndarray) -> float:
+    a, b, c = np.moveaxis(points[faces], 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def test_large_surfaces_are_simplified() -> None:
+    sphere = trimesh.creation.icosphere(subdivisions=7, radius=40.0)
+    assert len(sphere.faces) > 2 * MOST_FACES
+    text = packed(Scenery((Body("sphere", mesh_of(sphere), (-10.0, 10.0), 40.0),)))
+    header, arrays = unpacked(text)
+    body = header["bodies"][0]
+    faces = arrays[body["faces"]].reshape(-1, 3)
+    assert len(faces) < 1.1 * MOST_FACES
+    points = np.array(body["low_mm"]) + arrays[body["positions"]].reshape(-1, 3) / 65535 * np.array(
+        body["size_mm"]
+    )
+    assert mesh_volume(points, faces) == pytest.approx(4 / 3 * np.pi * 40.0**3, rel=5e-3)
+
+
+def test_steps_are_few_and_coarse_enough_and_keep_the_mass() -> None:
+    assert _spread(range(1, 200), 60)[0] == 1
+    assert _spread(range(1, 200), 60)[-1] == 199
+    assert len(set(_spread(range(1, 200), 60))) == 60
+    assert _spread([3, 4], 60) == [3, 4]
+    density = np.random.default_rng(1).random((51, 40, 27))
+    grid = DensityGrid(np.zeros(3), np.array([1.0, 2.0, 0.5]), density)
+    coarse = _coarse(grid, 500)
+    assert 500 * coarse.density.size < 1.3 * MOST_CELLS
+    assert coarse.volume_mm3() == pytest.approx(grid.volume_mm3(), rel=1e-12)
+    assert _coarse(grid, 1) is grid
+
+
+def test_markdown_has_the_same_content(tmp_path: Path) -> None:
+    table = Table(("design", "mass_kg", "because"), (("a", 1.23456, "x | y"), ("b", None, "z")), (0, 3, 0))
+    plot = picture("curve", "a straight line", lambda axes: axes.plot([0, 1]))
+    section = Section("one", "First part", "Words.", (("Values", table),), (plot,))
+    facts = (Fact("Mass", "1.2 kg", "less", "good"),)
+    path = tmp_path / "web.md"
+    write_markdown(Page("Title", "when", "Verdict.", facts, (section,)), path)
+    text = path.read_text(encoding="utf-8")
+    for line in ("# Title", "**Verdict.**", "- Mass: **1.2 kg** (less)", "## First part", "| b | - | z |"):
+        assert line in text.splitlines()
+    assert "| a | 1.235 | x \\| y |" in text
+    (name,) = re.findall(r"!\[a straight line\]\((.*?)\)", text)
+    assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
