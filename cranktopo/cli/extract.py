@@ -80,6 +80,7 @@ def _check(out: Path, force: bool) -> None:
 
 
 def _text(found: Extraction, path: Path) -> str:
+    from cranktopo.report.release_text import undercut_text
     from cranktopo.surface.extraction import LEAST_MEMBER_CELLS
 
     surface, gates = found.surface, found.gates
@@ -92,6 +93,7 @@ def _text(found: Extraction, path: Path) -> str:
         f"iso-value        {surface.iso_value:.4f}; distance of its surface {found.mean_distance_mm:.3f} mm "
         f"in the mean, {found.max_distance_mm:.3f} mm at most",
         f"thinnest member  {found.minimum_member_mm:.1f} mm, {cells:.1f} cells",
+        f"undercuts        {undercut_text(found.undercuts)}",
         f"surface          {gates.faces} faces, closed, 1 body, {gates.cavities} closed hollows, "
         f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
     ]

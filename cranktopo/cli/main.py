@@ -24,6 +24,8 @@ COMMANDS = {
     "fatigue": "Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
+    "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, closeness.",
+    "iterate": "The whole loop: remove a little, extract, re-model, judge, again inside the new solid.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
     "runs": "List, show or clean up runs.",
     "doctor": "Check this machine: Python, JAX, gmsh, memory, optional tools, and how to install them.",

@@ -34,6 +34,11 @@ _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
     type=Number("resolution", above=0.0),
     help="Largest cell edge, mm; default: the design's.",
 )
+@click.option(
+    "--process",
+    type=click.Choice(["free", "forged", "cast"]),
+    help="How the web is made: a die releases forged and cast ones along x; default: the design's.",
+)
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
 @click.option(
@@ -45,6 +50,7 @@ def command(
     design: str | None,
     volume_fraction: float | None,
     resolution_mm: float | None,
+    process: str | None,
     max_iterations: int | None,
     out: Path | None,
     resume: str | None,
@@ -54,7 +60,7 @@ def command(
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
-    if resume and (design or volume_fraction or resolution_mm or out):
+    if resume and (design or volume_fraction or resolution_mm or process or out):
         raise click.UsageError(
             "--resume takes the design and its options from the run; only --max-iterations may be given"
         )
@@ -66,6 +72,7 @@ def command(
         overrides = {
             "volume_fraction": volume_fraction,
             "resolution_mm": resolution_mm,
+            "process": process,
             "max_iterations": max_iterations,
         }
         scene, text = _scene(design or DEFAULT_DESIGN, overrides)
@@ -116,10 +123,15 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
 def _surface_warning(surface: dict[str, Any]) -> list[str]:
     if "refusal" in surface:
         return [f"no STL: {surface['refusal']}"]
-    cavities = surface["cavities"]
-    if not cavities:
-        return []
-    return [f"{cavities} closed hollow{'s' * (cavities > 1)} inside: no forging die or cutter reaches there"]
+    cavities, undercuts = surface["cavities"], surface["undercuts"]
+    lines = []
+    if cavities:
+        hollows = f"closed hollow{'s' * (cavities > 1)}"
+        lines.append(f"{cavities} {hollows} inside: no forging die or cutter reaches there")
+    if not undercuts["released"]:
+        volume = undercuts["volume_mm3"]
+        lines.append(f"{volume:.0f} mm3 of undercuts along x: no die that parts in x = 0 releases it")
+    return lines
 
 
 def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:

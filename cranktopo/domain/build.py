@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -25,15 +26,18 @@ from cranktopo.domain.outline import (
     web_bounds_mm,
     web_outline,
 )
+from cranktopo.domain.stl import check_symmetric
 from cranktopo.errors import invalid
-from cranktopo.scene.geometry import Envelope, Journal
+from cranktopo.scene.bevel import bevel_cuts_mm
+from cranktopo.scene.geometry import Envelope, Journal, SidePocket, Web
 from cranktopo.scene.schema import Scene
+from cranktopo.scene.side_pocket import side_cuts_mm, side_floor_mm
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
 Target = Literal["envelope", "web"]
 Array = NDArray[np.float64]
 SAMPLES = 32
-STL_SECTIONS = 32
+SECTIONS = 32
 
 
 @dataclass(frozen=True)
@@ -124,6 +128,9 @@ def build_domain(
     """
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
+    envelope = scene.envelope
+    if target == "envelope" and extent == "quarter" and envelope is not None and envelope.shape == "stl":
+        check_symmetric(Path(envelope.file))
     layers = _layers(scene, target)
     grid = grid or _grid(scene, resolution_mm, target, extent)
     sampled: dict[Shape, Array] = {}  # a shape serves as design and as web: sample it once
@@ -164,12 +171,11 @@ def _web_cuts(scene: Scene, target: Target) -> list[float]:
     if target == "envelope":
         envelope = _envelope(scene)
         low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
-        return list(np.linspace(low, high, STL_SECTIONS + 1)) if envelope.shape == "stl" else [low, high]
-    cuts: list[float] = []
+        return list(np.linspace(low, high, SECTIONS + 1)) if envelope.shape == "stl" else [low, high]
+    cuts = [start + height for height in bevel_cuts_mm(scene.web, SECTIONS)]
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            middle = (start + stop) / 2
-            cuts += [middle - pocket.height_mm / 2, middle + pocket.height_mm / 2]
+            cuts += [start + height for height in side_cuts_mm(scene.web, pocket, SECTIONS)]
         elif pocket.face == "journal" and pocket.depth_mm:
             cuts.append(start + pocket.depth_mm)
         elif pocket.face == "pin" and pocket.depth_mm:
@@ -187,7 +193,8 @@ def _web_layer(scene: Scene, target: Target, z: tuple[float, float]) -> _Layer:
         if journal.bore_radius_mm > 0
     ]
     if target == "web":
-        shape = _without(web_outline(scene.web, throw.radius_mm), bores + _pockets_at(scene, middle))
+        outline = web_outline(scene.web, throw.radius_mm, middle - start)
+        shape = _without(outline, bores + _pockets_at(scene, middle))
         return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
     envelope = _envelope(scene)
     if start + envelope.bearing_clearance_mm < middle < stop - envelope.rod_clearance_mm:
@@ -204,9 +211,7 @@ def _pockets_at(scene: Scene, z: float) -> list[Shape]:
     shapes: list[Shape] = []
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            if abs(z - (start + stop) / 2) <= pocket.height_mm / 2:
-                half = web_bounds_mm(scene)[1]
-                shapes.append(_side_slots(half - pocket.depth_mm, pocket.y_mm, pocket.length_mm / 2))
+            shapes.append(_side_slots(scene.web, pocket, z - start))
             continue
         depth = pocket.depth_mm or scene.web.thickness_mm
         from_face = {"journal": z - start, "pin": stop - z, "through": 0.0}[pocket.face]
@@ -219,8 +224,8 @@ def _pockets_at(scene: Scene, z: float) -> list[Shape]:
     return shapes
 
 
-def _side_slots(inner: float, y_mm: float, half_length: float) -> Shape:
-    return lambda x, y: (np.abs(x) >= inner) & (np.abs(y - y_mm) <= half_length)
+def _side_slots(web: Web, pocket: SidePocket, height_mm: float) -> Shape:
+    return lambda x, y: np.abs(x) >= side_floor_mm(web, pocket, height_mm, y)
 
 
 def _box(x_mm: float, y_mm: float, half_x: float, half_y: float) -> Shape:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.stl import bounds_mm, section
+from cranktopo.scene.bevel import throw_range_mm
 from cranktopo.scene.geometry import Envelope, Web
 from cranktopo.scene.outline import half_width_mm, largest_half_width_mm, y_range_mm
 from cranktopo.scene.schema import Scene
@@ -25,16 +26,18 @@ def disc(radius_mm: float, y_mm: float = 0.0, x_mm: float = 0.0) -> Shape:
     return lambda x, y: (x - x_mm) ** 2 + (y - y_mm) ** 2 <= radius_mm**2
 
 
-def web_outline(web: Web, throw_radius_mm: float) -> Shape:
-    """Outline of the web without bores and pockets.
+def web_outline(web: Web, throw_radius_mm: float, height_mm: float) -> Shape:
+    """Outline of the web at a height, less its end bevels; bores and pockets are not cut out.
 
     Args:
         web: the web table of the scene.
         throw_radius_mm: distance of the crankpin axis from the crank axis, mm.
+        height_mm: height over the journal face of the web.
     """
+    low, high = throw_range_mm(web, throw_radius_mm, height_mm)
 
     def inside(x: Coordinates, y: Coordinates) -> NDArray[np.bool_]:
-        return np.asarray(np.abs(x) < half_width_mm(web, throw_radius_mm, y))
+        return np.asarray((np.abs(x) < half_width_mm(web, throw_radius_mm, y)) & (y >= low) & (y <= high))
 
     return inside
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 _KEY = "envelope.file"
+_ALIKE = 1e-6
 
 
 def envelope_from_stl(path: Path) -> Manifold:
@@ -37,6 +38,23 @@ def bounds_mm(path: Path) -> tuple[float, float, float, float]:
     """Range of the body: (x_min, x_max, y_min, y_max), mm."""
     box = envelope_from_stl(path).bounding_box()
     return box[0], box[3], box[1], box[4]
+
+
+def check_symmetric(path: Path) -> None:
+    """Check that the body is its own mirror image in x = 0.
+
+    Raises:
+        CranktopoError: both sides differ by more than a millionth of the volume.
+    """
+    body = envelope_from_stl(path)
+    share = (body - body.mirror((1.0, 0.0, 0.0))).volume() / body.volume()
+    if share > _ALIKE:
+        raise invalid(
+            "envelope.symmetric",
+            True,
+            f"the sides of '{path}' differ by {100 * share:.3g} % of its volume",
+            "Set it to false.",
+        )
 
 
 def section(path: Path, z_mm: float) -> list[NDArray[np.float64]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from cranktopo.effects.effect import EffectPlan
+from cranktopo.effects.effect import EffectPlan, Switch
 from cranktopo.scene import Scene
 
 # Effects that are features of both journals, and the dimension that makes them.
@@ -13,7 +13,8 @@ _FEATURES: dict[Feature, str] = {"bores": "bore_diameter_mm", "fillets": "fillet
 
 
 def simulated_scene(scene: Scene, plan: EffectPlan) -> Scene:
-    """The scene without the bores and fillets that are off, its mirror off where the plan has none.
+    """The scene without the bores and fillets that are off, its mirror off where the plan has none, and the
+    manufacturing constraint on where the plan has it on.
 
     Args:
         scene: what the user wrote.
@@ -25,10 +26,18 @@ def simulated_scene(scene: Scene, plan: EffectPlan) -> Scene:
     for feature in _FEATURES:
         if feature not in plan.enabled:
             scene = without(scene, feature)
-    if "lateral_symmetry" in plan.enabled or scene.effects.lateral_symmetry == "off":
+    if "lateral_symmetry" not in plan.enabled:
+        scene = _switched(scene, "lateral_symmetry", "off")
+    if "manufacturing_constraint" in plan.enabled:
+        scene = _switched(scene, "manufacturing_constraint", "on")
+    return scene
+
+
+def _switched(scene: Scene, effect: str, state: Switch) -> Scene:
+    """The scene with one effect switched; the same object when it is so already."""
+    if getattr(scene.effects, effect) == state:
         return scene
-    effects = scene.effects.model_copy(update={"lateral_symmetry": "off"})
-    return scene.model_copy(update={"effects": effects})
+    return scene.model_copy(update={"effects": scene.effects.model_copy(update={effect: state})})
 
 
 def without(scene: Scene, feature: Feature) -> Scene:

@@ -87,9 +87,13 @@ def lateral_symmetry(facts: Facts) -> Estimate:
 
 
 def manufacturing_constraint(facts: Facts) -> Estimate:
-    """No closed form: what it costs is the difference between two optimisations."""
-    absent = "no closed form tells its size, and the scene asks for no process"
-    return Estimate(None, "", "the shape may have undercuts and closed hollows", absent=absent)
+    """A die that parts in x = 0; what it costs is the difference between two optimisations."""
+    process = facts.scene.optimise.process
+    changes = "the shape may have undercuts and closed hollows"
+    why = "a die that parts in the plane x = 0 must release the web along x"
+    if process in ("forged", "cast"):
+        return Estimate(None, why, changes, needed=f"optimise.process is {process}")
+    return Estimate(None, "", changes, absent=f"optimise.process is {process}: no die to release from")
 
 
 def fatigue(facts: Facts) -> Estimate:

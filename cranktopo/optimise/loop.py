@@ -22,13 +22,14 @@ from cranktopo.fem.response import (
 )
 from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise.criteria import update
+from cranktopo.optimise.draw import open_cells
 from cranktopo.optimise.material import (
     Interpolation,
     build_interpolation,
-    filtered,
     greyness,
     physical_density,
     relative_moduli,
+    smooth_density,
     solid_fraction,
     volume_fraction,
 )
@@ -105,7 +106,9 @@ def build_problem(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Pr
 
 def build_chain(scene: Scene, domain: Domain) -> Interpolation:
     """The density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
-    return build_interpolation(domain, scene.optimise.filter_radius_mm or default_filter_radius_mm(domain))
+    radius = scene.optimise.filter_radius_mm or default_filter_radius_mm(domain)
+    die = scene.effects.manufacturing_constraint == "on"
+    return build_interpolation(domain, radius, open_cells(scene, domain) if die else None)
 
 
 def default_filter_radius_mm(domain: Domain) -> float:
@@ -189,7 +192,7 @@ def design_of(chain: Interpolation, x: Array, beta: float) -> Design:
     """Densities of design variables (nx, ny, nw) at a projection steepness."""
     variables = jnp.asarray(x)
     return Design(
-        filtered=np.asarray(filtered(chain, variables) * (chain.design > 0)),
+        filtered=np.asarray(smooth_density(chain, variables) * (chain.design > 0)),
         physical=np.asarray(physical_density(chain, variables, beta)),
     )
 

@@ -1,7 +1,7 @@
 """From design variables to relative moduli: density filter, projection, SIMP.
 
-The design variables live on the cells of the web slab. The chain is x -> filtered -> projected density
-(the physical one) -> modulus; every function is differentiable by JAX.
+The design variables live on the cells of the web slab. The chain is x -> filtered (and, for a die, drawn)
+-> projected density (the physical one) -> modulus; every function is differentiable by JAX.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
+from cranktopo.optimise.draw import drawn, parting_index, reachable
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,7 @@ class Interpolation:
         slab: range of z layers that holds the web.
         kernel: cone weights of the density filter, odd sizes per axis.
         mirrored_x: whether the filter reflects at the first x plane.
+        parting: x cells on the negative side of a die's parting plane x = 0; None without a die.
     """
 
     fixed: jax.Array
@@ -39,6 +41,7 @@ class Interpolation:
     slab: tuple[int, int]
     kernel: jax.Array
     mirrored_x: bool
+    parting: int | None = None
 
     @property
     def total(self) -> jax.Array:
@@ -46,22 +49,32 @@ class Interpolation:
         return jnp.sum(self.design)
 
 
-def build_interpolation(domain: Domain, filter_radius_mm: float) -> Interpolation:
+def build_interpolation(
+    domain: Domain, filter_radius_mm: float, open_to_die: NDArray[np.bool_] | None = None
+) -> Interpolation:
     """The density-to-modulus chain of a domain; call inside `double_precision()`.
 
     Args:
         domain: the cells.
         filter_radius_mm: radius of the cone filter, mm; it sets the smallest member.
+        open_to_die: for a web from a die, (nx, ny, nw) cells that are no obstacle, as `draw.open_cells`
+            gives them; what lies behind an obstacle is not designable.
     """
     slab = domain.web_layers
     dx, dy, dz = domain.grid.steps_mm
     steps = float(dx[0]), float(dy[0]), float(dz[slab[0]])
+    design = domain.design[:, :, slab[0] : slab[1]]
+    parting = None
+    if open_to_die is not None:
+        parting = parting_index(domain)
+        design = design * reachable(open_to_die, parting)
     return Interpolation(
         fixed=jnp.asarray(domain.fixed),
-        design=jnp.asarray(domain.design[:, :, slab[0] : slab[1]]),
+        design=jnp.asarray(design),
         slab=slab,
         kernel=jnp.asarray(cone_kernel(steps, filter_radius_mm)),
         mirrored_x=domain.mirrored_x,
+        parting=parting,
     )
 
 
@@ -84,6 +97,12 @@ def filtered(data: Interpolation, x: jax.Array) -> jax.Array:
     return _convolve(data, x * data.design) / jnp.where(weight > 0, weight, 1.0)
 
 
+def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
+    """Filtered density, releasable along x where the chain has a die; its iso-surface bounds the web."""
+    smooth = filtered(data, x)
+    return smooth if data.parting is None else drawn(smooth, data.design > 0, data.parting)
+
+
 def projected(density: jax.Array, beta: float | jax.Array) -> jax.Array:
     """Smoothed Heaviside projection; steeper with beta.
 
@@ -96,7 +115,7 @@ def projected(density: jax.Array, beta: float | jax.Array) -> jax.Array:
 
 def physical_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
     """Physical density (nx, ny, nw) of the web slab, 0 outside the design space."""
-    return projected(filtered(data, x), beta) * (data.design > 0)
+    return projected(smooth_density(data, x), beta) * (data.design > 0)
 
 
 def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
@@ -136,5 +155,5 @@ def _convolve(data: Interpolation, values: jax.Array) -> jax.Array:
 
 
 jax.tree_util.register_dataclass(
-    Interpolation, data_fields=["fixed", "design", "kernel"], meta_fields=["slab", "mirrored_x"]
+    Interpolation, data_fields=["fixed", "design", "kernel"], meta_fields=["slab", "mirrored_x", "parting"]
 )

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cranktopo.errors import CranktopoError, invalid
-from cranktopo.remodel.features import Disc, Feature, bores, pockets
+from cranktopo.remodel.features import Disc, Feature, Wedge, bores, pockets
 from cranktopo.scene import Scene
+from cranktopo.scene.bevel import bevel_arc, height_range_mm
 from cranktopo.scene.geometry import CylinderPocket, Journal, Pocket, RectangleWeb
 from cranktopo.scene.outline import half_width_mm, y_range_mm
 
@@ -27,6 +28,7 @@ def check_solid(scene: Scene) -> None:
         _check_corner(scene.web)
     _check_journal(scene, "throw.main_journal", scene.throw.main_journal, 0.0)
     _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
+    _check_bevels(scene)
     for index, pocket in enumerate(scene.web.pocket):
         _check_depth(scene, f"web.pocket[{index}]", pocket)
     for feature in pockets(scene):
@@ -79,6 +81,24 @@ def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
         )
 
 
+def _check_bevels(scene: Scene) -> None:
+    """A bevel keeps clear of the journal that stands on its face."""
+    throw = scene.throw
+    for index, bevel in enumerate(scene.web.bevel):
+        arc = bevel_arc(scene.web, throw.radius_mm, bevel)
+        on_main = bevel.face == "journal"
+        journal = throw.main_journal if on_main else throw.crankpin
+        room = arc.start_mm - (0.0 if on_main else -throw.radius_mm) - SHOULDER_MM
+        if journal.radius_mm + journal.fillet_mm > room + _ROUNDING_MM:
+            name = "main_journal" if on_main else "crankpin"
+            raise invalid(
+                f"web.bevel[{index}].y_mm",
+                bevel.y_mm,
+                f"starts {room + SHOULDER_MM:.4g} mm from the axis of throw.{name}, which needs "
+                f"{journal.radius_mm + journal.fillet_mm + SHOULDER_MM:.4g} mm for its radius and fillet",
+            )
+
+
 def _check_depth(scene: Scene, key: str, pocket: Pocket) -> None:
     thickness = scene.web.thickness_mm
     if isinstance(pocket, CylinderPocket):
@@ -88,7 +108,10 @@ def _check_depth(scene: Scene, key: str, pocket: Pocket) -> None:
         depth: float | None = pocket.depth_mm
         name = "depth_mm"
     elif pocket.shape == "side":
-        depth, name = pocket.height_mm, "height_mm"
+        depth, name = (
+            pocket.height_mm + 2 * (pocket.slope * pocket.depth_mm + abs(pocket.offset_mm)),
+            "height_mm",
+        )
     else:
         depth, name = pocket.depth_mm, "depth_mm"
     if depth is not None and depth >= thickness:
@@ -100,12 +123,34 @@ def _check_pocket(scene: Scene, feature: Feature) -> None:
         raise CranktopoError(
             f"{feature.key}: lies outside the web's outline and removes nothing.", hint="Move or remove it."
         )
+    if isinstance(feature, Wedge):
+        _check_wedge(scene, feature)
     for bore in bores(scene):
         if _distance(feature, bore) < SHOULDER_MM:
             raise CranktopoError(
                 f"{feature.key}: cuts the bore {bore.key} = {2 * bore.radius_mm:g} mm.",
                 hint=f"Keep at least {SHOULDER_MM:g} mm of web between the pocket and the bore.",
             )
+
+
+def _check_wedge(scene: Scene, wedge: Wedge) -> None:
+    """Sloped walls stay inside the bevels and clear of other pockets."""
+    web, radius, start = scene.web, scene.throw.radius_mm, scene.web_z_mm[0]
+    y = np.linspace(*wedge.y_range_mm, 401)
+    half = half_width_mm(web, radius, y)
+    height = wedge.half_height_mm + wedge.slope * (half - wedge.floor_mm)
+    low, high = height_range_mm(web, radius, y)
+    middle = wedge.z_centre_mm - start
+    cut = half > wedge.open_from_mm(y)
+    if (cut & ((middle - height < low) | (middle + height > high))).any():
+        raise CranktopoError(
+            f"{wedge.key}: its sloped walls run into a bevel.", hint="Shorten the pocket or the bevel."
+        )
+    for other in pockets(scene):
+        if other.key != wedge.key and other.z_mm[0] < wedge.z_mm[1] and other.z_mm[1] > wedge.z_mm[0]:
+            (a0, a1), (b0, b1) = wedge.spans(y), other.spans(y)
+            if (np.minimum(a1, b1) > np.maximum(a0, b0)).any():
+                raise CranktopoError(f"{wedge.key}: meets {other.key}.", hint="Move them apart.")
 
 
 def _distance(feature: Feature, bore: Disc) -> float:

@@ -7,11 +7,11 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.checks import check_solid
-from cranktopo.remodel.session import cad_session
+from cranktopo.remodel.session import cad_session, triangles
 from cranktopo.remodel.throw_solid import (
     add_crankshaft,
     add_full_throw,
@@ -21,6 +21,9 @@ from cranktopo.remodel.throw_solid import (
 from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.remodel.web_solid import DimTags, add_web
 from cranktopo.scene import Scene
+
+if TYPE_CHECKING:
+    from cranktopo.surface.mesh import SurfaceMesh
 
 PartName = Literal["web", "half", "throw", "crankshaft"]
 STEP_TOLERANCE = 1e-6
@@ -65,6 +68,22 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
     finally:
         partial.unlink(missing_ok=True)
     return volume
+
+
+def surface_of(scene: Scene, part: PartName, facet_mm: float = 1.0) -> SurfaceMesh:
+    """Closed triangle mesh of a part of a scene; arguments as `export_solid`.
+
+    Raises:
+        CranktopoError: impossible dimensions.
+    """
+    from cranktopo.surface.mesh import SurfaceMesh
+
+    with cad_session(f"{part} of {scene.name}") as gmsh:
+        body = _add(gmsh.model.occ, scene, part)
+        gmsh.model.occ.synchronize()
+        _triangulate(gmsh, body, facet_mm)
+        vertices, faces = triangles(gmsh)
+    return SurfaceMesh(vertices, faces)
 
 
 def step_volume_mm3(path: Path) -> float:

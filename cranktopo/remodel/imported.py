@@ -69,7 +69,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
     from cranktopo.surface.mesh import solid_of
     from cranktopo.surface.solids import is_mirror_image
 
-    surface = _read_surface(path, scene)
+    surface = read_surface(path, scene)
     body = solid_of(surface.vertices, surface.faces, str(path))
     x, y, z = (float(c) for c in surface.center_mass)
     half = SolidProperties(float(surface.volume), (x, y, z), _inertia_z(surface))
@@ -80,8 +80,12 @@ def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
     return Part(TetMesh(points, cells, mirrored), half, _slab_volume(body, scene.web_z_mm))
 
 
-def _read_surface(path: Path, scene: Scene) -> Any:
-    """The checked surface, its end sections snapped onto their planes."""
+def read_surface(path: Path, scene: Scene) -> Any:
+    """The closed surface (trimesh) of the half throw in an STL file, its ends snapped onto their planes.
+
+    Raises:
+        CranktopoError: unreadable, not watertight, several bodies, or another extent than the half throw's.
+    """
     import trimesh
 
     try:

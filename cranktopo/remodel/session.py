@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 
+_TRIANGLE = 2
+
 
 @contextmanager
 def cad_session(what: str) -> Iterator[Any]:
@@ -64,6 +66,18 @@ def tetrahedra(gmsh: Any, element_type: int, corners: int) -> tuple[NDArray[np.f
         raise CranktopoError(
             "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
         )
+    return coordinates.reshape(-1, 3), _numbers(tags)[nodes].reshape(-1, corners)
+
+
+def triangles(gmsh: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices (n, 3) in mm and outward faces (m, 3) of the open session's surface mesh."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, corners = gmsh.model.mesh.getElementsByType(_TRIANGLE)
+    return coordinates.reshape(-1, 3), _numbers(tags)[corners].reshape(-1, 3)
+
+
+def _numbers(tags: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Row of each node by its tag."""
     number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     number[tags] = np.arange(len(tags))
-    return coordinates.reshape(-1, 3), number[nodes].reshape(-1, corners)
+    return number

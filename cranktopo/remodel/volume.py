@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError
-from cranktopo.remodel.features import Feature, bores, pockets
+from cranktopo.remodel.features import Feature, Wedge, bores, pockets
 from cranktopo.scene import Scene
+from cranktopo.scene.bevel import bevel_arc, height_range_mm
 from cranktopo.scene.geometry import Journal, ProfileWeb, RectangleWeb, Web
 from cranktopo.scene.outline import half_width_mm, outline_kinks_mm, y_range_mm
 
 Array = NDArray[np.float64]
-_POINTS = 400
+_POINTS = 200
+_SEARCH = 201
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:
@@ -41,33 +44,91 @@ def web_volume_mm3(scene: Scene) -> float:
         CranktopoError: a pocket cuts a chamfered edge (no such closed form).
     """
     features: list[Feature] = [*bores(scene), *pockets(scene)]
-    levels = sorted({*scene.web_z_mm, *(z for f in features for z in f.z_mm)})
+    wedges = [f for f in features if isinstance(f, Wedge)]
+    prisms = [f for f in features if not isinstance(f, Wedge)]
+    levels = sorted({*scene.web_z_mm, *(z for f in prisms for z in f.z_mm)})
     total = 0.0
     for low, high in pairwise(levels):
-        cuts = [f for f in features if f.z_mm[0] <= low and f.z_mm[1] >= high]
-        total += (high - low) * _layer_area(scene, cuts)
-    return total - 2 * _chamfer_volume(scene)
+        cuts = [f for f in prisms if f.z_mm[0] <= low and f.z_mm[1] >= high]
+        total += _layer_volume(scene, cuts, (low, high))
+    return total - sum(_wedge_volume(scene, wedge) for wedge in wedges) - 2 * _chamfer_volume(scene)
 
 
-def _layer_area(scene: Scene, cuts: list[Feature]) -> float:
+def _layer_volume(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, float]) -> float:
+    """Volume between two heights; bevels make the layer's height depend on the place along the throw."""
+    web, radius, start = scene.web, scene.throw.radius_mm, scene.web_z_mm[0]
+
+    def slice_area(y: Array) -> Array:
+        half = half_width_mm(web, radius, y)
+        low, high = height_range_mm(web, radius, y)
+        height = np.minimum(layer[1], start + high) - np.maximum(layer[0], start + low)
+        return np.asarray(np.maximum(height, 0.0) * (2 * half - _cut_length(cuts, y, half)))
+
+    return _integrate(slice_area, _breaks(scene, cuts, layer))
+
+
+def _wedge_volume(scene: Scene, wedge: Wedge) -> float:
+    """Volume that one slot with sloped walls takes from the web: trapezoids of x and z along the throw."""
+
+    def slice_area(y: Array) -> Array:
+        outer = half_width_mm(scene.web, scene.throw.radius_mm, y) - wedge.floor_mm
+        inner = wedge.open_from_mm(y) - wedge.floor_mm
+        area = 2 * wedge.half_height_mm * (outer - inner) + wedge.slope * (outer**2 - inner**2)
+        return np.asarray(np.where(outer > inner, area, 0.0))
+
+    corners = {wedge.y_mm - wedge.half_length_mm, wedge.y_mm + wedge.half_length_mm}
+    return _integrate(slice_area, sorted(corners | set(_breaks(scene, [wedge], scene.web_z_mm))))
+
+
+def _breaks(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, float]) -> list[float]:
+    """Places along the throw where a section's width or height has a kink, the ends of the web included."""
     web, radius = scene.web, scene.throw.radius_mm
     low, high = y_range_mm(web, radius)
-    breaks = {*outline_kinks_mm(web, radius), *(y for f in cuts for y in f.y_range_mm)}
-    inside = sorted(y for y in breaks if low <= y <= high)
-    return sum(_integrate_width(scene, cuts, a, b) for a, b in pairwise(inside) if b > a)
+    found = {*outline_kinks_mm(web, radius), *(y for f in cuts for y in f.y_range_mm)}
+    for bevel in web.bevel:
+        arc = bevel_arc(web, radius, bevel)
+        heights = [z - scene.web_z_mm[0] for z in layer]
+        depths = heights if bevel.face == "journal" else [web.thickness_mm - z for z in heights]
+        found.add(bevel.y_mm)
+        found |= {arc.outward * arc.reach_at_mm(d) for d in depths if 0 <= d < bevel.depth_mm}
+    inside = sorted(y for y in found if low <= y <= high)
+    return sorted({*inside, *(y for a, b in pairwise(inside) for y in _crossings(scene, cuts, a, b))})
 
 
-def _integrate_width(scene: Scene, cuts: list[Feature], start: float, end: float) -> float:
+def _crossings(scene: Scene, cuts: Sequence[Feature], start: float, end: float) -> list[float]:
+    """Where the edge of a cut crosses the outline between two places, by bisection."""
+    from scipy.optimize import brentq
+
+    def gap(y: float, cut: Feature, edge: int) -> float:
+        at = np.array([y])
+        half = half_width_mm(scene.web, scene.throw.radius_mm, at)
+        return float(abs(cut.spans(at)[edge][0]) - half[0])
+
+    margin = 1e-9 * (end - start)
+    grid = np.linspace(start + margin, end - margin, _SEARCH)
+    half = half_width_mm(scene.web, scene.throw.radius_mm, grid)
+    found = []
+    for cut in cuts:
+        for edge, x in enumerate(cut.spans(grid)):
+            signs = np.sign(np.abs(x) - half)
+            for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+                found.append(float(brentq(gap, grid[i], grid[i + 1], args=(cut, edge), xtol=1e-12)))
+    return found
+
+
+def _integrate(function: Callable[[Array], Array], breaks: list[float]) -> float:
     """Gauss quadrature in the cosine of y, which takes the square roots at the ends of round shapes."""
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
     angle = (nodes + 1) * math.pi / 2
-    y = (start + end) / 2 - (end - start) / 2 * np.cos(angle)
-    scale = (end - start) / 2 * np.sin(angle) * math.pi / 2
-    half = half_width_mm(scene.web, scene.throw.radius_mm, y)
-    return float(np.sum(weights * scale * (2 * half - _cut_length(cuts, y, half))))
+    total = 0.0
+    for start, end in pairwise(breaks):
+        y = (start + end) / 2 - (end - start) / 2 * np.cos(angle)
+        scale = (end - start) / 2 * np.sin(angle) * math.pi / 2
+        total += float(np.sum(weights * scale * function(y)))
+    return total
 
 
-def _cut_length(cuts: list[Feature], y: Array, half: Array) -> Array:
+def _cut_length(cuts: Sequence[Feature], y: Array, half: Array) -> Array:
     """Length of the union of the cuts' lateral intervals inside the outline at each y, mm."""
     if not cuts:
         return np.zeros_like(y)

@@ -6,16 +6,19 @@ import math
 from itertools import pairwise
 from typing import Any
 
-from cranktopo.remodel.features import Disc, Feature, bores, pockets
+from cranktopo.remodel.features import Disc, Feature, Wedge, bores, pockets
 from cranktopo.scene import Scene
+from cranktopo.scene.bevel import bevel_arc
 from cranktopo.scene.geometry import (
     EllipseWeb,
+    EndBevel,
     ObroundWeb,
     ProfileWeb,
     RectangleWeb,
     TaperedWeb,
 )
-from cranktopo.scene.outline import profile_slopes, tangent_sine, y_range_mm
+from cranktopo.scene.outline import largest_half_width_mm, tangent_sine, y_range_mm
+from cranktopo.scene.profile import profile_flank
 
 DimTags = list[tuple[int, int]]
 
@@ -36,6 +39,7 @@ def add_web(occ: Any, scene: Scene) -> DimTags:
     if scene.web.chamfer_mm:
         web = _chamfer(occ, web, scene.web.chamfer_mm, start, end)
     tools = [add_feature(occ, feature, feature.z_mm) for feature in (*bores(scene), *pockets(scene))]
+    tools += [_bevel_tool(occ, scene, bevel) for bevel in scene.web.bevel]
     if tools:
         web, _ = occ.cut(web, tools)
     return web
@@ -44,10 +48,61 @@ def add_web(occ: Any, scene: Scene) -> DimTags:
 def add_feature(occ: Any, feature: Feature, z_mm: tuple[float, float]) -> tuple[int, int]:
     """The body of a bore or pocket over an axial range, as a gmsh (dimension, tag) pair."""
     height = z_mm[1] - z_mm[0]
+    if isinstance(feature, Wedge):
+        return _wedge(occ, feature)
     if isinstance(feature, Disc):
         return 3, occ.addCylinder(feature.x_mm, feature.y_mm, z_mm[0], 0, 0, height, feature.radius_mm)
     (x0, x1), (y0, y1) = feature.x_range_mm, feature.y_range_mm
     return 3, occ.addBox(x0, y0, z_mm[0], x1 - x0, y1 - y0, height)
+
+
+def _wedge(occ: Any, wedge: Wedge) -> tuple[int, int]:
+    """A frustum between the slot's floor and its opening, from six plane faces."""
+    opening = wedge.slope * (wedge.outer_mm - wedge.floor_mm)
+    rings = []
+    for x, more in ((wedge.floor_mm, 0.0), (wedge.outer_mm, opening)):
+        half_y, half_z = wedge.half_length_mm + more, wedge.half_height_mm + more
+        corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        rings.append(
+            [
+                occ.addPoint(wedge.side * x, wedge.y_mm + j * half_y, wedge.z_centre_mm + k * half_z)
+                for j, k in corners
+            ]
+        )
+    floor, mouth = ([occ.addLine(a, b) for a, b in _around(ring)] for ring in rings)
+    ribs = [occ.addLine(a, b) for a, b in zip(*rings, strict=True)]
+    loops = [floor, mouth]
+    loops += [[floor[i], ribs[(i + 1) % 4], mouth[i], ribs[i]] for i in range(4)]
+    faces = [_face(occ, loop) for loop in loops]
+    return 3, occ.addVolume([occ.addSurfaceLoop(faces, sewing=True)])
+
+
+def _around(ring: list[int]) -> list[tuple[int, int]]:
+    return list(pairwise([*ring, ring[0]]))
+
+
+def _bevel_tool(occ: Any, scene: Scene, bevel: EndBevel) -> tuple[int, int]:
+    """What a bevel takes off: its arc, continued along the tangent beyond the web, extruded across."""
+    arc = bevel_arc(scene.web, scene.throw.radius_mm, bevel)
+    face, into = (scene.web_z_mm[0], 1.0) if bevel.face == "journal" else (scene.web_z_mm[1], -1.0)
+    wide, far = 2 * largest_half_width_mm(scene.web), arc.chord_mm
+
+    def point(depth: float, reach: float) -> int:
+        tag: int = occ.addPoint(-wide, arc.outward * reach, face + into * depth)
+        return tag
+
+    slope = math.atan2(arc.end_mm - arc.start_mm, arc.depth_mm)
+    slope -= 2 * math.atan(2 * arc.crown_mm / arc.chord_mm)
+    start, end = point(0.0, arc.start_mm), point(arc.depth_mm, arc.end_mm)
+    beyond = point(arc.depth_mm + far * math.cos(slope), arc.end_mm + far * math.sin(slope))
+    top = arc.end_mm + 2 * far
+    corners = [end, beyond, point(arc.depth_mm + far * math.cos(slope), top), point(-far, top)]
+    corners += [point(-far, arc.start_mm), start]
+    straight = math.isinf(arc.radius_mm)
+    curved = occ.addLine(start, end) if straight else occ.addCircleArc(start, point(*arc.centre_mm), end)
+    section = _face(occ, [curved, *(occ.addLine(a, b) for a, b in pairwise(corners))])
+    made = occ.extrude([(2, section)], 2 * wide, 0, 0)
+    return next((dim, tag) for dim, tag in made if dim == 3)
 
 
 def _chamfer(occ: Any, web: DimTags, size: float, start: float, end: float) -> DimTags:
@@ -123,7 +178,7 @@ def _hull(occ: Any, radii: tuple[float, float], radius: float, sine: float, z: f
 
 
 def _profile(occ: Any, web: ProfileWeb, z: float) -> list[int]:
-    """Right flank, end, left flank, end; a flank is one Bezier cubic per station, exactly the monotone cubic.
+    """Right flank, end, left flank, end; a flank is one Bezier cubic per station, exactly the spline.
 
     One B-spline over all stations would be shorter, but the kernel loses 0.3 % of the volume of such a face.
     """
@@ -145,12 +200,13 @@ def _profile(occ: Any, web: ProfileWeb, z: float) -> list[int]:
 def _flank(
     occ: Any, web: ProfileWeb, corners: dict[tuple[float, float], int], side: float, z: float
 ) -> list[int]:
-    y, half, slopes = web.stations_mm, web.half_widths_mm, profile_slopes(web)
+    flank = profile_flank(web)
+    thirds = flank.slopes / 3
     curves = []
-    for i in range(len(y) - 1):
-        third = (y[i + 1] - y[i]) / 3
-        leave = occ.addPoint(side * (half[i] + slopes[i] * third), y[i] + third, z)
-        arrive = occ.addPoint(side * (half[i + 1] - slopes[i + 1] * third), y[i + 1] - third, z)
-        start, end = corners[side * half[i], y[i]], corners[side * half[i + 1], y[i + 1]]
-        curves.append(occ.addBezier([start, leave, arrive, end]))
+    for i, length in enumerate(flank.lengths_mm):
+        (x0, y0), (x1, y1) = flank.points_mm[i : i + 2]
+        (dx0, dy0), (dx1, dy1) = thirds[i : i + 2] * length
+        leave = occ.addPoint(side * (x0 + dx0), y0 + dy0, z)
+        arrive = occ.addPoint(side * (x1 - dx1), y1 - dy1, z)
+        curves.append(occ.addBezier([corners[side * x0, y0], leave, arrive, corners[side * x1, y1]]))
     return curves

@@ -166,6 +166,7 @@ def _surface(outputs: Outputs) -> dict[str, Any]:
         "dropped_islands": surface.dropped_islands,
         "dropped_volume_mm3": surface.dropped_volume_mm3,
         "x_symmetric": surface.x_symmetric,
+        "undercuts": outputs.skin.undercuts.as_json(),
     }
 
 

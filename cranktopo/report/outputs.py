@@ -24,6 +24,7 @@ from cranktopo.surface import (
     slab_fields,
     write_stl,
 )
+from cranktopo.surface.release import Undercuts, undercuts
 
 Array = NDArray[np.float64]
 
@@ -35,10 +36,12 @@ class Skin:
     Attributes:
         surface: the extracted surface.
         gates: its checked properties.
+        undercuts: what a die that parts in x = 0 could not release.
     """
 
     surface: WebSurface
     gates: GateReport
+    undercuts: Undercuts
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,8 @@ def write_outputs(
 def _skin(scene: Scene, domain: Domain, design: Design) -> Skin:
     grid, usable, smooth = slab_fields(domain, design)
     surface = extract_half_throw(grid, scene, usable, smooth)
-    return Skin(surface, check_surface(surface))
+    step = float(grid.cell_mm.min()) / 2
+    return Skin(surface, check_surface(surface), undercuts(surface.web, scene, step))
 
 
 def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -48,13 +49,24 @@ class CylinderPocket(Table):
 
 
 class SidePocket(Table):
-    """Slot cut from both lateral faces, symmetric in x."""
+    """Slot cut from both lateral faces, symmetric in x.
+
+    Length and height are those of its floor, the innermost face; its walls open outward by the draft angle.
+    Its middle lies `offset_mm` from the web's mid-plane toward the pin.
+    """
 
     shape: Literal["side"]
     y_mm: Finite
     length_mm: Positive
     height_mm: Positive
     depth_mm: Positive
+    offset_mm: Finite = 0.0
+    draft_deg: float = Field(default=0.0, ge=0, le=60)
+
+    @property
+    def slope(self) -> float:
+        """How much each wall opens per mm toward the side."""
+        return math.tan(math.radians(self.draft_deg))
 
 
 class BoxPocket(Table):
@@ -72,9 +84,24 @@ class BoxPocket(Table):
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
 
 
+class EndBevel(Table):
+    """Bevel across one end of the web, on the face that carries no journal there.
+
+    On the journal face it takes off the crankpin's end of the web, on the pin face the main journal's. It
+    starts at `y_mm` on its face and reaches `depth_mm` below that face at the very end of the outline; it is
+    straight across the web, and along the throw an arc that rises `crown_mm` over its chord (0 = plane).
+    """
+
+    face: Literal["journal", "pin"]
+    y_mm: Finite
+    depth_mm: Positive
+    crown_mm: NonNegative = 0.0
+
+
 class _WebBase(Table):
     thickness_mm: Positive
     chamfer_mm: NonNegative = 0.0
+    bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
 
 
@@ -111,11 +138,19 @@ class TaperedWeb(_WebBase):
 
 
 class ProfileWeb(_WebBase):
-    """Half-widths at stations along the throw direction, joined by a smooth curve."""
+    """Half-widths at stations along the throw direction, joined by a curve of continuous curvature.
+
+    A half-width of 0 at an end closes the outline with a round end.
+    """
 
     outline: Literal["profile"]
     stations_mm: tuple[Finite, ...] = Field(min_length=3)
     half_widths_mm: tuple[NonNegative, ...] = Field(min_length=3)
+
+    @property
+    def round_ends(self) -> tuple[bool, bool]:
+        """Whether the lower and the upper end are round and not cut straight across."""
+        return self.half_widths_mm[0] == 0, self.half_widths_mm[-1] == 0
 
 
 Web = Annotated[
@@ -152,10 +187,14 @@ class OutlineEnvelope(_EnvelopeBase):
 
 
 class StlEnvelope(_EnvelopeBase):
-    """Design space: the web slab inside a closed surface mesh, mm, in the frame of `cranktopo.frames`."""
+    """Design space: the web slab inside a closed surface mesh, mm, in the frame of `cranktopo.frames`.
+
+    With `symmetric` the mesh is its own mirror image in x = 0, which is checked, and half of it is enough.
+    """
 
     shape: Literal["stl"]
     file: str
+    symmetric: bool = False
 
 
 Envelope = Annotated[

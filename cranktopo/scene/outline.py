@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import invalid
+from cranktopo.scene import profile
 from cranktopo.scene.geometry import ObroundWeb, ProfileWeb, RectangleWeb, TaperedWeb, Web
+from cranktopo.scene.profile import flank_half_width_mm, profile_flank
 
 Array = NDArray[np.float64]
 
@@ -33,7 +35,7 @@ def half_width_mm(web: Web, throw_radius_mm: float, y_mm: Array) -> Array:
         return web.semi_axis_lateral_mm * _root(inside)
     if web.outline == "rectangle":
         return _rectangle(web, throw_radius_mm, y_mm)
-    return _profile(web.stations_mm, web.half_widths_mm, y_mm)
+    return flank_half_width_mm(profile_flank(web), y_mm)
 
 
 def y_range_mm(web: Web, throw_radius_mm: float) -> tuple[float, float]:
@@ -59,7 +61,7 @@ def largest_half_width_mm(web: Web) -> float:
         return max(web.main_radius_mm, web.pin_radius_mm)
     if web.outline == "ellipse":
         return web.semi_axis_lateral_mm
-    return max(web.half_widths_mm)
+    return profile.largest_half_width_mm(profile_flank(web))
 
 
 def outline_kinks_mm(web: Web, radius_mm: float) -> list[float]:
@@ -94,14 +96,6 @@ def tangent_sine(web: TaperedWeb, radius_mm: float) -> float:
     return difference / radius_mm
 
 
-def profile_slopes(web: ProfileWeb) -> Array:
-    """Slope of the half-width at each station of a profile (dimensionless), shape (stations,)."""
-    from scipy.interpolate import PchipInterpolator
-
-    curve = PchipInterpolator(web.stations_mm, web.half_widths_mm)
-    return np.asarray(curve.derivative()(web.stations_mm), dtype=np.float64)
-
-
 def _root(value: Array) -> Array:
     return np.sqrt(np.maximum(value, 0.0))
 
@@ -124,11 +118,3 @@ def _rectangle(web: RectangleWeb, distance: float, y: Array) -> Array:
     beyond = np.abs(y - distance / 2) - (distance / 2 + web.overhang_mm - corner)
     width = web.width_mm / 2 - corner + _root(corner**2 - np.maximum(beyond, 0.0) ** 2)
     return np.where(beyond <= corner, width, 0.0)
-
-
-def _profile(stations: tuple[float, ...], half_widths: tuple[float, ...], y: Array) -> Array:
-    """Monotone cubic (PCHIP) through the stations."""
-    from scipy.interpolate import PchipInterpolator
-
-    curve = PchipInterpolator(stations, half_widths, extrapolate=False)
-    return np.asarray(np.nan_to_num(curve(y), nan=0.0))

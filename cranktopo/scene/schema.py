@@ -30,6 +30,8 @@ FkmGroup = Literal[
     "Al_cast",
 ]
 """Material groups of the FKM guideline."""
+Process = Literal["free", "forged", "cast"]
+"""How the web is made; forged and cast ones come from a die that parts in the plane x = 0."""
 
 
 @cache
@@ -104,6 +106,7 @@ class Optimise(Table):
     filter_radius_mm: Positive | None = None
     max_iterations: int = Field(default=150, ge=1, le=10000)
     weights: Weights = Weights()
+    process: Process = "free"
 
 
 class Published(Table):

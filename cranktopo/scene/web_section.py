@@ -8,11 +8,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.scene.bevel import bevel_cuts_mm, throw_range_mm
 from cranktopo.scene.geometry import BoxPocket, CylinderPocket
 from cranktopo.scene.outline import half_width_mm, largest_half_width_mm, y_range_mm
 from cranktopo.scene.schema import Scene
+from cranktopo.scene.side_pocket import side_cuts_mm, side_floor_mm
 
 Array = NDArray[np.float64]
+SECTIONS = 64
+"""Layers of a bevel or of sloped pocket walls: their mid-heights cost about SECTIONS^-2."""
 STRIPS = 20001  # an arc's end costs about STRIPS^-1.5 of its area: below 1e-6
 
 
@@ -48,7 +52,8 @@ class Moments:
 def web_moments(scene: Scene) -> Moments:
     """Moments of one whole web: the sections between the cuts of the pockets, times their heights."""
     start, stop = scene.web_z_mm
-    cuts = sorted({start, stop, *(z for z in _pocket_cuts(scene) if start < z < stop)})
+    sloped = [start + height for height in bevel_cuts_mm(scene.web, SECTIONS)]
+    cuts = sorted({start, stop, *(z for z in [*_pocket_cuts(scene), *sloped] if start < z < stop)})
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for low, high in pairwise(cuts):
         total = total + section_moments(scene, (low + high) / 2).times(high - low)
@@ -70,6 +75,8 @@ def section_moments(scene: Scene, z_mm: float) -> Moments:
     step = (high - low) / STRIPS
     y: Array = low + step * (np.arange(STRIPS, dtype=np.float64) + 0.5)
     edge = half_width_mm(scene.web, radius, y)
+    lowest, highest = throw_range_mm(scene.web, radius, z_mm - scene.web_z_mm[0])
+    edge = np.where((y >= lowest) & (y <= highest), edge, 0.0)
     left, right = _solid_intervals(edge, _holes(scene, z_mm, y))
     length = (right - left).sum(axis=0)
     return Moments(
@@ -83,11 +90,10 @@ def section_moments(scene: Scene, z_mm: float) -> Moments:
 def _pocket_cuts(scene: Scene) -> list[float]:
     """Heights at which a pocket begins or ends."""
     start, stop = scene.web_z_mm
-    middle = (start + stop) / 2
     cuts: list[float] = []
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            cuts += [middle - pocket.height_mm / 2, middle + pocket.height_mm / 2]
+            cuts += [start + height for height in side_cuts_mm(scene.web, pocket, SECTIONS)]
         elif pocket.depth_mm is not None:
             cuts.append(start + pocket.depth_mm if pocket.face == "journal" else stop - pocket.depth_mm)
     return cuts
@@ -102,10 +108,8 @@ def _holes(scene: Scene, z: float, y: Array) -> list[tuple[Array, Array]]:
     wall = np.full_like(y, 2 * largest_half_width_mm(scene.web))
     for pocket in scene.web.pocket:
         if pocket.shape == "side":
-            if abs(z - (start + stop) / 2) < pocket.height_mm / 2:
-                open_ = np.abs(y - pocket.y_mm) < pocket.length_mm / 2
-                inner = np.where(open_, wall / 2 - pocket.depth_mm, wall)
-                holes += [(inner, wall), (-wall, -inner)]
+            inner = np.minimum(side_floor_mm(scene.web, pocket, z - start, y), wall)
+            holes += [(inner, wall), (-wall, -inner)]
         elif _reaches(pocket, z, start, stop):
             holes.append(_pocket(pocket, y))
     return holes

@@ -14,7 +14,7 @@ from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
 from cranktopo.surface.grid import DensityGrid, is_x_symmetric
 from cranktopo.surface.isosurface import FineField, iso_solid, resample
-from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
 from cranktopo.surface.solids import (
     envelope_solid,
     is_mirror_image,
@@ -119,14 +119,13 @@ def extract_half_throw(
     """
     target = _target(grid, scene, solid_fraction)
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
-    usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
-    field = resample(grid if smooth is None else replace(grid, density=smooth), usable)
+    field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target)
     body, dropped = _keep_throw(cutter.web(field, iso), scene)
     start, end = scene.web_z_mm
     web = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
     return WebSurface(
-        half_throw=mesh_of(body),
+        half_throw=sound_mesh_of(body, _SLIVER_MM),
         web=mesh_of(web),
         iso_value=iso,
         target_volume_mm3=target,
@@ -136,6 +135,15 @@ def extract_half_throw(
         cavities=len(body.decompose()) - 1,
         x_symmetric=cutter.symmetric,
     )
+
+
+def fine_field(
+    cutter: Cutter, grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
+) -> FineField:
+    """The resampled field whose iso-surface bounds the web; arguments as of `extract_half_throw`."""
+    usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
+    drawn = scene.effects.manufacturing_constraint == "on"
+    return resample(grid if smooth is None else replace(grid, density=smooth), usable, drawn)
 
 
 def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:

@@ -17,6 +17,7 @@ from cranktopo.store import RunStore, load_checkpoint, load_iteration
 from cranktopo.surface.extract import WebSurface, extract_half_throw
 from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
 from cranktopo.surface.gates import GateReport, check_surface
+from cranktopo.surface.release import Undercuts, undercuts
 from cranktopo.surface.slab import slab_fields
 from cranktopo.units import KG_PER_TONNE, density_tonne_per_mm3
 
@@ -37,6 +38,7 @@ class Extraction:
         mean_distance_mm: mean distance of the smoothed density's iso-surface to it.
         max_distance_mm: largest distance.
         minimum_member_mm: thickness of the thinnest member of the web.
+        undercuts: what a die that parts in x = 0 could not release.
         cell_mm: smallest edge of the run's cells.
     """
 
@@ -48,6 +50,7 @@ class Extraction:
     mean_distance_mm: float
     max_distance_mm: float
     minimum_member_mm: float
+    undercuts: Undercuts
     cell_mm: float
 
     @property
@@ -86,6 +89,7 @@ class Extraction:
                 "distance_to_iso_surface_mm": {"mean": self.mean_distance_mm, "max": self.max_distance_mm},
                 "minimum_member_mm": self.minimum_member_mm,
                 "minimum_member_cells": self.minimum_member_mm / self.cell_mm,
+                "undercuts": self.undercuts.as_json(),
             },
         }
 
@@ -121,6 +125,7 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
         mean_distance_mm=float(distances.mean()),
         max_distance_mm=float(distances.max()),
         minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, cell / 2),
+        undercuts=undercuts(surface.web, scene, cell / 2),
         cell_mm=cell,
     )
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.extract import WebSurface, build_cutter
+from cranktopo.surface.extract import WebSurface, build_cutter, fine_field
 from cranktopo.surface.grid import DensityGrid
-from cranktopo.surface.isosurface import resample, unsmoothed_solid
+from cranktopo.surface.isosurface import unsmoothed_solid
 from cranktopo.surface.mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]
@@ -48,8 +46,7 @@ def iso_distance_mm(
         One distance per point, (n,), mm; at most 20 000 points, evenly chosen.
     """
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
-    usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
-    field = resample(grid if smooth is None else replace(grid, density=smooth), usable)
+    field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     raw = unsmoothed_solid(field, surface.iso_value)
     # Booleans keep the vertices they do not remove: those that are left bound the web.
     left = _vertices((raw ^ cutter.envelope) - cutter.stubs - cutter.bores)

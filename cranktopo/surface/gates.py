@@ -12,10 +12,9 @@ from scipy.sparse.csgraph import connected_components
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface.extract import WebSurface
-from cranktopo.surface.mesh import SurfaceMesh, solid_of
+from cranktopo.surface.mesh import DEGENERATE_MM2, SurfaceMesh, solid_of
 
 VOLUME_TOLERANCE_PERCENT = 0.5
-DEGENERATE_MM2 = 1e-12
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ def check_surface(surface: WebSurface) -> GateReport:
         volume_mm3=mesh.volume_mm3,
         web_volume_mm3=surface.volume_mm3,
         web_volume_error_percent=error,
-        smallest_face_mm2=float(_areas_mm2(mesh).min()),
+        smallest_face_mm2=float(mesh.areas_mm2.min()),
     )
 
 
@@ -101,7 +100,7 @@ def check_manifold(mesh: SurfaceMesh) -> None:
     pinched = _pinched_vertices(surface)
     if pinched:
         raise _failed(f"not a 2-manifold, surfaces touch in {pinched} single vertices", remedy)
-    degenerate = int((_areas_mm2(mesh) <= DEGENERATE_MM2).sum())
+    degenerate = int((mesh.areas_mm2 <= DEGENERATE_MM2).sum())
     if degenerate:
         raise _failed(f"{degenerate} degenerate faces", remedy)
 
@@ -153,12 +152,6 @@ def _components(nodes: int, links: NDArray[np.int64]) -> NDArray[np.int32]:
     graph = sparse.coo_matrix((np.ones(len(links), bool), links.T), shape=(nodes, nodes))
     labels: NDArray[np.int32] = connected_components(graph, directed=False)[1]
     return labels
-
-
-def _areas_mm2(mesh: SurfaceMesh) -> NDArray[np.float64]:
-    a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
-    areas: NDArray[np.float64] = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-    return areas
 
 
 def _failed(what: str, remedy: str) -> CranktopoError:

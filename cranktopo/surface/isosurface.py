@@ -15,6 +15,7 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
+from cranktopo.frames import X
 from cranktopo.surface.grid import DensityGrid
 from cranktopo.surface.mesh import Faces, solid_of
 
@@ -39,12 +40,13 @@ class FineField:
     values: Array
 
 
-def resample(grid: DensityGrid, usable: NDArray[np.bool_]) -> FineField:
+def resample(grid: DensityGrid, usable: NDArray[np.bool_], drawn: bool = False) -> FineField:
     """Density on a lattice twice as fine as the cells, continued beyond what can hold material.
 
     Args:
         grid: density in the cells.
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
+        drawn: the density never grows away from the plane x = 0; keep that true between the cells.
     """
     from scipy import ndimage
 
@@ -53,6 +55,10 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_]) -> FineField:
     fine = ndimage.zoom(padded, _REFINE, order=3, mode="nearest", grid_mode=True)
     spacing = grid.cell_mm / _REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
+    if drawn:
+        _draw(
+            fine[_REFINE * _PAD_CELLS : -_REFINE * _PAD_CELLS], grid.origin_mm[X] + spacing[X] / 2, spacing[X]
+        )
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
 
 
@@ -82,6 +88,13 @@ def _marching_cubes(field: FineField, iso: float) -> tuple[Array, Faces]:
         field.values, iso, gradient_direction="ascent", method="lorensen", allow_degenerate=True
     )
     return vertices.astype(np.float64) * field.spacing_mm + field.origin_mm, faces.astype(np.int64)
+
+
+def _draw(inner: Array, first_mm: float, step_mm: float) -> None:
+    """Raise values (in place) to the largest one further out on their side of x = 0."""
+    parting = int(np.count_nonzero(first_mm + step_mm * np.arange(len(inner)) < 0))
+    inner[:parting] = np.maximum.accumulate(inner[:parting])
+    inner[parting:] = np.maximum.accumulate(inner[parting:][::-1])[::-1]
 
 
 def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:

@@ -12,6 +12,9 @@ from cranktopo.errors import CranktopoError, ExitCode
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
+DEGENERATE_MM2 = 1e-12
+_NOTHING_MM = 1e-9
+_REPAIRS = 3
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,12 @@ class SurfaceMesh:
     def corners_mm(self) -> Array:
         """Corner coordinates of the faces, (m, 3 corners, 3), mm."""
         return self.vertices_mm[self.faces]
+
+    @property
+    def areas_mm2(self) -> Array:
+        """Area of each face, (m,), mm2."""
+        a, b, c = np.moveaxis(self.corners_mm, 1, 0)
+        return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
 
     @property
     def volume_mm3(self) -> float:
@@ -67,9 +76,26 @@ def mesh_of(solid: Manifold) -> SurfaceMesh:
     Rounding here and not in the writer means that every check sees the coordinates that are written.
     """
     mesh = solid.to_mesh64()
-    rounded = np.asarray(mesh.vert_properties)[:, :3].astype(np.float32) + np.float32(0)  # -0 becomes 0
+    points = np.array(mesh.vert_properties)[:, :3]
+    points[np.abs(points) < _NOTHING_MM] = 0.0  # rounding left of 0, on either side, or -0
+    rounded = points.astype(np.float32)
     faces = np.asarray(mesh.tri_verts).astype(np.int64)
     vertices, number = np.unique(rounded, axis=0, return_inverse=True)
     faces = number.reshape(-1)[faces]
     collapsed = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     return SurfaceMesh(vertices.astype(np.float64), faces[~collapsed])
+
+
+def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
+    """The mesh of a solid as `mesh_of` gives it, faces that rounding made flat taken out.
+
+    Args:
+        solid: the solid.
+        tolerance_mm: how far the vertices around such a face may move.
+    """
+    mesh = mesh_of(solid)
+    for _ in range(_REPAIRS):
+        if mesh.areas_mm2.min(initial=np.inf) > DEGENERATE_MM2:
+            break
+        mesh = mesh_of(solid_of(mesh.vertices_mm, mesh.faces, "surface").simplify(tolerance_mm))
+    return mesh

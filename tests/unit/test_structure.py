@@ -26,6 +26,8 @@ ORDER = [
     "evaluate",
     "report",
     "pipeline",
+    "pipeline_remodel",
+    "iterate",
     "cli",
 ]
 HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")

@@ -10,10 +10,12 @@ import gmsh
 import numpy as np
 import pytest
 import trimesh
+from manifold3d import CrossSection, Manifold
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface import SurfaceMesh, WebSurface, check_surface, extract_half_throw, write_stl
 from cranktopo.surface.gates import check_manifold, check_self_intersection, shell_volumes_mm3
+from cranktopo.surface.mesh import mesh_of, solid_of, sound_mesh_of
 from tests.unit.surface_cases import grid_of, obround, scene_with
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
@@ -106,6 +108,25 @@ def test_a_dent_through_the_far_side_is_refused() -> None:
         else:
             with pytest.raises(CranktopoError, match="intersects itself near"):
                 check_self_intersection(mesh)
+
+
+def test_faces_that_rounding_makes_flat_are_taken_out() -> None:
+    """A vertex 1e-7 mm off the straight edge of a block: in single precision it lies on it."""
+    corners = np.array([[0, 0, 0], [40, 0, 0], [40, 30, 0], [0, 30, 0], [20, -1e-7, 0]], dtype=np.float64)
+    block = Manifold.extrude(CrossSection([corners[[0, 4, 1, 2, 3], :2]]), 10.0)
+    plain, sound = mesh_of(block), sound_mesh_of(block, 1e-3)
+    assert sound.volume_mm3 == pytest.approx(12000.0)
+    assert len(sound.faces) <= len(plain.faces)
+    check_manifold(sound)
+    with pytest.raises(CranktopoError, match="degenerate"):
+        check_manifold(SurfaceMesh(*_with_flat_face()))
+    vertices, faces = _with_flat_face()
+    check_manifold(sound_mesh_of(solid_of(vertices, faces, "block"), 1e-3))
+
+
+def _with_flat_face() -> tuple[np.ndarray, np.ndarray]:
+    vertices = np.concatenate([_CORNERS, [[0.5, 0.0, 0.0]]])
+    return vertices, np.array([[0, 2, 1], [0, 4, 3], [4, 1, 3], [1, 2, 3], [0, 3, 2], [0, 1, 4]])
 
 
 def test_two_bodies_are_refused(slot: WebSurface) -> None:

@@ -1,0 +1,133 @@
+"""`cranktopo iterate`: the whole loop from envelope to a web that can be made."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cranktopo.cli.parameters import Number
+
+if TYPE_CHECKING:
+    from cranktopo.iterate import Outcome, Settings
+    from cranktopo.scene import Scene
+
+DEFAULT_DESIGN = "mikron-iiic"
+THIN_SHARE = 0.4
+
+
+@click.command("iterate")
+@click.argument("design", required=False)
+@click.option("--steps", type=click.IntRange(1, 50), default=6, show_default=True, help="Number of removals.")
+@click.option(
+    "--volume-fraction",
+    type=Number("volume fraction", above=0.0, below=1.0),
+    help="Share of the design space that the last step leaves; default: the design's.",
+)
+@click.option(
+    "--resolution-mm", type=Number("resolution", above=0.0), help="Largest cell edge of the optimiser."
+)
+@click.option(
+    "--process",
+    type=click.Choice(["free", "forged", "cast"]),
+    help="How the web is made; default: the design's, forged where it gives none.",
+)
+@click.option(
+    "--least-transition-mm",
+    type=Number("least transition", above=0.0),
+    help="End when the web beside a journal is thinner; default: 40 % of the web's thickness.",
+)
+@click.option("--element-size-mm", type=Number("element size", above=0.0), help="Of the judge's mesh.")
+@click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
+@click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
+@click.option("--json", "as_json", is_flag=True, help="Print the steps as one JSON object.")
+def command(
+    design: str | None,
+    steps: int,
+    volume_fraction: float | None,
+    resolution_mm: float | None,
+    process: str | None,
+    least_transition_mm: float | None,
+    element_size_mm: float | None,
+    out: Path | None,
+    resume: str | None,
+    as_json: bool,
+) -> None:
+    """Remove a little of DESIGN's envelope, extract, re-model, judge, and go on inside the new solid.
+
+    Every step leaves a parametric web (TOML, STEP, STL). The loop ends when a step no longer improves the
+    torsional stiffness per mass, or when the web beside a journal becomes too thin.
+    """
+    given = (design, volume_fraction, resolution_mm, process, least_transition_mm, element_size_mm, out)
+    if resume and any(value is not None for value in given):
+        raise click.UsageError("--resume takes the design and its options from the loop")
+    from cranktopo.iterate import continue_loop, start_loop
+
+    if resume:
+        outcome = continue_loop(resume, _say)
+    else:
+        overrides = {"volume_fraction": volume_fraction, "resolution_mm": resolution_mm, "process": process}
+        scene, text = _scene(design or DEFAULT_DESIGN, overrides)
+        settings = _settings(scene, steps, least_transition_mm, element_size_mm)
+        outcome = start_loop(scene, text, settings, ["cranktopo", *sys.argv[1:]], out, _say)
+    data = outcome.as_json()
+    files = _write(outcome, data)
+    click.echo(json.dumps({**data, "files": files}) if as_json else _text(outcome, data, files))
+
+
+def _scene(design: str, overrides: dict[str, Any]) -> tuple[Scene, str]:
+    from cranktopo.scene import load_scene
+    from cranktopo.scene.loading import resolve_design
+
+    scene = load_scene(design)
+    given = {key: value for key, value in overrides.items() if value is not None}
+    if "process" not in given and scene.optimise.process == "free":
+        given["process"] = "forged"
+    settings = scene.optimise.model_copy(update=given)
+    return scene.model_copy(update={"optimise": settings}), resolve_design(design).read_text(encoding="utf-8")
+
+
+def _settings(scene: Scene, steps: int, least_mm: float | None, element_size_mm: float | None) -> Settings:
+    from cranktopo.iterate import Settings
+
+    return Settings(steps, least_mm or THIN_SHARE * scene.web.thickness_mm, element_size_mm)
+
+
+def _write(outcome: Outcome, data: dict[str, Any]) -> dict[str, str]:
+    """steps.csv and steps.png beside iterate.json."""
+    from cranktopo.report.iterate_report import save_steps_plot, steps_table
+    from cranktopo.report.tables import comma_separated
+    from cranktopo.store import write_text
+
+    files = {name: str(outcome.folder / f) for name, f in (("csv", "steps.csv"), ("plot", "steps.png"))}
+    write_text(Path(files["csv"]), comma_separated(steps_table(data["steps"])) + "\n")
+    save_steps_plot(Path(files["plot"]), data)
+    return {**files, "json": str(outcome.folder / "iterate.json")}
+
+
+def _text(outcome: Outcome, data: dict[str, Any], files: dict[str, str]) -> str:
+    from cranktopo.report.iterate_report import steps_table
+    from cranktopo.report.tables import terminal
+
+    best, original = outcome.best, outcome.steps[0]
+    lines = [terminal(steps_table(data["steps"])), "", f"ended: {outcome.stop_reason}"]
+    if best is None:
+        lines.append(
+            "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
+        )
+    else:
+        share = best.percent_of(original)
+        lines.append(
+            f"best: step {best.number}, "
+            f"torsional stiffness per mass {share['torsion_per_mass'] - 100:+.1f} %, "
+            f"mass {share['mass'] - 100:+.1f} %, bending stiffness {share['bending'] - 100:+.1f} %"
+        )
+        lines.append(str(outcome.folder / f"step-{best.number:02d}" / "web.toml"))
+    return "\n".join([*lines, *files.values()])
+
+
+def _say(line: str) -> None:
+    click.echo(line, err=True)

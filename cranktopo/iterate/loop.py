@@ -1,0 +1,277 @@
+"""The loop over steps: resumable at every step and inside the optimisation of each."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cranktopo import pipeline
+from cranktopo.effects import plan, simulated_scene
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import Evaluation, evaluate
+from cranktopo.evaluate.targets import Target
+from cranktopo.iterate.solids import read_web, write_envelope, write_solids
+from cranktopo.iterate.step import Step, Verdict, best_step, step_of, verdict
+from cranktopo.iterate.transition import transition_mm
+from cranktopo.remodel.closeness import closeness
+from cranktopo.remodel.fit import fit_web
+from cranktopo.remodel.imported import read_surface
+from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.volume import web_volume_mm3
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.geometry import StlEnvelope
+from cranktopo.scene.loading import input_files
+from cranktopo.scene.writing import toml_text
+from cranktopo.store import RunStore, check_destination, create_run, locked, open_run, read_json, write_json
+from cranktopo.store.files import write_text
+from cranktopo.surface.mesh import SurfaceMesh
+
+STEP_FILE = "step.json"
+MOST_KEPT = 0.98
+"""Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the loop is asked to do.
+
+    Attributes:
+        steps: number of steps in which the volume falls to the design's volume fraction.
+        least_transition_mm: thickness of the web around its journals below which the loop ends.
+        element_size_mm: of the judge's mesh; its default size by default.
+    """
+
+    steps: int
+    least_transition_mm: float
+    element_size_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the loop reached.
+
+    Attributes:
+        folder: directory of the loop.
+        design: name of the design.
+        steps: the original web and every step done.
+        stop_reason: why it ended.
+        best: the step that gains most and beats the original web, if one does.
+        settings: of the loop.
+    """
+
+    folder: Path
+    design: str
+    steps: tuple[Step, ...]
+    stop_reason: str
+    best: Step | None
+    settings: Settings
+
+    def as_json(self) -> dict[str, Any]:
+        """The content of iterate.json."""
+        original = self.steps[0]
+        return {
+            "schema_version": 1,
+            "design": self.design,
+            "stop_reason": self.stop_reason,
+            "least_transition_mm": self.settings.least_transition_mm,
+            "best_step": None if self.best is None else self.best.number,
+            "steps": [step.as_json(original) for step in self.steps],
+        }
+
+
+def start_loop(
+    scene: Scene, design_toml: str, settings: Settings, command: Sequence[str], out: Path | None, say: Say
+) -> Outcome:
+    """Run the loop in a new directory.
+
+    Args:
+        scene: the design with the command line's options in it.
+        design_toml: text of the design as the user wrote it.
+        settings: of the loop.
+        command: the command line, for the manifest.
+        out: directory, or None for a new one under runs/.
+        say: called with one line per stage.
+
+    Raises:
+        CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
+    """
+    check_destination(out)
+    pipeline.prepare(scene)
+    run = create_run(
+        design=scene.name,
+        design_toml=design_toml,
+        scene=scene.model_dump(mode="json"),
+        options={"iterate": vars(settings)},
+        command=command,
+        inputs=input_files(scene),
+        out=out,
+    )
+    return _guarded(run, scene, settings, say)
+
+
+def continue_loop(reference: str, say: Say) -> Outcome:
+    """Continue an interrupted loop: finished steps are read, not repeated.
+
+    Args:
+        reference: path or name of the loop's directory.
+        say: called with one line per stage.
+
+    Raises:
+        CranktopoError: not a loop, or as `start_loop`.
+    """
+    run = open_run(reference)
+    manifest = run.manifest()
+    if "iterate" not in manifest["options"]:
+        raise CranktopoError(
+            f"run '{run.path}': is no loop of `cranktopo iterate`.",
+            hint=f"Continue it with: cranktopo optimise --resume {run.path}",
+        )
+    run.require_same_inputs()
+    run.resume()
+    scene = scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
+    return _guarded(run, scene, Settings(**manifest["options"]["iterate"]), say)
+
+
+def _guarded(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
+    with locked(run.path):
+        try:
+            outcome = _loop(run, scene, settings, say)
+        except (KeyboardInterrupt, CranktopoError) as error:
+            stopped = isinstance(error, KeyboardInterrupt) or error.code == ExitCode.INTERRUPTED
+            run.set_status("interrupted" if stopped else "failed")
+            if not stopped:
+                run.log(f"failed: {error}")
+                raise
+            raise CranktopoError(
+                f"interrupted; finished steps are kept in {run.path}.",
+                hint=f"Continue with: cranktopo iterate --resume {run.path}",
+                code=ExitCode.INTERRUPTED,
+            ) from None
+        write_json(run.path / "iterate.json", outcome.as_json())
+        run.set_status("done")
+        run.log(outcome.stop_reason)
+        return outcome
+
+
+def _loop(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
+    scenes = [scene]
+    steps = [_original(run.path / "original", scene, settings, say)]
+    reason = f"all {settings.steps} steps done"
+    durations: list[float] = []
+    for number in range(1, settings.steps + 1):
+        folder = run.path / f"step-{number:02d}"
+        left = settings.steps - number + 1
+        guess = f", about {sum(durations) / len(durations) * left:.0f} s left" if durations else ""
+        began = time.monotonic()
+        if not (folder / STEP_FILE).is_file():
+            say(f"step {number} of {settings.steps}{guess}")
+            _step(folder, number, scenes, settings, say)
+            durations.append(time.monotonic() - began)
+        steps.append(Step(**read_json(folder / STEP_FILE)["step"]))
+        scenes.append(scene_from_dict(read_json(folder / STEP_FILE)["scene"], str(folder)))
+        found = verdict(steps, settings.least_transition_mm)
+        say(f"step {number}: {_line(steps)}: {found}")
+        if found != "better":
+            reason = _reason(found, steps, settings)
+            break
+    best = best_step(steps, settings.least_transition_mm)
+    return Outcome(run.path, scene.name, tuple(steps), reason, best, settings)
+
+
+def _original(folder: Path, scene: Scene, settings: Settings, say: Say) -> Step:
+    if not (folder / STEP_FILE).is_file():
+        say("judging the original web")
+        folder.mkdir(exist_ok=True)
+        write_solids(scene, folder)
+        step = step_of(0, _judged(scene, settings), transition_mm(read_web(folder), scene))
+        write_json(folder / STEP_FILE, {"step": vars(step), "scene": scene.model_dump(mode="json")})
+    return Step(**read_json(folder / STEP_FILE)["step"])
+
+
+def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings, say: Say) -> None:
+    """Optimise in the last solid, extract, re-model, judge; step.json is written last."""
+    began = time.monotonic()
+    folder.mkdir(exist_ok=True)
+    bounded, fraction = _bounded(folder, number, scenes, settings)
+    say(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
+    surface = _optimised(folder / "optimise", bounded, say)
+    say("  re-modelling")
+    fitted = fit_web(surface, bounded, Rules())
+    near = closeness(fitted.scene, surface)
+    scene = scenes[0].model_copy(
+        update={"web": fitted.scene.web, "name": f"{scenes[0].name}-step-{number}", "published": None}
+    )
+    write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {scenes[0].name}"))
+    write_solids(scene, folder)
+    say("  judging")
+    found = _judged(scene, settings)
+    thickness = transition_mm(read_web(folder), scene)
+    removed = 100 * (1 - fraction)
+    step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began)
+    write_json(folder / STEP_FILE, {"step": vars(step), "scene": scene.model_dump(mode="json")})
+
+
+def _bounded(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings) -> tuple[Scene, float]:
+    """The design inside the last re-modelled solid, and the share of it that stays."""
+    scene = scenes[0]
+    volume = _envelope_mm3(scene)
+    share = scene.optimise.volume_fraction
+    target = volume * share ** (number / settings.steps)
+    if number > 1:
+        volume = web_volume_mm3(scenes[-1])
+        path = write_envelope(folder.parent / f"step-{number - 1:02d}")
+        envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
+        scene = scene.model_copy(update={"envelope": envelope})
+    fraction = min(target / volume, MOST_KEPT)
+    optimise = scene.optimise.model_copy(update={"volume_fraction": fraction})
+    return scene.model_copy(update={"optimise": optimise}), fraction
+
+
+def _envelope_mm3(scene: Scene) -> float:
+    """Designable volume of one web."""
+    domain = pipeline.prepare(scene).domain
+    return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
+
+
+def _optimised(folder: Path, scene: Scene, say: Say) -> SurfaceMesh:
+    """Surface of the half throw of an optimisation, continued or read where it was begun or done before."""
+    if not (folder / "manifest.json").is_file():
+        text = toml_text(scene, "One step of a loop")
+        run, prepared = pipeline.start(scene, text, ["cranktopo", "iterate"], folder, lambda _: None)
+        pipeline.optimise(run, prepared, False, lambda *_: None)
+    elif open_run(str(folder)).manifest()["status"] != "done":
+        run, prepared = pipeline.reopen(str(folder), None, say)
+        pipeline.optimise(run, prepared, True, lambda *_: None)
+    mesh = read_surface(folder / "web.stl", scene)
+    return SurfaceMesh(mesh.vertices, mesh.faces)
+
+
+def _judged(scene: Scene, settings: Settings) -> Evaluation:
+    return evaluate(Target(scene.name, simulated_scene(scene, plan(scene))), settings.element_size_mm)
+
+
+def _line(steps: Sequence[Step]) -> str:
+    share = steps[-1].percent_of(steps[0])
+    return (
+        f"mass {share['mass']:.1f} %, torsion {share['torsion']:.1f} %, bending {share['bending']:.1f} %, "
+        f"torsion per mass {share['torsion_per_mass']:.1f} % of the original"
+    )
+
+
+def _reason(found: Verdict, steps: Sequence[Step], settings: Settings) -> str:
+    last = steps[-1]
+    if found == "too thin":
+        return (
+            f"step {last.number}: the web is {last.transition_mm:.1f} mm thick beside a journal, "
+            f"less than {settings.least_transition_mm:g} mm"
+        )
+    best = max(steps[1:-1], key=lambda step: step.torsion_per_kg)
+    gain = 100 * (last.torsion_per_kg / best.torsion_per_kg - 1)
+    return (
+        f"step {last.number}: torsional stiffness per mass no longer improves "
+        f"({gain:+.2f} % on step {best.number})"
+    )

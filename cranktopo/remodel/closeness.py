@@ -1,0 +1,122 @@
+"""How near two bodies are: overlap of their volumes, distances between their surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.remodel.export import surface_of
+from cranktopo.scene import Scene
+from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+Array = NDArray[np.float64]
+_SAMPLES = 40_000
+_NEAREST = 6
+"""Nearest samples whose triangles are tried for the closest point."""
+
+
+@dataclass(frozen=True)
+class Closeness:
+    """Fitted against extracted body; web means the part between the web faces.
+
+    Attributes:
+        iou: intersection over union of the half throws.
+        web_iou: the same of the webs alone.
+        mean_distance_mm, max_distance_mm: between the surfaces of the webs, both ways.
+        farthest_mm: where the largest distance is, (x, y, z).
+        web_volume_mm3, body_web_volume_mm3: of the fitted and of the extracted web.
+        volume_mm3, body_volume_mm3: of the fitted and of the extracted half throw.
+    """
+
+    iou: float
+    web_iou: float
+    mean_distance_mm: float
+    max_distance_mm: float
+    farthest_mm: tuple[float, float, float]
+    web_volume_mm3: float
+    body_web_volume_mm3: float
+    volume_mm3: float
+    body_volume_mm3: float
+
+
+def closeness(scene: Scene, surface: SurfaceMesh) -> Closeness:
+    """Compare the exact solid of a scene with an extracted body.
+
+    Args:
+        scene: the design with the fitted web.
+        surface: closed surface of the extracted half throw, mm.
+    """
+    body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
+    half, web = (_solid(scene, part) for part in ("half", "web"))
+    start, end = scene.web_z_mm
+    slab = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+    mean, largest, where = surface_distance_mm(mesh_of(web), mesh_of(slab))
+    return Closeness(
+        overlap(half, body),
+        overlap(web, slab),
+        mean,
+        largest,
+        where,
+        float(web.volume()),
+        float(slab.volume()),
+        float(half.volume()),
+        float(body.volume()),
+    )
+
+
+def overlap(one: Manifold, other: Manifold) -> float:
+    """Intersection over union of two solids."""
+    both = (one ^ other).volume()
+    return float(both / (one.volume() + other.volume() - both))
+
+
+def surface_distance_mm(
+    one: SurfaceMesh, other: SurfaceMesh
+) -> tuple[float, float, tuple[float, float, float]]:
+    """Mean and largest distance between two surfaces, each way from evenly spread samples.
+
+    Returns:
+        Mean, largest, and the point of the largest, mm.
+    """
+    random = np.random.default_rng(0)
+    (points, _), (others, _) = (_samples(mesh, random) for mesh in (one, other))
+    places = np.vstack([points, others])
+    distances = np.concatenate([_distances(points, other, random), _distances(others, one, random)])
+    x, y, z = places[int(distances.argmax())]
+    return float(distances.mean()), float(distances.max()), (float(x), float(y), float(z))
+
+
+def _solid(scene: Scene, part: str) -> Manifold:
+    mesh = surface_of(scene, "half" if part == "half" else "web")
+    return solid_of(mesh.vertices_mm, mesh.faces, f"fitted {part}")
+
+
+def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> tuple[Array, NDArray[np.int64]]:
+    """Points spread evenly over a surface, (n, 3), and their faces."""
+    a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    face = np.searchsorted(np.cumsum(area) / area.sum(), (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
+    u, v = random.random((2, _SAMPLES, 1))
+    flip = u + v > 1
+    u, v = np.where(flip, 1 - u, u), np.where(flip, 1 - v, v)
+    return a[face] + u * (b - a)[face] + v * (c - a)[face], face.astype(np.int64)
+
+
+def _distances(points: Array, mesh: SurfaceMesh, random: np.random.Generator) -> Array:
+    """Distance of points from a surface: exact to the triangles of the nearest samples, (n,), mm."""
+    import trimesh
+    from scipy.spatial import cKDTree
+
+    places, faces = _samples(mesh, random)
+    _, nearest = cKDTree(places).query(points, k=_NEAREST)
+    best = np.full(len(points), np.inf)
+    for column in faces[nearest].T:
+        closest = trimesh.triangles.closest_point(mesh.corners_mm[column], points)
+        best = np.minimum(best, np.linalg.norm(closest - points, axis=1))
+    return best

@@ -1,0 +1,135 @@
+"""The parametric web fitted to an extracted body, and the scene that has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.remodel.checks import check_solid
+from cranktopo.remodel.family import bounds, web_of
+from cranktopo.remodel.leftover import Leftover, leftovers
+from cranktopo.remodel.occupancy import Occupancy, occupancy
+from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.search import Problem
+from cranktopo.remodel.select import Candidate, Trial, fit_from, model_fill, select
+from cranktopo.scene import Scene, scene_from_dict
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+    from cranktopo.surface.mesh import SurfaceMesh
+
+Array = NDArray[np.float64]
+_COARSE = 2.0
+"""Cells of the search for features and stations over those of the final fit."""
+_SPREAD = 1.0
+"""Standard deviation of the further starts about the first, mm or degrees."""
+_DEFAULT = Rules()
+
+
+@dataclass(frozen=True)
+class FittedWeb:
+    """A web of the family, and how it was reached.
+
+    Attributes:
+        scene: the design with the fitted web; everything but web and name is as it was.
+        names: names of the parameters.
+        values: their fitted values before rounding, mm or degrees.
+        trials: which stations and features were tried, and what each gained.
+        overlaps: overlap of the fills from each start of the final fit, the best first.
+        leftovers: where the family cannot follow the body.
+    """
+
+    scene: Scene
+    names: tuple[str, ...]
+    values: tuple[float, ...]
+    trials: tuple[Trial, ...]
+    overlaps: tuple[float, ...]
+    leftovers: tuple[Leftover, ...]
+
+
+def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = _DEFAULT) -> FittedWeb:
+    """Fit a web that a die or a mill can make to an extracted body.
+
+    Args:
+        surface: closed surface of the half throw (`WebSurface.half_throw`), mm.
+        scene: the design it was extracted for: journals, thickness and fillets stay.
+        rules: bounds of the web.
+
+    Raises:
+        CranktopoError: nothing of the surface lies between the web faces, or no web keeps the rules.
+    """
+    from cranktopo.fem.precision import double_precision
+    from cranktopo.surface.mesh import solid_of
+
+    body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
+    with double_precision():
+        chosen, trials = select(_problem(body, scene, rules, _COARSE * rules.cell_mm))
+        fine = _problem(body, scene, rules, rules.cell_mm)
+        fits = _final_fits(fine, chosen)
+        best = fits[0]
+        rest = leftovers(fine, model_fill(fine, best))
+    return FittedWeb(
+        scene_with_web(scene, web_of(best.layout, best.values, scene)),
+        best.layout.names,
+        tuple(float(value) for value in best.values),
+        trials,
+        tuple(found.overlap for found in fits),
+        tuple(rest),
+    )
+
+
+def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
+    """The scene with another web, checked as if it were read from a file.
+
+    Raises:
+        CranktopoError: the web does not fit the throw.
+    """
+    data = scene.model_dump(mode="json", exclude={"web", "published"}, exclude_none=True)
+    name = f"{scene.name.removesuffix(_SUFFIX)}{_SUFFIX}"
+    fitted = scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
+    check_solid(fitted)
+    return fitted
+
+
+_SUFFIX = "-remodel"
+
+
+def _problem(body: Manifold, scene: Scene, rules: Rules, cell_mm: float) -> Problem:
+    cells = occupancy(body, scene, cell_mm)
+    return Problem(cells, _free_of_bores(scene, cells), scene, rules)
+
+
+def _final_fits(problem: Problem, chosen: Candidate) -> list[Candidate]:
+    """Fits from the chosen web and from scattered copies of it, best first."""
+    random = np.random.default_rng(0)
+    low, high = bounds(chosen.layout, problem.scene, problem.rules)
+    starts = [chosen.values]
+    for _ in range(problem.rules.starts - 1):
+        scattered = chosen.values + random.normal(0.0, _SPREAD, len(chosen.values))
+        starts.append(np.clip(scattered, low, high))
+    found = [fit_from(problem, chosen.layout, start, "final") for start in starts]
+    fits = [candidate for candidate in found if candidate is not None]
+    if not fits:
+        raise CranktopoError(
+            "remodel: no web keeps the manufacturing rules on the finer cells.",
+            hint="Lower the least wall or the least radius.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+    return sorted(fits, key=lambda candidate: -candidate.overlap)
+
+
+def _free_of_bores(scene: Scene, cells: Occupancy) -> Array:
+    """Share of each cell that no bore takes, (nx, ny), from 5 x 5 points."""
+    offsets = (np.arange(5) - 2) / 5
+    x = (cells.x_mm[:, None] + cells.cell_mm[0] * offsets).ravel()[:, None]
+    y = (cells.y_mm[:, None] + cells.cell_mm[1] * offsets).ravel()[None, :]
+    throw = scene.throw
+    free = np.ones((x.size, y.size))
+    for journal, centre in ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm)):
+        free *= x**2 + (y - centre) ** 2 > journal.bore_radius_mm**2
+    return np.asarray(free.reshape(len(cells.x_mm), 5, len(cells.y_mm), 5).mean(axis=(1, 3)))

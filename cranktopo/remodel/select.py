@@ -1,0 +1,182 @@
+"""Which features and how many stations: each is kept only for the overlap that it gains."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.remodel.family import Bevel, Layout, Part, Pocket, label
+from cranktopo.remodel.fill import fill
+from cranktopo.remodel.leftover import Leftover, leftovers
+from cranktopo.remodel.search import Problem, compiled, search
+from cranktopo.remodel.starts import bevel_start, outline_start, pocket_start, side_start, with_stations
+
+Array = NDArray[np.float64]
+_FIRST_STATIONS = 7
+_LEAST_STATIONS = 5
+_SHARP = 0.5
+"""Half-width of the step, in cells, at which overlaps are compared."""
+_MOST_POCKETS = 4
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A web of the family on the way.
+
+    Attributes:
+        layout: its parameters.
+        values: their values.
+        overlap: intersection over union of the fills, bores left out.
+        step: what was tried, for the table.
+    """
+
+    layout: Layout
+    values: Array
+    overlap: float
+    step: str
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One row of the table of what was tried.
+
+    Attributes:
+        step: stations or feature.
+        parameters: how many parameters the web then has.
+        iou_percent: overlap of the fills.
+        gain_percent: against what was there before, percentage points.
+        kept: whether it is in the web.
+    """
+
+    step: str
+    parameters: int
+    iou_percent: float
+    gain_percent: float
+    kept: bool
+
+
+def select(problem: Problem) -> tuple[Candidate, tuple[Trial, ...]]:
+    """The web that pays for each of its parameters; call in double precision.
+
+    Args:
+        problem: the fit, on cells coarse enough for many searches.
+
+    Returns:
+        The web, and all trials in their order.
+
+    Raises:
+        CranktopoError: not even the plain outline keeps the rules.
+    """
+    layout = Layout(_FIRST_STATIONS)
+    best = fit_from(problem, layout, outline_start(problem, _FIRST_STATIONS), "outline")
+    if best is None:
+        raise CranktopoError(
+            "remodel: no outline keeps the manufacturing rules.",
+            hint="Lower the least wall or the least radius.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+    trials = [_trial(best, 0.0, True)]
+    best = _features(problem, best, trials)
+    best = _stations(problem, best, trials)
+    return best, tuple(trials)
+
+
+def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candidate | None:
+    """One search from one start; None when it finds nothing that keeps the rules."""
+    cell = float(problem.target.cell_mm[0])
+    fit = compiled(problem, layout)
+    values, error = search(fit, start, (2 * cell, cell))
+    if not np.isfinite(error):
+        return None
+    return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)
+
+
+def _features(problem: Problem, best: Candidate, trials: list[Trial]) -> Candidate:
+    parts: list[tuple[Part, Array]] = [
+        (part, bevel_start(problem, part)) for part in (Bevel("journal"), Bevel("pin"))
+    ]
+    side = side_start(problem)
+    parts += [(Pocket("side", "side"), side)] if side is not None else []
+    for part, start in parts:
+        best = _try(problem, best, part, start, trials)
+    for _ in range(_MOST_POCKETS):
+        before = best
+        for part, start in _pockets(problem, best):
+            best = _try(problem, best, part, start, trials)
+            if best is not before:
+                break
+        if best is before:
+            break
+    return best
+
+
+def _try(problem: Problem, best: Candidate, part: Part, start: Array, trials: list[Trial]) -> Candidate:
+    layout = replace(best.layout, parts=(*best.layout.parts, part))
+    found = fit_from(problem, layout, np.concatenate([best.values, start]), label(part))
+    if found is None:
+        return best
+    gain = found.overlap - best.overlap
+    kept = 100 * gain >= problem.rules.least_gain_percent
+    trials.append(_trial(found, gain, kept))
+    return found if kept else best
+
+
+def _pockets(problem: Problem, best: Candidate) -> Iterator[tuple[Part, Array]]:
+    """Pockets that could take out what the body lacks, largest leftover first."""
+    for leftover in leftovers(problem, model_fill(problem, best)):
+        if leftover.kind == "material":
+            continue
+        for part in _kinds(leftover):
+            low, high = np.array(leftover.low_mm), np.array(leftover.high_mm)
+            yield part, pocket_start(part, low, high, leftover.volume_mm3 / 2, problem.scene.web_z_mm)
+
+
+def _kinds(leftover: Leftover) -> list[Pocket]:
+    if leftover.kind == "window":
+        return [Pocket("cylinder", "through", leftover.pair)]
+    face = leftover.face
+    if face is None:
+        return []
+    return [Pocket("cylinder", face, leftover.pair), Pocket("box", face, leftover.pair)]
+
+
+def _stations(problem: Problem, best: Candidate, trials: list[Trial]) -> Candidate:
+    """The fewest stations beyond which another two gain less than the rule."""
+    ladder = []
+    for stations in range(_LEAST_STATIONS, problem.rules.max_stations + 1):
+        layout = replace(best.layout, stations=stations)
+        start = with_stations(best.layout, best.values, stations)
+        found = fit_from(problem, layout, start, f"{stations} stations")
+        if found is not None:
+            ladder.append(found)
+        if len(ladder) > 2 and ladder[-1].overlap - ladder[-3].overlap < _least(problem):
+            break
+    chosen = best
+    overlaps = np.maximum.accumulate([found.overlap for found in ladder])
+    if len(ladder):
+        index = int(np.argmax(overlaps >= overlaps[-1] - _least(problem)))
+        chosen = ladder[index]
+    for i, found in enumerate(ladder):
+        gain = found.overlap - ladder[i - 1].overlap if i else 0.0
+        trials.append(_trial(found, gain, found is chosen))
+    return chosen
+
+
+def _least(problem: Problem) -> float:
+    return problem.rules.least_gain_percent / 100
+
+
+def model_fill(problem: Problem, candidate: Candidate) -> Array:
+    """Fill of the cells by a candidate, bores cut out."""
+    cells = problem.target
+    sharp = _SHARP * float(cells.cell_mm[0])
+    model = np.asarray(fill(candidate.layout, candidate.values, cells, problem.scene, sharp))
+    return np.asarray(model * problem.free[:, :, None])
+
+
+def _trial(found: Candidate, gain: float, kept: bool) -> Trial:
+    return Trial(found.step, len(found.values), 100 * found.overlap, 100 * gain, kept)

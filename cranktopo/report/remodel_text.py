@@ -1,0 +1,78 @@
+"""What `remodel` prints: what was tried, closeness, stiffness, and what is not represented."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cranktopo.report.tables import Table, terminal
+
+
+def remodel_text(data: dict[str, Any]) -> str:
+    """The content of remodel.json for a terminal."""
+    trials = Table(
+        columns=("tried", "parameters", "overlap_percent", "gain_percent", "kept"),
+        rows=tuple(
+            (
+                trial["step"],
+                float(trial["parameters"]),
+                trial["iou_percent"],
+                trial["gain_percent"],
+                "yes" if trial["kept"] else "no",
+            )
+            for trial in data["trials"]
+        ),
+        digits=(0, 0, 2, 2, 0),
+    )
+    lines = [terminal(trials), "", *_closeness(data), *_stiffness(data["stiffness"]), *_rest(data)]
+    names = (data["files"][kind] for kind in ("design", "step", "stl", "drawing", "drawing_svg", "json"))
+    return "\n".join([*lines, "", *(f"{data['folder']}/{name}" for name in names)])
+
+
+def _closeness(data: dict[str, Any]) -> list[str]:
+    iou, distance, mass = data["iou"], data["distance_mm"], data["web_mass_kg"]
+    place = ", ".join(f"{value:.1f}" for value in distance["max_at"])
+    return [
+        f"overlap (IoU)       web {100 * iou['web']:.1f} %, half throw {100 * iou['half_throw']:.1f} %",
+        f"surface distance    mean {distance['mean']:.2f} mm, largest {distance['max']:.2f} mm "
+        f"at ({place}) mm",
+        f"mass of the web     {mass['fitted']:.3f} kg, body {mass['body']:.3f} kg "
+        f"({mass['difference_percent']:+.1f} %)",
+    ]
+
+
+def _stiffness(stiffness: dict[str, Any] | None) -> list[str]:
+    if stiffness is None:
+        return []
+    return [
+        _stiffness_line("torsion, kN m/rad", stiffness, "torsion", "Nm_per_rad"),
+        _stiffness_line("bending, kN/mm", stiffness, "bending", "N_per_mm"),
+    ]
+
+
+def _stiffness_line(name: str, stiffness: dict[str, Any], kind: str, unit: str) -> str:
+    def value(which: str) -> float:
+        entry = stiffness[which]
+        found: float = entry[kind][f"{entry['supports'][kind]}_{unit}"] / 1000
+        return found
+
+    difference = stiffness["difference_percent"][kind]
+    return (
+        f"{name:19} {value('fitted_without_fillets'):.1f} without fillets, body {value('body'):.1f} "
+        f"({difference:+.1f} %); with fillets {value('fitted'):.1f}"
+    )
+
+
+def _rest(data: dict[str, Any]) -> list[str]:
+    """One line per region that the family cannot represent."""
+    if not data["not_represented"]:
+        return ["the family represents the whole body to within a skin of two cells"]
+    lines = ["not represented by the family:"]
+    for item in data["not_represented"]:
+        x, y, z = item["centre_mm"]
+        place = f"(±{x:.1f}, {y:.1f}, {z:.1f})" if item["pair"] else f"(0, {y:.1f}, {z:.1f})"
+        ranges = ", ".join(
+            f"{axis} {low:.0f} to {high:.0f}"
+            for axis, low, high in zip(("|x|", "y", "z"), item["low_mm"], item["high_mm"], strict=True)
+        )
+        lines.append(f"  {item['kind']} of {item['volume_mm3']:.0f} mm3 around {place} mm: {ranges}")
+    return lines

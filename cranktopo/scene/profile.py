@@ -1,0 +1,152 @@
+"""The profile outline: one smooth curve through half-widths at stations along the throw.
+
+The right flank is a cubic spline of x and y over the chord length between its points, with continuous
+curvature. An end with half-width 0 is round: the curve crosses x = 0 at a right angle, with the curvature of
+its own mirror image. An end with a half-width above 0 is cut straight across. The formulae take the array
+module, so that the fit can differentiate them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.scene.geometry import ProfileWeb
+
+Array = NDArray[np.float64]
+_BISECTIONS = 52
+
+
+@dataclass(frozen=True)
+class Flank:
+    """The right flank of a profile: cubic pieces between points.
+
+    Attributes:
+        points_mm: (n, 2) x and y of the points, y increasing.
+        lengths_mm: (n - 1,) chord lengths, the parameter ranges of the pieces.
+        slopes: (n, 2) derivatives by the parameter.
+    """
+
+    points_mm: Any
+    lengths_mm: Any
+    slopes: Any
+
+    def at(self, xp: ModuleType, u: Any) -> Any:
+        """Points of every piece at u in [0, 1], (pieces, u, 2), mm; `xp` is numpy or jax.numpy."""
+        start, end, leave, arrive = self._pieces()
+        t = xp.asarray(u)[None, :, None]
+        return (
+            start * (1 + 2 * t) * (1 - t) ** 2
+            + end * t**2 * (3 - 2 * t)
+            + leave * t * (1 - t) ** 2
+            + arrive * t**2 * (t - 1)
+        )
+
+    def derivatives(self, xp: ModuleType, u: Any) -> tuple[Any, Any]:
+        """First and second derivative by the parameter at u of every piece, (pieces, u, 2) each."""
+        start, end, leave, arrive = self._pieces()
+        t, length = xp.asarray(u)[None, :, None], self.lengths_mm[:, None, None]
+        first = 6 * t * (1 - t) * (end - start) + leave * (1 - t) * (1 - 3 * t) + arrive * t * (3 * t - 2)
+        second = (6 - 12 * t) * (end - start) + leave * (6 * t - 4) + arrive * (6 * t - 2)
+        return first / length, second / length**2
+
+    def curvature_per_mm(self, xp: ModuleType, u: Any) -> Any:
+        """Signed curvature at u of every piece, (pieces, u), 1/mm; positive where the web is convex."""
+        first, second = self.derivatives(xp, u)
+        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        return cross / (first**2).sum(axis=-1) ** 1.5
+
+    def _pieces(self) -> tuple[Any, Any, Any, Any]:
+        length = self.lengths_mm[:, None, None]
+        return (
+            self.points_mm[:-1, None],
+            self.points_mm[1:, None],
+            self.slopes[:-1, None] * length,
+            self.slopes[1:, None] * length,
+        )
+
+
+def flank_through(
+    xp: ModuleType, half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]
+) -> Flank:
+    """The flank through half-widths at stations.
+
+    Args:
+        xp: numpy or jax.numpy.
+        half_widths_mm, stations_mm: (n,) x and y of the points.
+        round_ends: whether the lower and the upper end cross x = 0 smoothly.
+    """
+    points = xp.stack([half_widths_mm, stations_mm], axis=1)
+    lengths = xp.sqrt(((points[1:] - points[:-1]) ** 2).sum(axis=1))
+    free = _slopes(xp, lengths, points, (False, False))
+    held = _slopes(xp, lengths, points, round_ends)
+    # In a mirror x is odd, so its second derivative vanishes, and y is even, so its first one does.
+    return Flank(points, lengths, xp.stack([free[:, 0], held[:, 1]], axis=1))
+
+
+def _slopes(xp: ModuleType, lengths: Any, points: Any, clamped: tuple[bool, bool]) -> Any:
+    """Derivatives at the points of the C2 spline; an end has derivative 0 (clamped) or no curvature."""
+    one, zero = xp.ones(1), xp.zeros(1)
+    inverse = 1 / lengths
+    middle = 2 * (inverse[:-1] + inverse[1:])
+    diagonal = xp.concatenate([one if clamped[0] else 2 * one, middle, one if clamped[1] else 2 * one])
+    upper = xp.concatenate([zero if clamped[0] else one, inverse[1:]])
+    lower = xp.concatenate([inverse[:-1], zero if clamped[1] else one])
+    chords = (points[1:] - points[:-1]) * inverse[:, None]
+    inner = 3 * (chords[:-1] * inverse[:-1, None] + chords[1:] * inverse[1:, None])
+    first = 0.0 if clamped[0] else 3.0
+    last = 0.0 if clamped[1] else 3.0
+    right = xp.concatenate([first * chords[:1], inner, last * chords[-1:]])
+    matrix = xp.diag(diagonal) + xp.diag(upper, 1) + xp.diag(lower, -1)
+    return xp.linalg.solve(matrix, right)
+
+
+@lru_cache(maxsize=64)
+def profile_flank(web: ProfileWeb) -> Flank:
+    """The right flank of a profile web."""
+    half = np.array(web.half_widths_mm, dtype=np.float64)
+    return flank_through(np, half, np.array(web.stations_mm, dtype=np.float64), web.round_ends)
+
+
+def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
+    """Half-width at positions along the throw, mm; 0 beyond the ends."""
+    stations = flank.points_mm[:, 1]
+    inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
+    y = np.clip(y_mm, stations[0], stations[-1]).ravel()
+    piece = np.clip(np.searchsorted(stations, y, side="right") - 1, 0, len(stations) - 2)
+    low, high = np.zeros_like(y), np.ones_like(y)
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        below = _hermite(flank, piece, middle, 1) < y
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    half = _hermite(flank, piece, (low + high) / 2, 0).reshape(y_mm.shape)
+    return np.asarray(np.where(inside, np.maximum(half, 0.0), 0.0))
+
+
+def largest_half_width_mm(flank: Flank) -> float:
+    """Largest half-width of the curve, mm: it may lie between two stations."""
+    largest = float(flank.points_mm[:, 0].max())
+    for piece in range(len(flank.lengths_mm)):
+        start, end = flank.points_mm[piece : piece + 2, 0]
+        leave, arrive = flank.slopes[piece : piece + 2, 0] * flank.lengths_mm[piece]
+        chord = end - start
+        turning = np.roots([3 * (leave + arrive) - 6 * chord, 6 * chord - 4 * leave - 2 * arrive, leave])
+        real = turning[np.isreal(turning)].real
+        for u in real[(real > 0) & (real < 1)]:
+            largest = max(largest, float(_hermite(flank, np.array([piece]), np.array([u]), 0)[0]))
+    return largest
+
+
+def _hermite(flank: Flank, piece: NDArray[np.int64], u: Array, axis: int) -> Array:
+    """One coordinate at u in [0, 1] of chosen pieces."""
+    points, slopes = flank.points_mm[:, axis], flank.slopes[:, axis]
+    length = flank.lengths_mm[piece]
+    start, end = points[piece], points[piece + 1]
+    leave, arrive = slopes[piece] * length, slopes[piece + 1] * length
+    value = start * (1 + 2 * u) * (1 - u) ** 2 + end * u**2 * (3 - 2 * u)
+    return np.asarray(value + leave * u * (1 - u) ** 2 + arrive * u**2 * (u - 1))

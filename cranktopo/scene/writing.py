@@ -1,0 +1,18 @@
+"""A scene as TOML text that reads back as the same scene."""
+
+from __future__ import annotations
+
+from cranktopo.scene.schema import Scene
+
+
+def toml_text(scene: Scene, heading: str) -> str:
+    """The scene as TOML; values that were left out or are None stay out.
+
+    Args:
+        scene: the scene.
+        heading: comment for the first line.
+    """
+    import tomli_w
+
+    data = scene.model_dump(mode="json", exclude_none=True)
+    return f"# {heading}\n{tomli_w.dumps(data)}"

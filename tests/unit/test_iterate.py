@@ -1,0 +1,245 @@
+"""The loop: thickness beside the journals, verdicts, envelopes, interruption and continuation."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import Manifold
+
+from cranktopo.cli.main import main
+from cranktopo.domain.build import build_domain
+from cranktopo.effects.beam import throw_compliance
+from cranktopo.errors import CranktopoError
+from cranktopo.iterate import loop, solids
+from cranktopo.iterate.solids import read_web, write_envelope, write_solids
+from cranktopo.iterate.step import Step, best_step, verdict
+from cranktopo.iterate.transition import transition_mm
+from cranktopo.loads.balance import throw_balance
+from cranktopo.remodel.volume import web_volume_mm3
+from cranktopo.scene import Scene
+from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
+from cranktopo.surface.mesh import SurfaceMesh, mesh_of
+from tests.unit.surface_cases import scene_with
+
+Capture = pytest.CaptureFixture[str]
+
+
+def block(*voids: Manifold) -> SurfaceMesh:
+    body = Manifold.cube((60, 100, 19)).translate((-30, -26, 20))
+    for void in voids:
+        body -= void
+    return mesh_of(body)
+
+
+@pytest.mark.parametrize(
+    ("void", "thickness"),
+    [
+        (Manifold.cube((1, 1, 1)).translate((100, 0, 0)), 19.0),
+        (Manifold.cube((8, 8, 9)).translate((12, 12, 30)), 10.0),  # a pocket beside the main journal, x > 0
+        (Manifold.cube((8, 8, 5)).translate((-20, 28, 20)), 14.0),  # beside the pin, x < 0, other face
+        (Manifold.cube((60, 10, 9)).translate((-30, -26, 20)), 19.0),  # behind the main journal: no load path
+        (Manifold.cylinder(60, 4, 4, 64).translate((0, 22, 0)), 0.0),  # a window
+        (Manifold.cylinder(60, 12, 12, 64), 19.0),  # the journal's own bore
+    ],
+    ids=["whole", "pocket", "pin", "behind", "window", "bore"],
+)
+def test_thickness_beside_the_journals(void: Manifold, thickness: float) -> None:
+    assert transition_mm(block(void), scene_with()) == pytest.approx(thickness, abs=1e-6)
+
+
+def step(number: int, mass: float, torsion: float, bending: float, transition: float = 12.0) -> Step:
+    return Step(number, mass, mass / 3, torsion, bending, 0.4, 0.6, transition, 95.0, 10.0, 1.0)
+
+
+ORIGINAL = step(0, 1.6, 1600.0, 230.0)
+
+
+def test_verdicts() -> None:
+    heavy, better = step(1, 2.0, 2100.0, 300.0), step(2, 1.5, 1650.0, 240.0)
+    assert verdict([ORIGINAL, heavy], 7.0) == "better"
+    assert verdict([ORIGINAL, heavy, better], 7.0) == "better"
+    assert verdict([ORIGINAL, heavy, better, step(3, 1.4, 1540.0, 231.0)], 7.0) == "no gain"
+    assert verdict([ORIGINAL, heavy, replace(better, transition_mm=6.9)], 7.0) == "too thin"
+
+
+def test_best_is_no_heavier_and_no_softer() -> None:
+    heavy, soft = step(1, 1.7, 2000.0, 300.0), step(2, 1.2, 1500.0, 229.0)
+    good, better = step(3, 1.55, 1650.0, 231.0), step(4, 1.5, 1640.0, 235.0)
+    thin = step(5, 1.3, 1600.0, 235.0, 3.0)
+    assert best_step([ORIGINAL, heavy, soft, good, better, thin], 7.0) == better
+    assert best_step([ORIGINAL, heavy, soft], 7.0) is None
+    share = better.percent_of(ORIGINAL)
+    assert share["mass"] == pytest.approx(93.75)
+    assert share["torsion_per_mass"] == pytest.approx(100 * (1640 / 1.5) / 1000)
+    assert share["bending_per_mass"] == pytest.approx(100 * (235 / 1.5) / (230 / 1.6))
+
+
+def test_a_symmetric_mesh_is_the_box_it_shows(tmp_path: Path, mikron: Scene) -> None:
+    box = trimesh.creation.box(bounds=[[-48, -34, 10], [48, 82, 45]])
+    box.export(tmp_path / "box.stl")
+    envelope = StlEnvelope(shape="stl", file=str(tmp_path / "box.stl"), symmetric=True)
+    domain = build_domain(mikron.model_copy(update={"envelope": envelope}), 6.0)
+    expected = build_domain(mikron, 6.0)
+    assert domain.extent == "quarter"
+    np.testing.assert_allclose(domain.design, expected.design, atol=1e-9)
+
+
+def test_a_lopsided_mesh_said_to_be_symmetric_is_refused(tmp_path: Path, mikron: Scene) -> None:
+    trimesh.creation.box(bounds=[[-48, -34, 10], [47, 82, 45]]).export(tmp_path / "box.stl")
+    envelope = StlEnvelope(shape="stl", file=str(tmp_path / "box.stl"), symmetric=True)
+    with pytest.raises(CranktopoError, match=r"envelope\.symmetric .* differ by"):
+        build_domain(mikron.model_copy(update={"envelope": envelope}), 6.0)
+
+
+def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene) -> None:
+    """Volume of the envelope on the grid against the closed form of the web."""
+    write_solids(mikron, tmp_path)
+    path = write_envelope(tmp_path)
+    mesh = trimesh.load_mesh(path)
+    assert mesh.is_watertight
+    exact = web_volume_mm3(mikron)
+    assert mesh.volume == pytest.approx(exact, rel=2e-3)
+    envelope = StlEnvelope(shape="stl", file=str(path), symmetric=True)
+    domain = build_domain(mikron.model_copy(update={"envelope": envelope}), 3.0)
+    assert float((domain.design * domain.volume_mm3).sum()) / domain.share / 2 == pytest.approx(
+        exact, rel=4e-3
+    )
+    assert transition_mm(read_web(tmp_path), mikron) == pytest.approx(19.0, abs=1e-4)
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The loop's own course with stand-ins for its long stages; the list records what was called."""
+    calls: list[str] = []
+
+    def optimised(folder: Path, scene: Scene, say: Callable[[str], None]) -> SurfaceMesh:
+        calls.append(f"optimise {scene.optimise.volume_fraction:.4f} {scene.optimise.process}")
+        kind = "" if scene.envelope is None else scene.envelope.shape
+        calls.append(f"inside {kind}")
+        return mesh_of(Manifold.cube((1, 1, 1)))
+
+    def fit(surface: SurfaceMesh, scene: Scene, rules: Any) -> Any:
+        """An obround whose volume is what the optimiser would have left."""
+        volume = web_volume_mm3(scene.model_copy(update={"web": _web_inside(scene)}))
+        target = scene.optimise.volume_fraction * volume
+        widths = np.linspace(44.5, 90, 400)
+        volumes = [web_volume_mm3(scene.model_copy(update={"web": _obround(w)})) for w in widths[::20]]
+        width = float(np.interp(target, volumes, widths[::20]))
+        return SimpleNamespace(scene=scene.model_copy(update={"web": _obround(width)}))
+
+    def evaluate(target: Any, size: float | None) -> Any:
+        scene = target.scene
+        own, balance = throw_compliance(scene), throw_balance(scene)
+        return SimpleNamespace(
+            throw_kg=balance.mass_kg,
+            web_kg=web_volume_mm3(scene) * 7850e-9,
+            torsion_Nm_per_rad=1e-3 / own.torsion_rad_per_Nmm,
+            bending_N_per_mm=1 / own.bending_mm_per_N,
+            torsion_error_percent=0.1,
+            bending_error_percent=0.1,
+        )
+
+    monkeypatch.setattr(solids, "FACET_MM", 6.0)
+    monkeypatch.setattr(loop, "_optimised", optimised)
+    monkeypatch.setattr(loop, "fit_web", fit)
+    monkeypatch.setattr(loop, "closeness", lambda *_: SimpleNamespace(web_iou=0.95))
+    monkeypatch.setattr(loop, "evaluate", evaluate)
+    return calls
+
+
+def _obround(width: float) -> ObroundWeb:
+    return ObroundWeb(outline="obround", width_mm=width, thickness_mm=19.0)
+
+
+def _web_inside(scene: Scene) -> ObroundWeb:
+    """The web that the scene's envelope holds in this play: 90 mm wide at first."""
+    if scene.envelope is None or scene.envelope.shape != "stl":
+        return _obround(90.0)
+    step_file = json.loads((Path(scene.envelope.file).parent / "step.json").read_text())
+    return ObroundWeb(**step_file["scene"]["web"])
+
+
+ARGUMENTS = ["iterate", "--steps", "3", "--resolution-mm", "4.5", "--volume-fraction", "0.45"]
+
+
+def test_steps_files_and_table(quick: list[str], tmp_path: Path, capsys: Capture) -> None:
+    out = tmp_path / "loop"
+    assert main([*ARGUMENTS, "--out", str(out), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert quick[1::2] == ["inside box", "inside stl", "inside stl"]
+    assert all(call.endswith("forged") for call in quick[::2])
+    numbers = [row["number"] for row in data["steps"]]
+    assert numbers == list(range(len(numbers)))
+    masses = [row["throw_kg"] for row in data["steps"][1:]]
+    assert masses == sorted(masses, reverse=True)
+    for number in numbers[1:]:
+        folder = out / f"step-{number:02d}"
+        assert {"web.toml", "web.step", "web.stl", "step.json"} <= {p.name for p in folder.iterdir()}
+        assert main(["plan", str(folder / "web.toml")]) == 0
+    with (out / "steps.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["throw_kg"]) for row in rows[1:]] == masses
+    assert float(rows[0]["torsion_per_mass_percent"]) == 100.0
+    assert (out / "steps.png").read_bytes().startswith(b"\x89PNG")
+    assert json.loads((out / "iterate.json").read_text())["steps"] == data["steps"]
+    assert json.loads((out / "manifest.json").read_text())["status"] == "done"
+
+
+def test_interrupted_loop_goes_on_where_it_was(
+    quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    whole, out = tmp_path / "whole", tmp_path / "loop"
+    assert main([*ARGUMENTS, "--out", str(whole)]) == 0
+    everything = list(quick)
+    quick.clear()
+    judge = loop.evaluate
+
+    def interrupted(target: Any, size: float | None) -> Any:
+        if target.name.endswith("step-2"):
+            raise KeyboardInterrupt
+        return judge(target, size)
+
+    monkeypatch.setattr(loop, "evaluate", interrupted)
+    capsys.readouterr()
+    assert main([*ARGUMENTS, "--out", str(out)]) == 130
+    assert f"cranktopo iterate --resume {out}" in capsys.readouterr().err
+    assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
+    assert not (out / "step-02" / "step.json").exists()
+    monkeypatch.setattr(loop, "evaluate", judge)
+    before = (out / "step-01" / "step.json").read_bytes()
+    done = len(quick)
+    assert main(["iterate", "--resume", str(out)]) == 0
+    assert (out / "step-01" / "step.json").read_bytes() == before
+    assert quick[done:] == everything[2:]  # step 2 and what follows, not step 1
+    first, second = (json.loads((p / "iterate.json").read_text()) for p in (whole, out))
+    for one, other in zip(first["steps"], second["steps"], strict=True):
+        assert {**one, "seconds": 0} == {**other, "seconds": 0}
+
+
+def test_the_loop_ends_when_the_web_is_thin(quick: list[str], tmp_path: Path, capsys: Capture) -> None:
+    out = tmp_path / "loop"
+    assert main([*ARGUMENTS, "--least-transition-mm", "19.5", "--out", str(out), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert "19.0 mm thick beside a journal, less than 19.5 mm" in data["stop_reason"]
+    assert len(data["steps"]) == 2
+    assert data["best_step"] is None
+
+
+def test_bad_use(tmp_path: Path, capsys: Capture) -> None:
+    assert main(["iterate", "--resume", str(tmp_path), "--process", "cast"]) == 2
+    assert main(["iterate", "--steps", "0"]) == 2
+    assert main(["iterate", "nonsense"]) == 3
+    taken = tmp_path / "taken"
+    taken.mkdir()
+    (taken / "file").write_text("kept")
+    assert main(["iterate", "--out", str(taken)]) == 3
+    assert "never overwritten" in capsys.readouterr().err
