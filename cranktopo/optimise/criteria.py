@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 
@@ -13,7 +15,9 @@ from cranktopo.optimise.material import (
     volume_fraction,
 )
 
-_BISECTIONS = 50
+_ROOT_ACCURACY = 1e-10
+_ROOT_STEPS = 100
+_Bracket = tuple[jax.Array, jax.Array, jax.Array, jax.Array, jax.Array]
 
 
 def design_gradients(
@@ -79,11 +83,37 @@ def update(
     def candidate(multiplier: jax.Array) -> jax.Array:
         return jnp.clip(x * jnp.sqrt(gain / jnp.exp(multiplier)), low, high)
 
-    def bisect(_: int, bounds: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-        middle = (bounds[0] + bounds[1]) / 2
-        volume = volume_fraction(data, physical_density(data, candidate(middle), beta))
-        heavy = volume > target
-        return jnp.where(heavy, middle, bounds[0]), jnp.where(heavy, bounds[1], middle)
+    def surplus(multiplier: jax.Array) -> jax.Array:
+        return volume_fraction(data, physical_density(data, candidate(multiplier), beta)) - target
 
-    bounds = jax.lax.fori_loop(0, _BISECTIONS, bisect, (top - 40.0, top + 10.0))
-    return candidate((bounds[0] + bounds[1]) / 2)
+    return candidate(falling_root(surplus, top - 40.0, top + 10.0))
+
+
+def falling_root(function: Callable[[jax.Array], jax.Array], low: jax.Array, high: jax.Array) -> jax.Array:
+    """Root of a function that falls from positive at `low` to negative at `high`; the end where it does not.
+
+    Secants and halvings take turns: the bracket always shrinks, and quickly where the function is smooth.
+
+    Args:
+        function: of one number, continuous.
+        low: start of the bracket.
+        high: its end.
+    """
+
+    def narrow(state: _Bracket) -> _Bracket:
+        low, high, at_low, at_high, count = state
+        secant = low + (high - low) * at_low / (at_low - at_high)
+        middle = jnp.where(count % 2 == 0, (low + high) / 2, secant)
+        value = function(middle)
+        low, at_low = jnp.where(value > 0, middle, low), jnp.where(value > 0, value, at_low)
+        high, at_high = jnp.where(value > 0, high, middle), jnp.where(value > 0, at_high, value)
+        return low, high, at_low, at_high, count + 1
+
+    def open_(state: _Bracket) -> jax.Array:
+        low, high, at_low, at_high, count = state
+        near = jnp.minimum(at_low, -at_high) <= _ROOT_ACCURACY
+        return (count < _ROOT_STEPS) & (high - low > _ROOT_ACCURACY) & ~near
+
+    first = low, high, function(low), function(high), jnp.zeros((), jnp.int32)
+    low, high, at_low, at_high, _ = jax.lax.while_loop(open_, narrow, first)
+    return jnp.where(at_low < -at_high, low, high)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from cranktopo.fem.lattice import Cells, Lattice
 from cranktopo.fem.model import ThrowModel
@@ -35,7 +34,7 @@ class Iteration:
     Attributes:
         seconds: wall time.
         cg: iterations of the solve.
-        compliance: sum over the load cases, for unit modulus, cell edge and force.
+        compliance: sum over the load cases, for unit modulus, cell edge and nodal force.
     """
 
     seconds: float
@@ -55,10 +54,8 @@ def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, Interpola
     supports, forces = build_supports(
         lattice, (0.0, 0.0), _levels(cells), (CaseSupports((), (), ()),) * load_cases
     )
-    share = np.full(width + 1, 1.0 / width)
-    share[[0, -1]] /= 2
     for case, component in zip(range(load_cases), (1, 0), strict=False):
-        forces[case, component, :, 0, -1] = -share
+        forces[case, component, :, 0, -1] = -1.0  # on every node, as the peers' examples load theirs
     loads = tuple(LoadCase(f"tip {case}", "bending", radial_N=1.0) for case in range(load_cases))
     model = ThrowModel(lattice, _levels(cells), supports, jnp.asarray(forces), loads, 1.0, 1.0)
     design = jnp.ones(lattice.cells)
@@ -88,9 +85,15 @@ def _levels(cells: Cells) -> int:
 
 
 @jax.jit
+def physical(chain: Interpolation, x: jax.Array) -> jax.Array:
+    """Filtered density of the design variables."""
+    return physical_density(chain, x, BETA)
+
+
+@jax.jit
 def moduli(chain: Interpolation, x: jax.Array) -> jax.Array:
     """Relative moduli of the design variables."""
-    return relative_moduli(chain, physical_density(chain, x, BETA))
+    return relative_moduli(chain, physical(chain, x))
 
 
 _update = jax.jit(update)

@@ -1,15 +1,17 @@
 """What the solver costs on a cantilever: `python -m tests.benchmarks.solver [--json FILE] [--ladder]`.
 
-Every grid runs in its own process, so that peak memory and compilation are its own. Per grid: medians over
-the design iterations after the first, the product with the stiffness against the memory bandwidth of this
-machine, the cycle in float32 against float64, and two load cases against one. `--ladder` adds grids up to
-2 million cells and fits the exponent of the cost.
+Every grid runs in its own process without stored compilations, so that memory and compiling are its own.
+Per grid: medians over the design iterations after the first, the product with the stiffness against the
+memory bandwidth of this machine, the cycle in float32 against float64, and two load cases against one.
+`--ladder` adds grids up to 2 million cells; the exponent of the cost is fitted. Where JAX finds a GPU every
+grid has a row on it as well.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import platform
 import resource
 import statistics
@@ -17,6 +19,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -48,16 +51,17 @@ def main() -> None:
     grids = options.grids or (LADDER if options.ladder else GRIDS)
     rows = []
     _print_header()
-    for grid in grids:
-        rows.append(_in_own_process(grid, options.iterations))
+    for device, grid in product(_devices(), grids):
+        rows.append({"device": device, **_in_own_process(grid, options.iterations, device)})
         _print_row(rows[-1])
     report: Row = {
         "machine": platform.processor() or platform.machine(),
         "jax": jax.__version__,
         "rows": rows,
     }
-    if len(rows) > 2:
-        report["exponent"] = exponent(rows)
+    on_cpu = [row for row in rows if row["device"] == "cpu"]
+    if len(on_cpu) > 2:
+        report["exponent"] = exponent(on_cpu)
         print(f"\nseconds per design iteration grow with cells to the power {report['exponent']:.2f}")
     if options.json:
         Path(options.json).write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
@@ -74,7 +78,7 @@ def measure(grid: str, iterations: int) -> Row:
     clock = CompileClock()
     with double_precision():
         one, design, model = _optimisation(grid, 1, iterations)
-        compile_s, memory = clock.compile_s, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        compile_s, memory = clock.compile_s, _peak_MiB()
         row = {"grid": grid, "cells": design.size, "unknowns": model.forces[0].size, **one}
         row |= {"compile_s": compile_s, "peak_MiB": memory, "stream_GB_s": stream_GB_s()}
         row |= {f"{p}_product_ns": product_ns(model, design, p) for p in ("float32", "float64")}
@@ -149,7 +153,21 @@ def _median_s(task: Callable[[], jax.Array], repeats: int = REPEATS) -> float:
 _product = jax.jit(apply_stiffness)
 
 
-def _in_own_process(grid: str, iterations: int) -> Row:
+def _devices() -> list[str]:
+    """JAX platforms of this machine to measure."""
+    names = {device.platform for device in jax.devices()}
+    return ["cpu", *sorted({"gpu": "cuda"}.get(name, name) for name in names - {"cpu"})]
+
+
+def _peak_MiB() -> float:
+    """Most memory of the process, or of the accelerator it computes on."""
+    used = jax.devices()[0].memory_stats()
+    if used:
+        return used["peak_bytes_in_use"] / 2**20
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def _in_own_process(grid: str, iterations: int, device: str) -> Row:
     command = [
         sys.executable,
         "-m",
@@ -159,7 +177,8 @@ def _in_own_process(grid: str, iterations: int) -> Row:
         "--iterations",
         str(iterations),
     ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    here = os.environ | {"JAX_PLATFORMS": device, "JAX_ENABLE_COMPILATION_CACHE": "false"}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=here)
     if done.returncode:
         raise SystemExit(f"{grid}: {done.stderr}")
     row: Row = json.loads(done.stdout.splitlines()[-1])
@@ -168,15 +187,17 @@ def _in_own_process(grid: str, iterations: int) -> Row:
 
 def _print_header() -> None:
     print(
-        "| grid | cells | s per iteration | first s | compile s | CG | peak MiB | float32 ns per unknown "
-        "(of bandwidth) | float64 | GB/s | solve float32 s | float64 s | two cases to one |"
+        "| device | grid | cells | s per iteration | first s | compile s | CG | peak MiB "
+        "| float32 ns per unknown (of bandwidth) | float64 | GB/s | solve float32 s | float64 s "
+        "| two cases to one |"
     )
-    print("|" + "---|" * 13, flush=True)
+    print("|" + "---|" * 14, flush=True)
 
 
 def _print_row(row: Row) -> None:
     cells = [
-        f"{row['grid']} | {row['cells']:,} | {row['iteration_s']:.3g} | {row['first_s']:.3g}",
+        f"{row['device']} | {row['grid']} | {row['cells']:,}",
+        f"{row['iteration_s']:.3g} | {row['first_s']:.3g}",
         f"{row['compile_s']:.3g} | {row['cg']:g} | {row['peak_MiB']:.0f}",
         f"{row['float32_product_ns']:.3g} ({row['float32_of_bandwidth']:.0%})",
         f"{row['float64_product_ns']:.3g} ({row['float64_of_bandwidth']:.0%})",

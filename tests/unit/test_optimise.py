@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from cranktopo.domain.build import build_domain
-from cranktopo.optimise.criteria import update
+from cranktopo.fem.precision import double_precision
+from cranktopo.optimise.criteria import falling_root, update
 from cranktopo.optimise.material import (
     CONTRAST,
     Interpolation,
@@ -124,3 +126,21 @@ def test_state_survives_a_checkpoint_bit_for_bit(tmp_path_factory: pytest.TempPa
 
     assert back.history == state.history
     assert (back.beta, back.stage_start, back.initial_N_mm) == (4.0, 7, (1.0 / 7.0, 3.0))
+
+
+@pytest.mark.parametrize("root", [-3.7, 0.0, 2.0])
+def test_root_of_a_falling_function_with_a_kink(root: float) -> None:
+    with double_precision():
+
+        def kinked(v: jax.Array) -> jax.Array:
+            return jnp.where(v < root, 5.0 * (root - v), jnp.tanh(root - v))
+
+        found = falling_root(kinked, jnp.asarray(-40.0), jnp.asarray(10.0))
+    assert float(found) == pytest.approx(root, abs=1e-9)
+
+
+def test_without_a_root_the_nearer_end_is_taken() -> None:
+    with double_precision():
+        ends = jnp.asarray(-1.0), jnp.asarray(1.0)
+        assert float(falling_root(lambda v: 3.0 - v, *ends)) == 1.0
+        assert float(falling_root(lambda v: -3.0 - v, *ends)) == -1.0
