@@ -99,7 +99,8 @@ def _features(problem: Problem, best: Candidate, trials: list[Trial]) -> Candida
     parts: list[tuple[Part, Array]] = [
         (part, bevel_start(problem, part)) for part in (Bevel("journal"), Bevel("pin"))
     ]
-    parts.append((Pocket("side", "side"), side_start(problem)))
+    side = side_start(problem)
+    parts += [(Pocket("side", "side"), side)] if side is not None else []
     for part, start in parts:
         best = _try(problem, best, part, start, trials)
     for _ in range(_MOST_POCKETS):

@@ -58,8 +58,8 @@ def bevel_start(problem: Problem, part: Bevel) -> Array:
     return np.array([outward * reach[0], float(np.clip(depth, 1.0, deepest)), 0.0])
 
 
-def side_start(problem: Problem) -> Array:
-    """Place and size of a side pocket from where the middle layers are narrower than the faces."""
+def side_start(problem: Problem) -> Array | None:
+    """Place and size of a side pocket from where the middle layers are narrower than both faces, if they are."""
     cells = problem.target
     extent = _extents(problem)
     layers = extent.shape[1]
@@ -67,6 +67,8 @@ def side_start(problem: Problem) -> Array:
     middle = extent[:, third : layers - third].min(axis=1)
     faces = np.minimum(extent[:, :third].max(axis=1), extent[:, layers - third :].max(axis=1))
     depth = faces - middle
+    if depth.max() <= 0:
+        return None
     inside = np.flatnonzero(depth > depth.max() / 2)
     y = cells.y_mm[inside]
     thickness = problem.scene.web.thickness_mm
