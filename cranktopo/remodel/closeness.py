@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 _SAMPLES = 40_000
-_NEAREST = 6
-"""Nearest samples whose triangles are tried for the closest point."""
+_NEAREST = 10
+"""Nearest samples and centroids whose triangles are tried for the closest point."""
 
 
 @dataclass(frozen=True)
@@ -109,11 +109,14 @@ def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> tuple[Array, NDA
 
 
 def _distances(points: Array, mesh: SurfaceMesh, random: np.random.Generator) -> Array:
-    """Distance of points from a surface: exact to the triangles of the nearest samples, (n,), mm."""
+    """Distance of points from a surface: exact to the triangles near it, (n,), mm."""
     import trimesh
     from scipy.spatial import cKDTree
 
     places, faces = _samples(mesh, random)
+    # Centroids as well: a small triangle may have no sample.
+    places = np.vstack([places, mesh.corners_mm.mean(axis=1)])
+    faces = np.concatenate([faces, np.arange(len(mesh.faces))])
     _, nearest = cKDTree(places).query(points, k=_NEAREST)
     best = np.full(len(points), np.inf)
     for column in faces[nearest].T:
