@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cranktopo.cli.completion import designs
 from cranktopo.cli.parameters import Number
+from cranktopo.cli.talk import say, talkative
 
 if TYPE_CHECKING:
     from cranktopo.iterate import Outcome, Settings
@@ -20,7 +22,7 @@ THIN_SHARE = 0.4
 
 
 @click.command("iterate")
-@click.argument("design", required=False)
+@click.argument("design", required=False, shell_complete=designs)
 @click.option("--steps", type=click.IntRange(1, 50), default=6, show_default=True, help="Number of removals.")
 @click.option(
     "--volume-fraction",
@@ -44,6 +46,7 @@ THIN_SHARE = 0.4
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print the steps as one JSON object.")
+@talkative
 def command(
     design: str | None,
     steps: int,
@@ -60,6 +63,8 @@ def command(
 
     Every step leaves a parametric web (TOML, STEP, STL). The loop ends when a step no longer improves the
     torsional stiffness per mass, or when the web beside a journal becomes too thin.
+
+    Example: cranktopo iterate mikron-iiic --steps 6 --process forged
     """
     given = (design, volume_fraction, resolution_mm, process, least_transition_mm, element_size_mm, out)
     if resume and any(value is not None for value in given):
@@ -67,12 +72,12 @@ def command(
     from cranktopo.iterate import continue_loop, start_loop
 
     if resume:
-        outcome = continue_loop(resume, _say)
+        outcome = continue_loop(resume, say)
     else:
         overrides = {"volume_fraction": volume_fraction, "resolution_mm": resolution_mm, "process": process}
         scene, text = _scene(design or DEFAULT_DESIGN, overrides)
         settings = _settings(scene, steps, least_transition_mm, element_size_mm)
-        outcome = start_loop(scene, text, settings, ["cranktopo", *sys.argv[1:]], out, _say)
+        outcome = start_loop(scene, text, settings, ["cranktopo", *sys.argv[1:]], out, say)
     data = outcome.as_json()
     files = _write(outcome, data)
     click.echo(json.dumps({**data, "files": files}) if as_json else _text(outcome, data, files))
@@ -127,7 +132,3 @@ def _text(outcome: Outcome, data: dict[str, Any], files: dict[str, str]) -> str:
         )
         lines.append(str(outcome.folder / f"step-{best.number:02d}" / "web.toml"))
     return "\n".join([*lines, *files.values()])
-
-
-def _say(line: str) -> None:
-    click.echo(line, err=True)

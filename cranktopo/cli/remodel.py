@@ -7,9 +7,12 @@ from pathlib import Path
 
 import click
 
+from cranktopo.cli.completion import runs
+from cranktopo.cli.talk import say, talkative
+
 
 @click.command()
-@click.argument("run")
+@click.argument("run", shell_complete=runs)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to; RUN/remodel by default.")
 @click.option(
     "--min-wall-mm", type=click.FloatRange(min=0.5), default=3.0, show_default=True, help="Least wall."
@@ -30,6 +33,7 @@ import click
 )
 @click.option("--no-judge", is_flag=True, help="Leave out the stiffness comparison.")
 @click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")
+@talkative
 def command(
     run: str,
     out: Path | None,
@@ -43,11 +47,13 @@ def command(
 
     Spline outline, end bevels, side pocket and pockets, each kept only for the overlap it gains. Writes a
     scene that every command accepts, the exact solid as STEP and STL, a drawing and remodel.json.
+
+    Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
     """
     from cranktopo.pipeline_remodel import remodel
     from cranktopo.remodel.rules import Rules
     from cranktopo.report.remodel_text import remodel_text
 
     rules = Rules(min_wall_mm=min_wall_mm, min_radius_mm=min_radius_mm, min_draft_deg=draft_deg)
-    data = remodel(run, out, rules, not no_judge, lambda line: click.echo(line, err=True))
+    data = remodel(run, out, rules, not no_judge, say)
     click.echo(json.dumps(data) if as_json else remodel_text(data))

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 _SAMPLES = 40_000
-_NEAREST = 6
-"""Nearest samples whose triangles are tried for the closest point."""
+_PIECE_MM = 1.0
+"""Triangles are cut into pieces with no longer edge, so that a near centroid means a near piece."""
+_NEAREST = 8
+"""Pieces with the nearest centroids that are tried for the closest point."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +87,9 @@ def surface_distance_mm(
         Mean, largest, and the point of the largest, mm.
     """
     random = np.random.default_rng(0)
-    (points, _), (others, _) = (_samples(mesh, random) for mesh in (one, other))
+    points, others = (_samples(mesh, random) for mesh in (one, other))
     places = np.vstack([points, others])
-    distances = np.concatenate([_distances(points, other, random), _distances(others, one, random)])
+    distances = np.concatenate([_distances(points, other), _distances(others, one)])
     x, y, z = places[int(distances.argmax())]
     return float(distances.mean()), float(distances.max()), (float(x), float(y), float(z))
 
@@ -97,26 +99,27 @@ def _solid(scene: Scene, part: str) -> Manifold:
     return solid_of(mesh.vertices_mm, mesh.faces, f"fitted {part}")
 
 
-def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> tuple[Array, NDArray[np.int64]]:
-    """Points spread evenly over a surface, (n, 3), and their faces."""
+def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> Array:
+    """Points spread evenly over a surface, (n, 3)."""
     a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     face = np.searchsorted(np.cumsum(area) / area.sum(), (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
     u, v = random.random((2, _SAMPLES, 1))
     flip = u + v > 1
     u, v = np.where(flip, 1 - u, u), np.where(flip, 1 - v, v)
-    return a[face] + u * (b - a)[face] + v * (c - a)[face], face.astype(np.int64)
+    return np.asarray(a[face] + u * (b - a)[face] + v * (c - a)[face])
 
 
-def _distances(points: Array, mesh: SurfaceMesh, random: np.random.Generator) -> Array:
-    """Distance of points from a surface: exact to the triangles of the nearest samples, (n,), mm."""
+def _distances(points: Array, mesh: SurfaceMesh) -> Array:
+    """Distance of points from a surface: exact to the pieces of triangles near it, (n,), mm."""
     import trimesh
     from scipy.spatial import cKDTree
 
-    places, faces = _samples(mesh, random)
-    _, nearest = cKDTree(places).query(points, k=_NEAREST)
+    vertices, faces = trimesh.remesh.subdivide_to_size(mesh.vertices_mm, mesh.faces, _PIECE_MM, max_iter=20)
+    pieces = vertices[faces]
+    _, nearest = cKDTree(pieces.mean(axis=1)).query(points, k=_NEAREST)
     best = np.full(len(points), np.inf)
-    for column in faces[nearest].T:
-        closest = trimesh.triangles.closest_point(mesh.corners_mm[column], points)
+    for column in nearest.T:
+        closest = trimesh.triangles.closest_point(pieces[column], points)
         best = np.minimum(best, np.linalg.norm(closest - points, axis=1))
     return best

@@ -63,7 +63,10 @@ def outline_distance(flank: Flank, cells: Occupancy) -> Any:
     px, py = x - start[:, 0], y - start[:, 1]
     along = jnp.clip((px * dx + py * dy) / (dx**2 + dy**2), 0.0, 1.0)
     square = (px - along * dx) ** 2 + (py - along * dy) ** 2
-    distance = jnp.sqrt(square.min(axis=-1) + 1e-12)
+    # By index: the derivative of min() finds its place by comparing numbers that a compiled program may
+    # round in two ways, and is then 0.
+    nearest = jnp.argmin(square, axis=-1, keepdims=True)
+    distance = jnp.sqrt(jnp.take_along_axis(square, nearest, axis=-1)[..., 0] + 1e-12)
     across = (start[:, 1] <= y) & (y < end[:, 1])
     edge = jnp.where(across, start[:, 0] + py / dy * dx, 0.0).sum(axis=-1)
     return jnp.where(x[..., 0] < edge, distance, -distance)

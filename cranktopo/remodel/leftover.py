@@ -67,7 +67,8 @@ def _regions(mask: Mask) -> list[Mask]:
     padded = np.pad(mask, ((1, 0), (0, 0), (1, 1)), mode="edge")
     core = ndimage.binary_erosion(padded, iterations=_DEEPER_CELLS, border_value=1)[1:, :, 1:-1]
     labels, count = ndimage.label(core)
-    grown = [ndimage.binary_dilation(labels == i + 1, iterations=_DEEPER_CELLS) & mask for i in range(count)]
+    corners = ndimage.generate_binary_structure(3, 3)
+    grown = [ndimage.binary_dilation(labels == i + 1, corners, _DEEPER_CELLS) & mask for i in range(count)]
     return [region for region in grown if region.any()]
 
 

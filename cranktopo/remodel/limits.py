@@ -46,7 +46,7 @@ def violations(layout: Layout, values: Any, scene: Scene, rules: Rules) -> Any:
         terms += _bevel(bevel, arc, scene, rules)
     for part, named in layout.split(values):
         if isinstance(part, Pocket) and part.shape == "side":
-            terms += _side(named, points[:, 0].max(), arcs, scene, rules)
+            terms += _side(named, points[jnp.argmax(points[:, 0]), 0], arcs, scene, rules)
         elif isinstance(part, Pocket):
             terms += _pocket(part, named, points, scene, rules)
     return jnp.concatenate([*found, jnp.stack(terms)])
@@ -127,7 +127,8 @@ def _pocket(part: Pocket, named: dict[str, Any], points: Any, scene: Scene, rule
         outside = jnp.sqrt(jnp.maximum(over_x, 0.0) ** 2 + jnp.maximum(over_y, 0.0) ** 2 + 1e-12)
         return outside + jnp.minimum(jnp.maximum(over_x, over_y), 0.0)
 
-    yield wall - gap(points[:, 0], points[:, 1]).min()
+    gaps = gap(points[:, 0], points[:, 1])
+    yield wall - gaps[jnp.argmin(gaps)]
     if part.pair:
         yield wall / 2 + (named["diameter"] if part.shape == "cylinder" else named["size_x"]) / 2 - x
     for face, (axis, journal) in zip(("journal", "pin"), _journals(scene), strict=True):

@@ -89,7 +89,7 @@ def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candi
     """One search from one start; None when it finds nothing that keeps the rules."""
     cell = float(problem.target.cell_mm[0])
     fit = compiled(problem, layout)
-    values, error = search(fit, start, (2 * cell, cell))
+    values, error = search(fit, start, (2 * cell, cell, cell / 2))
     if not np.isfinite(error):
         return None
     return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)

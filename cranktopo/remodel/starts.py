@@ -59,7 +59,7 @@ def bevel_start(problem: Problem, part: Bevel) -> Array:
 
 
 def side_start(problem: Problem) -> Array | None:
-    """Place and size of a side pocket from where the middle layers are narrower, if they are."""
+    """Place and size of a side pocket from where the middle is narrower than both faces, or None."""
     cells = problem.target
     extent = _extents(problem)
     layers = extent.shape[1]

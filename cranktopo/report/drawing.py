@@ -73,6 +73,7 @@ def _tables(axes: Any, sheet: Sheet) -> None:
     """Stations, bevels and pockets with every number that the scene holds."""
     web = sheet.web
     stations = enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), start=1)
+    _legend(axes)
     lines = ["OUTLINE      y   half-width", *(f"   {i:2d}  {y:8.2f}  {h:8.2f}" for i, (y, h) in stations)]
     for bevel in web.bevel:
         lines += _bevel_lines(sheet.scene, bevel)
@@ -106,7 +107,10 @@ def _pocket_lines(pocket: Pocket) -> list[str]:
 
 def _title_block(axes: Any, notes: list[str]) -> None:
     axes.text(0, 1, "\n".join(notes), va="top", fontsize=9, transform=axes.transAxes, linespacing=1.5)
+    axes.axis("off")
+
+
+def _legend(axes: Any) -> None:
     axes.plot([], [], color=INK, lw=1.6, label="parametric web")
     axes.plot([], [], color=GHOST, lw=1, ls="--", label="extracted body")
     axes.legend(loc="lower left", frameon=False, fontsize=9)
-    axes.axis("off")

@@ -16,7 +16,7 @@ import pytest
 from cranktopo.cli.main import COMMANDS, cli, main
 from cranktopo.scene.loading import designs_folder
 
-LONG = ("optimise", "evaluate", "compare", "fatigue", "shaft", "extract")
+LONG = ("optimise", "evaluate", "compare", "fatigue", "shaft", "extract", "remodel", "iterate")
 PROGRAM = [sys.executable, "-c", "from cranktopo.cli.main import main; main()"]
 
 
@@ -55,7 +55,7 @@ def test_long_commands_can_be_quiet_or_verbose(name: str, capsys: pytest.Capture
     command = commands()[name]
     names = {option for parameter in command.params for option in parameter.opts}
     assert {"--quiet", "-q", "--verbose", "-v"} <= names
-    required = ["x"] if name in ("compare", "extract") else []
+    required = ["x"] if name in ("compare", "extract", "remodel") else []
     baseline = ["--baseline", "x"] if name == "compare" else []
     assert main([name, *required, *baseline, "-q", "-v"]) == 2
     assert "exclude each other" in capsys.readouterr().err

@@ -1,0 +1,84 @@
+"""`cranktopo remodel`: files of a fitted web, what it refuses; the whole command in a slow test."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from matplotlib.image import imread
+
+from cranktopo.cli.main import main
+from cranktopo.pipeline_remodel import write_remodel
+from cranktopo.remodel.closeness import closeness
+from cranktopo.remodel.export import step_volume_mm3
+from cranktopo.remodel.fit import FittedWeb
+from cranktopo.remodel.select import Trial
+from cranktopo.remodel.volume import half_throw_volume_mm3
+from cranktopo.scene import Scene, load_scene
+from cranktopo.surface.mesh import mesh_of
+from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
+
+COARSE_MM = "4.5"
+
+
+def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
+    """The scene reads back the same, STEP and STL hold its volume, the drawing shows something everywhere."""
+    scene = known_scene(mikron, WHOLE)
+    body = mesh_of(body_of(known_scene(mikron, PLAIN), 1.0))
+    trials = (Trial("outline", 7, 80.0, 0.0, True),)
+    fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
+    files = write_remodel(fitted, closeness(scene, body), body, tmp_path, lambda _: None)
+    assert load_scene(str(tmp_path / files["design"])) == scene
+    volume = half_throw_volume_mm3(scene)
+    assert step_volume_mm3(tmp_path / files["step"]) == pytest.approx(volume, rel=1e-6)
+    stl = trimesh.load_mesh(tmp_path / files["stl"])
+    assert stl.is_watertight
+    assert stl.volume == pytest.approx(volume, rel=2e-3)
+    picture = imread(tmp_path / files["drawing"])[..., :3]
+    ink = picture.min(axis=-1) < 0.9
+    quarters = [part for half in np.array_split(ink, 2) for part in np.array_split(half, 2, axis=1)]
+    assert all(0.005 < part.mean() < 0.5 for part in quarters)
+    svg = (tmp_path / files["drawing_svg"]).read_text()
+    assert "<svg" in svg
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda run: None, "not a run directory"),
+        (lambda run: (run / "manifest.json").write_text("{}"), "manifest"),
+    ],
+    ids=["empty folder", "empty manifest"],
+)
+def test_what_is_no_run_is_refused(
+    make: Callable[[Path], object], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = tmp_path / "run"
+    run.mkdir()
+    make(run)
+    assert main(["remodel", str(run)]) == 3
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_whole_command_on_a_coarse_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Run, re-model, and every command that takes a design takes the result."""
+    run = tmp_path / "run"
+    assert main(["optimise", "--resolution-mm", COARSE_MM, "--out", str(run)]) == 0
+    capsys.readouterr()
+    assert main(["remodel", str(run), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["iou"]["half_throw"] > 0.85
+    assert abs(data["stiffness"]["difference_percent"]["torsion"]) < 10
+    assert any(trial["step"].endswith("stations") and trial["kept"] for trial in data["trials"])
+    design = str(run / "remodel" / data["files"]["design"])
+    assert main(["plan", design]) == 0
+    assert main(["loads", design]) == 0
+    assert main(["export", design, str(tmp_path / "throw.step")]) == 0
+    again = ["optimise", design, "--resolution-mm", "6", "--max-iterations", "2"]
+    assert main([*again, "--out", str(tmp_path / "again")]) in (0, 5)
+    assert main(["remodel", str(run)]) == 3  # its folder is taken

@@ -1,0 +1,59 @@
+"""Webs of the re-model's family with known parameters, and their bodies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from manifold3d import Manifold
+
+from cranktopo.remodel.export import surface_of
+from cranktopo.remodel.family import Bevel, Layout, Pocket, web_of
+from cranktopo.remodel.fit import scene_with_web
+from cranktopo.scene import Scene
+from cranktopo.surface.mesh import solid_of
+
+OUTLINE = {
+    "y_low": -26.0,
+    "y_high": 75.0,
+    "half_width_1": 21.0,
+    "half_width_2": 33.0,
+    "half_width_3": 38.0,
+    "half_width_4": 31.0,
+    "half_width_5": 18.0,
+}
+JOURNAL_BEVEL = {"y": 50.0, "depth": 14.0, "crown": 1.5}
+PIN_BEVEL = {"y": 9.0, "depth": 13.0, "crown": 2.0}
+SIDE = {"y": 24.0, "length": 24.0, "height": 6.0, "floor": 31.0, "offset": 0.5, "draft": 12.0}
+PAIR = {"x": 22.0, "y": 24.0, "diameter": 6.0}
+"""Nothing here is symmetric along the throw or the crank axis."""
+
+PLAIN = Layout(7)
+PARTS = (Bevel("journal"), Bevel("pin"), Pocket("side", "side"), Pocket("cylinder", "through", pair=True))
+WHOLE = Layout(7, PARTS)
+_TABLES = (JOURNAL_BEVEL, PIN_BEVEL, SIDE, PAIR)
+
+
+def values_of(layout: Layout) -> np.ndarray:
+    """The known parameters of a layout whose parts are the first ones of PARTS."""
+    tables = [OUTLINE, *_TABLES[: len(layout.parts)]]
+    return np.array([value for table in tables for value in table.values()])
+
+
+def known_scene(scene: Scene, layout: Layout) -> Scene:
+    """The scene with the known web."""
+    return scene_with_web(scene, web_of(layout, values_of(layout), scene))
+
+
+def body_of(scene: Scene, facet_mm: float = 0.5) -> Manifold:
+    """The half throw as a solid of the boolean engine."""
+    mesh = surface_of(scene, "half", facet_mm)
+    return solid_of(mesh.vertices_mm, mesh.faces, "known body")
+
+
+def table(**changes: Any) -> dict[str, Any]:
+    """The web table of the plain outline, with changes."""
+    stations = [-26.0, -20.0, -3.0, 24.0, 52.0, 69.0, 75.0]
+    half_widths = [0.0, 21.0, 33.0, 38.0, 31.0, 18.0, 0.0]
+    web = {"thickness_mm": 19.0, "outline": "profile", "stations_mm": stations, "half_widths_mm": half_widths}
+    return {**web, **changes}

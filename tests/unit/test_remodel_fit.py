@@ -1,0 +1,173 @@
+"""The fit of a parametric web: gradients, known webs, rules kept, what the family cannot show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+
+from cranktopo.fem.precision import double_precision
+from cranktopo.remodel.closeness import closeness, surface_distance_mm
+from cranktopo.remodel.family import Layout, web_of
+from cranktopo.remodel.fit import _problem, fit_web, scene_with_web
+from cranktopo.remodel.leftover import leftovers
+from cranktopo.remodel.limits import violations
+from cranktopo.remodel.occupancy import occupancy
+from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.search import compiled, search
+from cranktopo.remodel.select import Candidate, model_fill
+from cranktopo.remodel.starts import bevel_start, outline_start, side_start
+from cranktopo.scene import Scene
+from cranktopo.scene.profile import profile_flank
+from cranktopo.surface.mesh import mesh_of
+from tests.unit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, values_of
+
+COARSE = Rules(cell_mm=2.0)
+MORE = Layout(7, PARTS[:3])
+
+
+@pytest.fixture(scope="module")
+def body(mikron: Scene) -> Manifold:
+    return body_of(known_scene(mikron, MORE))
+
+
+def test_occupancy_has_the_volume_of_the_web(mikron: Scene, body: Manifold) -> None:
+    """Chords are exact in x; three lines per cell in y and z leave 1e-3."""
+    start, end = mikron.web_z_mm
+    slab = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+    for cell in (2.0, 1.0):
+        assert occupancy(body, mikron, cell).volume_mm3 == pytest.approx(slab.volume(), rel=1e-3)
+
+
+def test_occupancy_is_the_mean_of_both_sides(mikron: Scene) -> None:
+    """A block with a notch on one side only: half filled there, and where the notch is."""
+    start, end = mikron.web_z_mm
+    block = Manifold.cube((40.0, 60.0, end - start)).translate((-20.0, 0.0, start))
+    notch = Manifold.cube((6.0, 10.0, 40.0)).translate((10.0, 20.0, start))
+    cells = occupancy(block - notch, mikron, 1.0)
+    filled = {
+        (x, y): cells.filled[np.argmin(abs(cells.x_mm - x)), np.argmin(abs(cells.y_mm - y)), 5]
+        for x, y in ((12.5, 25.5), (12.5, 40.5), (30.5, 25.5), (5.5, 25.5))
+    }
+    assert filled == pytest.approx(
+        {(12.5, 25.5): 0.5, (12.5, 40.5): 1.0, (30.5, 25.5): 0.0, (5.5, 25.5): 1.0}
+    )
+
+
+def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold) -> None:
+    """All parameters of the family, away from the body they are fitted to."""
+    values = values_of(WHOLE) + np.random.default_rng(3).normal(0, 0.7, len(WHOLE.names))
+    with double_precision():
+        fit = compiled(_problem(body, mikron, COARSE, 2.0), WHOLE)
+        _, gradient = fit.misfit(values, 3.0)
+        slopes = np.asarray(fit.slopes(values))
+        step = 1e-5
+        for i, name in enumerate(WHOLE.names):
+            ahead, back = values.copy(), values.copy()
+            ahead[i] += step
+            back[i] -= step
+            difference = (float(fit.misfit(ahead, 3.0)[0]) - float(fit.misfit(back, 3.0)[0])) / (2 * step)
+            assert gradient[i] == pytest.approx(difference, rel=1e-4, abs=1e-8), name
+            change = (np.asarray(fit.limits(ahead)) - np.asarray(fit.limits(back))) / (2 * step)
+            assert slopes[:, i] == pytest.approx(change, rel=1e-4, abs=1e-6), name
+
+
+def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifold) -> None:
+    """Starts are read from the body; lengths come back to 1 % or 0.06 mm on 1 mm cells.
+
+    Crowns and draft, which move the surface by hundredths of a millimetre, take the finer cells below.
+    """
+    rules = Rules()
+    with double_precision():
+        problem = _problem(body, mikron, rules, 1.0)
+        start = [outline_start(problem, 7), *(bevel_start(problem, part) for part in PARTS[:2])]
+        found, error = search(
+            compiled(problem, MORE), np.concatenate([*start, side_start(problem)]), (2.0, 1.0, 0.5)
+        )
+    assert error < 2e-3
+    for name, true, value in zip(MORE.names, values_of(MORE), found, strict=True):
+        if not name.endswith(("crown", "draft", "bevel-pin.y")):
+            assert value == pytest.approx(true, rel=1e-2, abs=0.06), name
+
+
+@pytest.mark.slow
+def test_each_parameter_is_recovered_within_half_a_percent(mikron: Scene) -> None:
+    """From a start scattered by 1 mm, on cells of 0.5 mm."""
+    true = values_of(WHOLE)
+    body = body_of(known_scene(mikron, WHOLE), facet_mm=0.3)
+    with double_precision():
+        fit = compiled(_problem(body, mikron, Rules(), 0.5), WHOLE)
+        start = np.clip(true + np.random.default_rng(1).normal(0, 1.0, len(true)), *fit.bounds)
+        found, _ = search(fit, start, (2.0, 0.5, 0.25))
+    for name, value, known in zip(WHOLE.names, found, true, strict=True):
+        assert value == pytest.approx(known, rel=5e-3), name
+
+
+def test_rules_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
+    """A wall, a radius and a draft that the body itself does not keep."""
+    rules = Rules(cell_mm=2.0, min_wall_mm=5.0, min_radius_mm=22.0, min_draft_deg=20.0)
+    true = values_of(MORE)
+    with double_precision():
+        assert float(violations(MORE, true, mikron, rules).max()) > 0.1
+        problem = _problem(body, mikron, rules, 2.0)
+        values, error = search(compiled(problem, MORE), true, (4.0, 2.0))
+    assert np.isfinite(error)
+    web = scene_with_web(mikron, web_of(MORE, values, mikron)).web
+    assert web.outline == "profile"
+    flank = profile_flank(web)
+    assert np.abs(flank.curvature_per_mm(np, np.linspace(0, 1, 200))).max() <= 1 / 22.0
+    points = flank.at(np, np.linspace(0, 1, 200)).reshape(-1, 2)
+    for y in (0.0, 48.0):
+        assert np.hypot(points[:, 0], points[:, 1] - y).min() >= 21 + 2.5 + 0.1
+    (side,) = web.pocket
+    assert side.shape == "side"
+    assert side.draft_deg >= 20.0
+    assert side.height_mm + 2 * side.depth_mm * side.slope + 2 * abs(side.offset_mm) <= 19 - 2 * 5.0
+    assert all(bevel.depth_mm <= 19 - 5.0 for bevel in web.bevel)
+
+
+def test_a_window_and_a_hollow_are_named_with_place_and_volume(mikron: Scene) -> None:
+    """A rectangular window at |x| = 24 and a closed hollow at x = 0: neither is in the family."""
+    start, _ = mikron.web_z_mm
+    solid = body_of(known_scene(mikron, PLAIN))
+    window = Manifold.cube((8.0, 14.0, 40.0)).translate((20.0, 17.0, 15.0))
+    hollow = Manifold.cube((14.0, 10.0, 9.0)).translate((-7.0, 19.0, start + 6.0))
+    holed = solid - window - window.mirror((1.0, 0.0, 0.0)) - hollow
+    with double_precision():
+        problem = _problem(holed, mikron, Rules(), 1.0)
+        rest = leftovers(problem, model_fill(problem, Candidate(PLAIN, values_of(PLAIN), 0.0, "known")))
+    kinds = {item.kind: item for item in rest}
+    assert sorted(kinds) == ["hollow", "window"]
+    assert kinds["window"].volume_mm3 == pytest.approx(2 * 8 * 14 * 19, rel=0.05)
+    assert kinds["window"].centre_mm == pytest.approx((24.0, 24.0, start + 9.5), abs=0.5)
+    assert kinds["window"].pair
+    assert kinds["hollow"].volume_mm3 == pytest.approx(14 * 10 * 9, rel=0.05)
+    assert kinds["hollow"].centre_mm[1:] == pytest.approx((24.0, start + 10.5), abs=0.5)
+    assert not kinds["hollow"].pair
+
+
+def test_closeness_of_a_body_shifted_by_a_known_amount(mikron: Scene) -> None:
+    """A ball moved by 1 mm: distances up to 1 mm, mean of |cos| = 1/2; a web against itself: its facets."""
+    ball = Manifold.sphere(10.0, 400)
+    mean, largest, _ = surface_distance_mm(mesh_of(ball), mesh_of(ball.translate((1.0, 0.0, 0.0))))
+    assert mean == pytest.approx(0.5, rel=0.02)
+    assert largest == pytest.approx(1.0, rel=0.01)
+    scene = known_scene(mikron, WHOLE)
+    same = closeness(scene, mesh_of(body_of(scene, 1.0)))
+    assert same.web_iou == pytest.approx(1.0, abs=5e-4)
+    assert same.max_distance_mm < 0.05
+
+
+@pytest.mark.slow
+def test_fit_chooses_features_and_stations_by_their_gain(mikron: Scene) -> None:
+    """The whole selection on a known body: its features are found, no other is kept, overlap above 98 %."""
+    scene = known_scene(mikron, MORE)
+    fitted = fit_web(mesh_of(body_of(scene)), mikron, replace(Rules(), starts=2))
+    kept = {trial.step for trial in fitted.trials if trial.kept}
+    assert {"outline", "bevel-journal", "bevel-pin", "side"} <= kept
+    assert len(kept) == 5  # and one number of stations
+    assert not [item for item in fitted.leftovers if item.kind != "material"]
+    assert closeness(fitted.scene, mesh_of(body_of(scene))).web_iou > 0.98
+    assert fitted.scene.name == "mikron-iiic-remodel"

@@ -1,0 +1,131 @@
+"""End bevels and sloped side pockets: volumes by formula, by the CAD kernel and by cells; refusals."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.domain.build import build_domain
+from cranktopo.errors import CranktopoError
+from cranktopo.remodel.export import export_solid, step_volume_mm3
+from cranktopo.remodel.fit import scene_with_web
+from cranktopo.remodel.volume import web_volume_mm3
+from cranktopo.scene import Scene
+from cranktopo.scene.bevel import bevel_arc
+from cranktopo.scene.web_section import web_moments
+from tests.unit.remodel_cases import WHOLE, known_scene, table
+
+RECTANGLE = {"thickness_mm": 19.0, "outline": "rectangle", "width_mm": 60.0, "overhang_mm": 30.0}
+PLANE = {"face": "journal", "y_mm": 66.0, "depth_mm": 8.0}
+ARC = {"face": "pin", "y_mm": -6.0, "depth_mm": 12.0, "crown_mm": 2.5}
+SLOPED = {"shape": "side", "y_mm": 27.0, "length_mm": 16.0, "height_mm": 5.0, "depth_mm": 6.0}
+SLOPED |= {"offset_mm": -1.5, "draft_deg": 15.0}
+
+
+def removed_mm3(scene: Scene, **features: Any) -> float:
+    """Volume that features take from a plain rectangle with bores."""
+    whole, cut = (scene_with_web(scene, {**RECTANGLE, **extra}) for extra in ({}, features))
+    return web_volume_mm3(whole) - web_volume_mm3(cut)
+
+
+def test_plane_bevel_takes_a_triangle(mikron: Scene) -> None:
+    assert removed_mm3(mikron, bevel=[PLANE]) == pytest.approx(60 * 12 * 8 / 2, rel=1e-9)
+
+
+def test_crowned_bevel_takes_a_triangle_less_a_circle_segment(mikron: Scene) -> None:
+    """A bevel short of the bore: its cross-section is a triangle less the segment of its arc."""
+    bevel = {"face": "pin", "y_mm": -24.0, "depth_mm": 9.0, "crown_mm": 1.0}
+    chord = math.hypot(6, 9)
+    radius = (chord**2 / 4 + 1) / 2
+    half_angle = math.asin(chord / 2 / radius)
+    segment = radius**2 * (half_angle - math.sin(half_angle) * math.cos(half_angle))
+    found = removed_mm3(mikron.model_copy(update={"throw": sharp(mikron)}), bevel=[bevel])
+    assert found == pytest.approx(60 * (6 * 9 / 2 - segment), rel=1e-9)
+
+
+def test_sloped_pocket_takes_two_frusta(mikron: Scene) -> None:
+    slope = math.tan(math.radians(15.0))
+    floor, mouth = 16.0 * 5.0, (16 + 12 * slope) * (5 + 12 * slope)
+    middle = (16 + 6 * slope) * (5 + 6 * slope)
+    prismoid = 6 / 6 * (floor + 4 * middle + mouth)
+    assert removed_mm3(mikron, pocket=[SLOPED]) == pytest.approx(2 * prismoid, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "features",
+    [
+        {"bevel": [{**PLANE, "y_mm": 50.0}]},
+        {"bevel": [ARC, {**PLANE, "y_mm": 52.0, "crown_mm": 1.0}]},
+        {"pocket": [{**SLOPED, "draft_deg": 0.0, "depth_mm": 9.0}]},
+        {"bevel": [ARC], "pocket": [SLOPED]},
+    ],
+    ids=["plane", "two arcs", "straight slot", "arc and slopes"],
+)
+def test_solid_cells_and_sections_agree(mikron: Scene, features: dict[str, Any], tmp_path: Any) -> None:
+    """The CAD kernel and its STEP file to 1e-6, sections and cells to their steps."""
+    scene = scene_with_web(mikron, table(**features))
+    volume = export_solid(scene, "web", tmp_path / "web.step")
+    assert volume == pytest.approx(web_volume_mm3(scene), rel=1e-6)
+    assert step_volume_mm3(tmp_path / "web.step") == pytest.approx(volume, rel=1e-6)
+    assert web_moments(scene).area == pytest.approx(volume, rel=1e-4)
+    domain = build_domain(scene, 3.0, "web", extent="half")
+    assert float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=5e-4)
+
+
+def test_cells_put_the_bevel_on_its_own_face(mikron: Scene) -> None:
+    """A bevel on the journal face at the pin's end: cells there are empty near that face only."""
+    scene = scene_with_web(mikron, table(bevel=[{**PLANE, "y_mm": 50.0, "depth_mm": 14.0}]))
+    domain = build_domain(scene, 2.0, "web", extent="half")
+    x, y = (
+        np.searchsorted(edges, at) - 1 for edges, at in ((domain.grid.x_mm, 16.0), (domain.grid.y_mm, 62.0))
+    )
+    first, past = domain.web_layers
+    column = domain.web[x, y, first:past]
+    assert column[0] == 0
+    assert column[-1] == 1
+    depth = float((1 - column).sum() * np.diff(domain.grid.z_mm)[first])
+    arc = bevel_arc(scene.web, 48.0, scene.web.bevel[0])
+    middle = (domain.grid.y_mm[y] + domain.grid.y_mm[y + 1]) / 2
+    assert depth == pytest.approx(float(arc.depth_at_mm(np.array([middle]))[0]), abs=0.05)
+
+
+def test_whole_family_is_one_checked_solid(mikron: Scene, tmp_path: Any) -> None:
+    scene = known_scene(mikron, WHOLE)
+    volume = export_solid(scene, "half", tmp_path / "half.step")
+    assert step_volume_mm3(tmp_path / "half.step") == pytest.approx(volume, rel=1e-6)
+
+
+REFUSED: dict[str, tuple[dict[str, Any], str]] = {
+    "bevel over the fillet": ({"bevel": [{**PLANE, "y_mm": 22.0}]}, r"bevel\[0\].y_mm.*fillet"),
+    "bevel too deep": ({"bevel": [{**PLANE, "depth_mm": 19.0}]}, r"depth_mm.*smaller than.*19 mm"),
+    "bevel beyond the end": ({"bevel": [{**PLANE, "y_mm": 80.0}]}, r"y_mm.*beyond the end.*75 mm"),
+    "arc turns back": ({"bevel": [{**PLANE, "crown_mm": 5.0}]}, r"crown_mm.*at most"),
+    "two on a face": ({"bevel": [PLANE, PLANE]}, "one bevel per face"),
+    "chamfer too": ({"bevel": [PLANE], "chamfer_mm": 1.0}, "takes no chamfer"),
+    "pocket into the bevel": (
+        {"bevel": [{**PLANE, "y_mm": 24.0, "depth_mm": 15.0}], "pocket": [{**SLOPED, "length_mm": 34.0}]},
+        "run into a bevel",
+    ),
+    "pocket through a face": ({"pocket": [{**SLOPED, "height_mm": 15.0}]}, r"height_mm.*smaller than"),
+    "pockets meet": (
+        {"pocket": [SLOPED, {"shape": "cylinder", "x_mm": 33.0, "y_mm": 27.0, "diameter_mm": 6.0}]},
+        r"pocket\[0\].*meets web.pocket\[1\]",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused(name: str, mikron: Scene) -> None:
+    features, message = REFUSED[name]
+    with pytest.raises(CranktopoError, match=message):
+        scene_with_web(mikron, table(**features))
+
+
+def sharp(scene: Scene) -> Any:
+    """The throw without fillets and with small journals, so that a bevel may start near them."""
+    throw = scene.throw
+    small = throw.crankpin.model_copy(update={"fillet_mm": 0.0, "outer_diameter_mm": 30.0})
+    return throw.model_copy(update={"crankpin": small})
