@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.cli.completion import runs
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.talk import detail, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def command(
     from cranktopo.surface.extraction import extract_run
 
     store = open_run(run)
-    say(f"{store.name}: extracting the surface")
+    detail(f"{store.name}: extracting the surface")
     with double_precision():
         found = extract_run(store, iteration)
     path = out or store.path / "surface" / f"iteration-{found.iteration:04d}.{chosen}"

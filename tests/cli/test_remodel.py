@@ -25,6 +25,7 @@ from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_
 COARSE_MM = "4.5"
 
 
+@pytest.mark.slow
 def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     """The scene reads back the same, STEP and STL hold its volume, the drawing shows something everywhere."""
     scene = known_scene(mikron, WHOLE)

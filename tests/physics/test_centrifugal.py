@@ -40,6 +40,7 @@ def test_resultant_is_unbalance_times_speed_squared(float64: None, mikron: Scene
     assert abs(force[0].sum()) < 1e-6 * force[1].sum()
 
 
+@pytest.mark.slow
 def test_extents_agree(float64: None, mikron: Scene) -> None:
     def work(extent: Extent) -> float:
         domain = build_domain(mikron, 4.0, "web", extent)

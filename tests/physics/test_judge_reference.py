@@ -31,6 +31,7 @@ def errors_percent(found: Stiffness) -> dict[str, float]:
     return {name: 100 * (values[name] / reference - 1) for name, reference in {**TORSION, **BENDING}.items()}
 
 
+@pytest.mark.slow
 def test_graded_mesh_is_within_half_a_percent() -> None:
     errors = errors_percent(judged(4.7))
     assert all(abs(e) < 0.5 for e in errors.values()), errors

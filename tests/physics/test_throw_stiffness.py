@@ -27,6 +27,7 @@ def stiffnesses(
     return {case.name: stiffness(model, float(c), case.name) for case, c in zip(cases, work, strict=True)}
 
 
+@pytest.mark.slow
 def test_original_web_at_1_mm(float64: None, mikron: Scene) -> None:
     result = stiffnesses(mikron, 1.0)
     assert result["torsion"] == pytest.approx(FREE_NM_PER_RAD, rel=0.015)
@@ -43,7 +44,7 @@ def test_original_web_at_half_a_mm(float64: None, mikron: Scene) -> None:
 @pytest.mark.parametrize(
     "supports",
     [
-        {"torsion": "free", "bending": "pinned"},
+        pytest.param({"torsion": "free", "bending": "pinned"}, marks=pytest.mark.slow),
         {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": 2e5},
     ],
 )

@@ -105,6 +105,7 @@ def test_each_parameter_is_recovered_within_half_a_percent(mikron: Scene) -> Non
         assert value == pytest.approx(known, rel=5e-3), name
 
 
+@pytest.mark.slow
 def test_rules_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
     """A wall, a radius and a draft that the body itself does not keep."""
     rules = Rules(cell_mm=2.0, min_wall_mm=5.0, min_radius_mm=22.0, min_draft_deg=20.0)
