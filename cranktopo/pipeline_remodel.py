@@ -23,7 +23,7 @@ from cranktopo.scene.writing import toml_text
 from cranktopo.store import check_destination, open_run
 from cranktopo.store.files import write_json, write_text
 from cranktopo.surface.mesh import SurfaceMesh
-from cranktopo.units import KG_PER_TONNE, density_tonne_per_mm3
+from cranktopo.units import density_kg_per_mm3
 
 SCHEMA_VERSION = 1
 _FACET_MM = 1.0
@@ -116,7 +116,7 @@ def write_remodel(
 def drawing_notes(fitted: FittedWeb, near: Closeness) -> list[str]:
     """Lines of the drawing's title block: material, mass, how well it fits, what the stations gained."""
     scene = fitted.scene
-    density = density_tonne_per_mm3(scene.material.density_kg_m3) * KG_PER_TONNE
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
     lines = [
         f"material {scene.material.name}, web {density * near.web_volume_mm3:.3f} kg "
         f"(extracted body {density * near.body_web_volume_mm3:.3f} kg)",
@@ -156,7 +156,7 @@ def _as_json(
     files: dict[str, str],
 ) -> dict[str, Any]:
     scene = fitted.scene
-    density = density_tonne_per_mm3(scene.material.density_kg_m3) * KG_PER_TONNE
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
     units = {name: "deg" if name.endswith("draft") else "mm" for name in fitted.names}
     return {
         "schema_version": SCHEMA_VERSION,

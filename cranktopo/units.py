@@ -16,6 +16,11 @@ def density_tonne_per_mm3(density_kg_m3: float) -> float:
     return density_kg_m3 * 1e-12
 
 
+def density_kg_per_mm3(density_kg_m3: float) -> float:
+    """Mass density for reported masses (kg/mm3) from kg/m3."""
+    return density_tonne_per_mm3(density_kg_m3) * KG_PER_TONNE
+
+
 def angular_speed_rad_s(speed_rpm: float) -> float:
     """Angular speed (rad/s) from revolutions per minute."""
     return speed_rpm * 2.0 * math.pi / 60.0

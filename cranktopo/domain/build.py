@@ -187,11 +187,7 @@ def _web_layer(scene: Scene, target: Target, z: tuple[float, float]) -> _Layer:
     """One slab of the web: outline or envelope less bores; in a clearance only the journal goes on."""
     start, stop = scene.web_z_mm
     throw, middle = scene.throw, (z[0] + z[1]) / 2
-    bores = [
-        disc(journal.bore_radius_mm, y)
-        for journal, y in ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm))
-        if journal.bore_radius_mm > 0
-    ]
+    bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
     if target == "web":
         outline = web_outline(scene.web, throw.radius_mm, middle - start)
         shape = _without(outline, bores + _pockets_at(scene, middle))

@@ -47,7 +47,7 @@ def check_symmetric(path: Path) -> None:
         CranktopoError: both sides differ by more than a millionth of the volume.
     """
     body = envelope_from_stl(path)
-    share = (body - body.mirror((1.0, 0.0, 0.0))).volume() / body.volume()
+    share = mirror_difference(body)
     if share > _ALIKE:
         raise invalid(
             "envelope.symmetric",
@@ -55,6 +55,12 @@ def check_symmetric(path: Path) -> None:
             f"the sides of '{path}' differ by {100 * share:.3g} % of its volume",
             "Set it to false.",
         )
+
+
+def mirror_difference(body: Manifold) -> float:
+    """Volume of a body outside its mirror image in x = 0, over that of the body; 0 for an empty one."""
+    outside = (body - body.mirror((1.0, 0.0, 0.0))).volume()
+    return float(outside / body.volume()) if outside else 0.0
 
 
 def section(path: Path, z_mm: float) -> list[NDArray[np.float64]]:

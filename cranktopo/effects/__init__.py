@@ -2,7 +2,7 @@
 
 from cranktopo.effects.cost import Cost, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan
-from cranktopo.effects.planning import plan
+from cranktopo.effects.planning import plan, planned_scene
 from cranktopo.effects.simulated import simulated_scene
 
-__all__ = ["Cost", "CostRates", "Effect", "EffectPlan", "plan", "simulated_scene"]
+__all__ = ["Cost", "CostRates", "Effect", "EffectPlan", "plan", "planned_scene", "simulated_scene"]

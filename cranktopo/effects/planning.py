@@ -10,6 +10,7 @@ from cranktopo.effects.cost import Costing, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan, Switch
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
+from cranktopo.effects.simulated import simulated_scene
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene import Scene
 from cranktopo.scene.schema import Effects
@@ -53,6 +54,15 @@ def plan(scene: Scene, rates: CostRates | None = None) -> EffectPlan:
             "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_CASES)} to 'on' or 'auto'."
         )
     return EffectPlan(tuple(_for_all_cases(effect, cases) for effect in decided))
+
+
+def planned_scene(scene: Scene) -> Scene:
+    """The scene as its own effects plan has it simulated.
+
+    Raises:
+        CranktopoError: as `plan`.
+    """
+    return simulated_scene(scene, plan(scene))
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:

@@ -15,7 +15,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.remodel.meshing import Part, mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
+from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
 SCHEMA_VERSION = 1
 RATIO = 1.5
@@ -233,7 +233,7 @@ def _mesh(target: Target, size: float) -> Part:
 def _evaluation(target: Target, part: Part, coarse: Stiffness, fine: Stiffness, seconds: float) -> Evaluation:
     scene = target.scene
     supports = scene.supports
-    density = density_tonne_per_mm3(scene.material.density_kg_m3) * KG_PER_TONNE
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
     order = _order(target)
     return Evaluation(
         target=target.name,

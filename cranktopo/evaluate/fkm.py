@@ -8,6 +8,7 @@ formulae.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,10 +93,10 @@ def fkm(stress: LocalStress, strength: FkmStrength) -> FkmResult:
     )
 
 
-def _mean_factor(rules: object, stress: LocalStress, sensitivity: Array) -> Array:
+def _mean_factor(rules: Any, stress: LocalStress, sensitivity: Array) -> Array:
     """Mean-stress factor K_AK at the stress ratio of each point."""
     amplitude = np.maximum(stress.amplitude_MPa, 1e-9)
     highest, lowest = stress.mean_MPa + amplitude, stress.mean_MPa - amplitude
     ratio = lowest / np.where(np.abs(highest) < 1e-12, 1e-12, highest)
-    factor: Array = rules.sm_factor(ratio, sensitivity, stress.mean_MPa / amplitude)  # type: ignore[attr-defined]
+    factor: Array = rules.sm_factor(ratio, sensitivity, stress.mean_MPa / amplitude)
     return np.asarray(factor)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.effects.beam import web_lever_mm
 from cranktopo.evaluate.fatigue import Progress, check_material, load_kinds
 from cranktopo.evaluate.m53 import (
     LEAST_FACTOR,
@@ -106,7 +107,7 @@ def check_rule(
     history = load_history(scene, kind, load_kinds(scene, kind)[0])
     force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
     size = dimensions(scene)
-    nominal = nominal_stresses(size, force / 2 * web_lever(scene), force / 2, torque * NMM_PER_NM)
+    nominal = nominal_stresses(size, force / 2 * web_lever_mm(scene), force / 2, torque * NMM_PER_NM)
     progress(f"{target.name}: four-point bending, three-point bending and torsion")
     model = solve_stresses(target, ("moment", "bending", "torsion"), fillet_fraction)
     closed, elements = concentration_factors(size), element_factors(model)
@@ -140,11 +141,6 @@ def dimensions(scene: Scene) -> Dimensions:
     )
 
 
-def web_lever(scene: Scene) -> float:
-    """Distance from the mid-journal plane to the mid-plane of the web, mm."""
-    return sum(scene.web_z_mm) / 2
-
-
 def element_factors(model: StressModel) -> Factors:
     """Concentration factors from unit stresses, as Appendix III of the rule defines them.
 
@@ -156,7 +152,7 @@ def element_factors(model: StressModel) -> Factors:
     """
     size = dimensions(model.scene)
     moment, radial, twist = model.stress.stress_MPa
-    lever = web_lever(model.scene)
+    lever = web_lever_mm(model.scene)
     pure, three = nominal_stresses(size, 1.0, 0.0, 1.0), nominal_stresses(size, lever / 2, 0.5, 0.0)
     principal = principal_stresses(twist)
     shear = (principal[:, 0] - principal[:, 2]) / 2

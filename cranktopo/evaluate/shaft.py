@@ -19,7 +19,7 @@ from cranktopo.evaluate.torsional import DiskModel, disk_model
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
+from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def evaluate_shaft(scene: Scene, bearings: Bearings, element_size_mm: float | No
     throw = throw_matrix(model, scene, part.mesh.mirrored)
     angles = scene.engine.throw_angles_deg
     stiffness = shaft_stiffness(shaft_matrix(throw, angles), bearings, spring or 0.0)
-    density = 2 * density_tonne_per_mm3(scene.material.density_kg_m3) * KG_PER_TONNE
+    density = 2 * density_kg_per_mm3(scene.material.density_kg_m3)
     disks = disk_model(scene, density * part.half.inertia_z_mm5, stiffness.throws_Nm_per_rad)
     mass = len(angles) * density * part.half.volume_mm3
     return ShaftEvaluation(scene.name, angles, bearings, mass, stiffness, disks)

@@ -20,7 +20,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
 from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.units import KG_PER_TONNE, MPA_PER_GPA, density_tonne_per_mm3
+from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
 Array = NDArray[np.float64]
 
@@ -140,7 +140,7 @@ def solve_stresses(
     surface = outer_surface(model, found.elements, tuple(planes))
     stress = surface_stress(model, surface, found)
     journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
-    density = density_tonne_per_mm3(material.density_kg_m3) * KG_PER_TONNE
+    density = density_kg_per_mm3(material.density_kg_m3)
     seconds = (meshed - start, time.perf_counter() - meshed)
     return StressModel(
         target.name,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.effects import plan, simulated_scene
+from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
 
@@ -75,5 +75,4 @@ def load_simulated(design: str) -> Scene:
     Raises:
         CranktopoError: no such design, an invalid scene, or a plan that cannot be made.
     """
-    scene = load_scene(design)
-    return simulated_scene(scene, plan(scene))
+    return planned_scene(load_scene(design))

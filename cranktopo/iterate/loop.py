@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo import pipeline
-from cranktopo.effects import plan, simulated_scene
+from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Evaluation, evaluate
 from cranktopo.evaluate.targets import Target
@@ -251,7 +251,7 @@ def _optimised(folder: Path, scene: Scene, say: Say) -> SurfaceMesh:
 
 
 def _judged(scene: Scene, settings: Settings) -> Evaluation:
-    return evaluate(Target(scene.name, simulated_scene(scene, plan(scene))), settings.element_size_mm)
+    return evaluate(Target(scene.name, planned_scene(scene)), settings.element_size_mm)
 
 
 def _line(steps: Sequence[Step]) -> str:

@@ -11,7 +11,7 @@ from cranktopo.frames import X
 from cranktopo.remodel.export import export_solid
 from cranktopo.scene import Scene
 from cranktopo.surface.export import write_stl
-from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.surface.mesh import SurfaceMesh, mesh_of, read_stl, solid_of
 
 WEB = "web_only.stl"
 HALF = "web"
@@ -33,10 +33,7 @@ def write_solids(scene: Scene, folder: Path) -> None:
 
 def read_web(folder: Path) -> SurfaceMesh:
     """Surface of the web alone."""
-    import trimesh
-
-    mesh = trimesh.load_mesh(folder / WEB)
-    return SurfaceMesh(mesh.vertices, mesh.faces)
+    return read_stl(folder / WEB)
 
 
 def write_envelope(folder: Path) -> Path:

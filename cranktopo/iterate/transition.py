@@ -46,8 +46,7 @@ def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
 
 def _in_other_bore(place: np.ndarray, scene: Scene) -> bool:
     """A bore of an overlapping journal is no fault of the web."""
-    throw = scene.throw
     return any(
         np.hypot(place[X], place[Y] - centre) <= _OUTSIDE * journal.bore_radius_mm
-        for journal, centre in ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm))
+        for journal, centre in scene.throw.journals
     )

@@ -14,7 +14,7 @@ from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.loop import Problem
 from cranktopo.optimise.material import relative_moduli
 from cranktopo.scene.schema import Scene
-from cranktopo.units import KG_PER_TONNE, density_tonne_per_mm3
+from cranktopo.units import density_kg_per_mm3
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-8
@@ -101,6 +101,6 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
         for case, value, residual in zip(model.cases, work, solution.relative_residual, strict=True)
     )
     kg = solid * domain.volume_mm3 / domain.share
-    kg *= density_tonne_per_mm3(scene.material.density_kg_m3) * KG_PER_TONNE
+    kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
     return Assessment(cases, float(kg.sum()), float(kg[:, :, first:last].sum()) / 2)

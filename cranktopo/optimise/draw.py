@@ -35,7 +35,7 @@ def open_cells(scene: Scene, domain: Domain) -> NDArray[np.bool_]:
     first, last = domain.web_layers
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
     bored = np.zeros((len(x), len(y)), bool)
-    for journal, centre in ((scene.throw.main_journal, 0.0), (scene.throw.crankpin, scene.throw.radius_mm)):
+    for journal, centre in scene.throw.journals:
         bored |= np.hypot(x[:, None], y[None, :] - centre) < journal.bore_radius_mm
     filled = (domain.design > 0) | (domain.fixed > 0)
     return filled[:, :, first:last] | bored[:, :, None]

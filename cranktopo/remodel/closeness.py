@@ -10,17 +10,15 @@ from numpy.typing import NDArray
 
 from cranktopo.remodel.export import surface_of
 from cranktopo.scene import Scene
+from cranktopo.surface.fidelity import distances_mm
 from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.surface.solids import web_slab
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
 Array = NDArray[np.float64]
 _SAMPLES = 40_000
-_PIECE_MM = 1.0
-"""Triangles are cut into pieces with no longer edge, so that a near centroid means a near piece."""
-_NEAREST = 8
-"""Pieces with the nearest centroids that are tried for the closest point."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,6 @@ class Closeness:
         mean_distance_mm, max_distance_mm: between the surfaces of the webs, both ways.
         farthest_mm: where the largest distance is, (x, y, z).
         web_volume_mm3, body_web_volume_mm3: of the fitted and of the extracted web.
-        volume_mm3, body_volume_mm3: of the fitted and of the extracted half throw.
     """
 
     iou: float
@@ -43,8 +40,6 @@ class Closeness:
     farthest_mm: tuple[float, float, float]
     web_volume_mm3: float
     body_web_volume_mm3: float
-    volume_mm3: float
-    body_volume_mm3: float
 
 
 def closeness(scene: Scene, surface: SurfaceMesh) -> Closeness:
@@ -56,8 +51,7 @@ def closeness(scene: Scene, surface: SurfaceMesh) -> Closeness:
     """
     body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
     half, web = (_solid(scene, part) for part in ("half", "web"))
-    start, end = scene.web_z_mm
-    slab = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+    slab = web_slab(body, scene)
     mean, largest, where = surface_distance_mm(mesh_of(web), mesh_of(slab))
     return Closeness(
         overlap(half, body),
@@ -67,8 +61,6 @@ def closeness(scene: Scene, surface: SurfaceMesh) -> Closeness:
         where,
         float(web.volume()),
         float(slab.volume()),
-        float(half.volume()),
-        float(body.volume()),
     )
 
 
@@ -89,7 +81,7 @@ def surface_distance_mm(
     random = np.random.default_rng(0)
     points, others = (_samples(mesh, random) for mesh in (one, other))
     places = np.vstack([points, others])
-    distances = np.concatenate([_distances(points, other), _distances(others, one)])
+    distances = np.concatenate([distances_mm(points, other), distances_mm(others, one)])
     x, y, z = places[int(distances.argmax())]
     return float(distances.mean()), float(distances.max()), (float(x), float(y), float(z))
 
@@ -108,18 +100,3 @@ def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> Array:
     flip = u + v > 1
     u, v = np.where(flip, 1 - u, u), np.where(flip, 1 - v, v)
     return np.asarray(a[face] + u * (b - a)[face] + v * (c - a)[face])
-
-
-def _distances(points: Array, mesh: SurfaceMesh) -> Array:
-    """Distance of points from a surface: exact to the pieces of triangles near it, (n,), mm."""
-    import trimesh
-    from scipy.spatial import cKDTree
-
-    vertices, faces = trimesh.remesh.subdivide_to_size(mesh.vertices_mm, mesh.faces, _PIECE_MM, max_iter=20)
-    pieces = vertices[faces]
-    _, nearest = cKDTree(pieces.mean(axis=1)).query(points, k=_NEAREST)
-    best = np.full(len(points), np.inf)
-    for column in nearest.T:
-        closest = trimesh.triangles.closest_point(pieces[column], points)
-        best = np.minimum(best, np.linalg.norm(closest - points, axis=1))
-    return best

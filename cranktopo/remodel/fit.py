@@ -128,8 +128,7 @@ def _free_of_bores(scene: Scene, cells: Occupancy) -> Array:
     offsets = (np.arange(5) - 2) / 5
     x = (cells.x_mm[:, None] + cells.cell_mm[0] * offsets).ravel()[:, None]
     y = (cells.y_mm[:, None] + cells.cell_mm[1] * offsets).ravel()[None, :]
-    throw = scene.throw
     free = np.ones((x.size, y.size))
-    for journal, centre in ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm)):
+    for journal, centre in scene.throw.journals:
         free *= x**2 + (y - centre) ** 2 > journal.bore_radius_mm**2
     return np.asarray(free.reshape(len(cells.x_mm), 5, len(cells.y_mm), 5).mean(axis=(1, 3)))

@@ -67,7 +67,7 @@ def _slab(
 
 def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
     from cranktopo.surface.mesh import solid_of
-    from cranktopo.surface.solids import is_mirror_image
+    from cranktopo.surface.solids import is_mirror_image, web_slab
 
     surface = read_surface(path, scene)
     body = solid_of(surface.vertices, surface.faces, str(path))
@@ -77,7 +77,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
     if mirrored:
         surface = _positive_x(body)
     points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
-    return Part(TetMesh(points, cells, mirrored), half, _slab_volume(body, scene.web_z_mm))
+    return Part(TetMesh(points, cells, mirrored), half, float(web_slab(body, scene).volume()))
 
 
 def read_surface(path: Path, scene: Scene) -> Any:
@@ -133,9 +133,3 @@ def _positive_x(body: Manifold) -> Any:
 
     half = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
     return trimesh.Trimesh(half.vertices_mm, half.faces, process=False)
-
-
-def _slab_volume(body: Manifold, z_mm: tuple[float, float]) -> float:
-    """Volume of a body between two heights, mm3."""
-    slab = body.trim_by_plane((0.0, 0.0, 1.0), z_mm[0]).trim_by_plane((0.0, 0.0, -1.0), -z_mm[1])
-    return float(slab.volume())

@@ -34,8 +34,8 @@ def violations(layout: Layout, values: Any, scene: Scene, rules: Rules) -> Any:
     rise = flank.derivatives(jnp, u)[0][..., 1].ravel()
     bend = flank.curvature_per_mm(jnp, np.linspace(0, 1, _CHECKS)).ravel() * rules.min_radius_mm
     found = [bend - _BEND_MARGIN, -bend - _BEND_MARGIN, _LEAST_RISE - rise[1:-1]]
-    (main, main_reach), (pin, pin_reach) = reaches_mm(scene, rules)
-    found += [reach - jnp.hypot(points[:, 0], points[:, 1] - y) for y, reach in reaches_mm(scene, rules)]
+    (main, main_reach), (pin, pin_reach) = reaches = reaches_mm(scene, rules)
+    found += [reach - jnp.hypot(points[:, 0], points[:, 1] - y) for y, reach in reaches]
     terms = [main_reach - main + values[0], pin_reach + pin - values[1]]
     arcs = [
         (part, bevel_arc_of(part, named, values))
@@ -56,13 +56,8 @@ def reaches_mm(scene: Scene, rules: Rules) -> list[tuple[float, float]]:
     """Axes along the throw and the least distance of the outline from each: wall of the bore, fillet."""
     return [
         (y, max(j.bore_radius_mm + rules.min_wall_mm, j.radius_mm + j.fillet_mm + SHOULDER_MM) + _CLEAR_MM)
-        for y, j in _journals(scene)
+        for j, y in scene.throw.journals
     ]
-
-
-def _journals(scene: Scene) -> list[tuple[float, Any]]:
-    throw = scene.throw
-    return [(0.0, throw.main_journal), (throw.radius_mm, throw.crankpin)]
 
 
 def _bevel(part: Bevel, arc: BevelArc, scene: Scene, rules: Rules) -> Iterator[Any]:
@@ -103,7 +98,7 @@ def _side(
     yield 1.0 - deep
     offset = named["offset"]
     yield tall + jnp.abs(offset) + wall - scene.web.thickness_mm / 2
-    for y, journal in _journals(scene):
+    for journal, y in scene.throw.journals:
         if journal.bore_radius_mm:
             beyond = jnp.maximum(jnp.abs(y - named["y"]) - named["length"] / 2, 0.0)
             yield journal.bore_radius_mm + wall - jnp.hypot(named["floor"], beyond)
@@ -131,7 +126,7 @@ def _pocket(part: Pocket, named: dict[str, Any], points: Any, scene: Scene, rule
     yield wall - gaps[jnp.argmin(gaps)]
     if part.pair:
         yield wall / 2 + (named["diameter"] if part.shape == "cylinder" else named["size_x"]) / 2 - x
-    for face, (axis, journal) in zip(("journal", "pin"), _journals(scene), strict=True):
+    for face, (journal, axis) in zip(("journal", "pin"), scene.throw.journals, strict=True):
         yield journal.bore_radius_mm + wall - gap(0.0, axis)
         if part.face in (face, "through"):
             yield journal.radius_mm + journal.fillet_mm + SHOULDER_MM - gap(0.0, axis)

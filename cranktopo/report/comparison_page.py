@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 
 from cranktopo.effects import plan
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import load_cases
-from cranktopo.remodel.export import export_solid
+from cranktopo.remodel.export import surface_of
 from cranktopo.report.accuracy import error_picture
 from cranktopo.report.comparison import (
     Comparison,
@@ -20,7 +18,6 @@ from cranktopo.report.comparison import (
 )
 from cranktopo.report.page import Fact, Page, Picture, Section
 from cranktopo.report.picture import gallery_figure
-from cranktopo.report.record import read_surface
 from cranktopo.report.scatter import scatter_points
 from cranktopo.report.sections import effects_section, loads_section, pairs, scatter_pictures
 from cranktopo.report.tables import Table
@@ -28,6 +25,7 @@ from cranktopo.report.verdict import fatigue_fact
 from cranktopo.report.viewer import Body, Scenery
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.surface import SurfaceMesh
+from cranktopo.surface.mesh import read_stl
 
 _FACET_MM = 2.0
 # Columns of a comparison that make its verdict, and how they read there.
@@ -163,11 +161,8 @@ def _bodies(targets: Sequence[Target]) -> tuple[Body, ...]:
 def _surface(target: Target) -> SurfaceMesh | None:
     """Facets of a target; none for a STEP file, which only the judge reads."""
     if target.file is not None:
-        return read_surface(target.file) if target.file.suffix.lower() == ".stl" else None
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "half.stl"
-        export_solid(target.scene, "half", path, _FACET_MM)
-        return read_surface(path)
+        return read_stl(target.file) if target.file.suffix.lower() == ".stl" else None
+    return surface_of(target.scene, "half", _FACET_MM)
 
 
 def _gallery(bodies: Sequence[Body]) -> Picture:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.fatigue import FatigueField
+from cranktopo.report.png import png
 from cranktopo.store.files import replacing, write_bytes
 
 if TYPE_CHECKING:
@@ -99,9 +99,7 @@ def save_fatigue_picture(path: Path, field: FatigueField) -> None:
     left, middle, right = figure.subplots(1, 3)
     _draw_sides(figure, (left, middle), field)
     _draw_haigh(right, field)
-    png = io.BytesIO()
-    figure.savefig(png, format="png")
-    write_bytes(path, png.getvalue())
+    write_bytes(path, png(figure))
 
 
 def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None:

@@ -7,13 +7,10 @@ import io
 import re
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from cranktopo.report.page import Page, Picture
+from cranktopo.report.png import png
 from cranktopo.report.viewer import packed
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _TEMPLATES = Path(__file__).parent / "template"
 # Greys of the plots that follow the theme of the page.
@@ -50,19 +47,6 @@ def html(page: Page) -> str:
         drawings={p.name: Markup(_inline_svg(p)) for section in page.sections for p in section.pictures},
         version=metadata.version("cranktopo"),
     )
-
-
-def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") -> bytes:
-    """A figure as PNG.
-
-    Args:
-        figure: the figure.
-        dpi: pixels per inch.
-        facecolor: background; the figure's own by default.
-    """
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=dpi, facecolor=facecolor)
-    return stream.getvalue()
 
 
 def _part(name: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from cranktopo.report.png import png
 from cranktopo.report.tables import Table
 from cranktopo.store.files import write_bytes
 
@@ -70,9 +70,7 @@ def save_steps_plot(path: Path, data: dict[str, Any]) -> None:
     axes.set(xlabel="step (0: original web)", ylabel="percent of the original web", xticks=numbers)
     axes.set_title(f"{data['design']}: {data['stop_reason']}", fontsize=9)
     axes.legend(fontsize=8)
-    png = io.BytesIO()
-    figure.savefig(png, format="png")
-    write_bytes(path, png.getvalue())
+    write_bytes(path, png(figure))
 
 
 def _row(step: dict[str, Any]) -> tuple[str | float | None, ...]:

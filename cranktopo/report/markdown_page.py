@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cranktopo.report.html import png
 from cranktopo.report.page import Page, Picture, Section
+from cranktopo.report.png import png
 from cranktopo.report.tables import markdown
 from cranktopo.store import write_bytes, write_text
 

@@ -19,6 +19,7 @@ from cranktopo.optimise.loop import TOLERANCE, Problem
 from cranktopo.optimise.state import State
 from cranktopo.report.outputs import Outputs
 from cranktopo.scene import Scene
+from cranktopo.surface.gates import surface_json
 
 SCHEMA_VERSION = 1
 _PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
@@ -155,19 +156,8 @@ def _original(scene: Scene, problem: Problem, result: Assessment, original: Asse
 def _surface(outputs: Outputs) -> dict[str, Any]:
     if outputs.skin is None:
         return {"refusal": outputs.refusal}
-    surface, gates = outputs.skin.surface, outputs.skin.gates
-    return {
-        "iso_value": surface.iso_value,
-        "web_volume_mm3": surface.volume_mm3,
-        "web_volume_error_percent": gates.web_volume_error_percent,
-        "faces": gates.faces,
-        "bodies": gates.bodies,
-        "cavities": gates.cavities,
-        "dropped_islands": surface.dropped_islands,
-        "dropped_volume_mm3": surface.dropped_volume_mm3,
-        "x_symmetric": surface.x_symmetric,
-        "undercuts": outputs.skin.undercuts.as_json(),
-    }
+    known = surface_json(outputs.skin.surface, outputs.skin.gates)
+    return {**known, "undercuts": outputs.skin.undercuts.as_json()}
 
 
 def _solver(problem: Problem, state: State, result: Assessment) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 
 from cranktopo.report.axes_style import GREY, plain
 from cranktopo.report.convergence import PANELS
+from cranktopo.report.png import png
 from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
 from cranktopo.store.files import write_bytes
 from cranktopo.surface.mesh import SurfaceMesh
@@ -47,9 +47,7 @@ def save_run_picture(
     Raises:
         CranktopoError: the file cannot be written.
     """
-    png = io.BytesIO()
-    run_figure(mesh, history, title, web_z_mm).savefig(png, format="png")
-    write_bytes(path, png.getvalue())
+    write_bytes(path, png(run_figure(mesh, history, title, web_z_mm)))
 
 
 def run_figure(

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from cranktopo.effects import plan, simulated_scene
+from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.report.steps import Step, steps
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store import RunStore, read_json
 from cranktopo.surface import SurfaceMesh
+from cranktopo.surface.mesh import read_stl
 
 # What other commands print with --json, where the run holds it.
 _FATIGUE, _ACCURACY = "fatigue.json", "accuracy.json"
@@ -60,29 +59,18 @@ def read_record(run: RunStore) -> RunRecord:
         )
     manifest, metrics = run.manifest(), run.read_metrics()
     scene = scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
-    scene = simulated_scene(scene, plan(scene))
+    scene = planned_scene(scene)
     surface = metrics.get("files", {}).get("stl")
     return RunRecord(
         metrics=metrics,
         manifest=manifest,
         history=run.read_history(),
         scene=scene,
-        mesh=read_surface(run.path / surface) if surface else None,
+        mesh=read_stl(run.path / surface) if surface else None,
         steps=steps(run, scene),
         fatigue=_optional(run.path / _FATIGUE),
         accuracy=_optional(run.path / _ACCURACY),
     )
-
-
-def read_surface(path: Path) -> SurfaceMesh:
-    """The closed surface in an STL file, mm; raises CranktopoError when it cannot be read."""
-    import trimesh
-
-    try:
-        mesh = trimesh.load_mesh(path)
-    except Exception as error:  # trimesh raises what its parsers raise, all meaning this
-        raise CranktopoError(f"'{path}': cannot be read as STL: {error}.", hint="Export it again.") from None
-    return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
 
 
 def _optional(path: Path) -> dict[str, Any] | None:

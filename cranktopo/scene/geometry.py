@@ -36,6 +36,11 @@ class Throw(Table):
     main_journal: Journal
     crankpin: Journal
 
+    @property
+    def journals(self) -> tuple[tuple[Journal, float], tuple[Journal, float]]:
+        """Main journal and crankpin, each with the place of its axis along the throw, mm."""
+        return (self.main_journal, 0.0), (self.crankpin, self.radius_mm)
+
 
 class CylinderPocket(Table):
     """Cylindrical pocket with its axis parallel to the crank axis."""

@@ -21,6 +21,7 @@ from cranktopo.surface.solids import (
     journal_halves,
     journal_stubs,
     web_bores,
+    web_slab,
 )
 
 Array = NDArray[np.float64]
@@ -122,8 +123,7 @@ def extract_half_throw(
     field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target)
     body, dropped = _keep_throw(cutter.web(field, iso), scene)
-    start, end = scene.web_z_mm
-    web = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+    web = web_slab(body, scene)
     return WebSurface(
         half_throw=sound_mesh_of(body, _SLIVER_MM),
         web=mesh_of(web),

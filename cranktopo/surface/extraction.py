@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.domain.build import Domain, build_domain
-from cranktopo.effects import plan, simulated_scene
+from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.optimise.loop import Design, build_chain, design_of
 from cranktopo.optimise.state import from_checkpoint
@@ -16,10 +16,10 @@ from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store import RunStore, load_checkpoint, load_iteration
 from cranktopo.surface.extract import WebSurface, extract_half_throw
 from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
-from cranktopo.surface.gates import GateReport, check_surface
+from cranktopo.surface.gates import GateReport, check_surface, surface_json
 from cranktopo.surface.release import Undercuts, undercuts
 from cranktopo.surface.slab import slab_fields
-from cranktopo.units import KG_PER_TONNE, density_tonne_per_mm3
+from cranktopo.units import density_kg_per_mm3
 
 LEAST_MEMBER_CELLS = 2.0
 """Members thinner than this have no bending stiffness of their own on the grid."""
@@ -65,27 +65,18 @@ class Extraction:
 
     @property
     def _kg_per_mm3(self) -> float:
-        return density_tonne_per_mm3(self.scene.material.density_kg_m3) * KG_PER_TONNE
+        return density_kg_per_mm3(self.scene.material.density_kg_m3)
 
     def as_json(self) -> dict[str, Any]:
         """The measured values; units in the names."""
-        surface, gates = self.surface, self.gates
         return {
             "run": self.run,
             "design": self.scene.name,
             "iteration": self.iteration,
             "mass_kg": {"throw": self.throw_kg, "web": self.web_kg},
             "surface": {
-                "iso_value": surface.iso_value,
-                "web_volume_mm3": surface.volume_mm3,
-                "web_volume_error_percent": gates.web_volume_error_percent,
-                "vertices": gates.vertices,
-                "faces": gates.faces,
-                "bodies": gates.bodies,
-                "cavities": gates.cavities,
-                "dropped_islands": surface.dropped_islands,
-                "dropped_volume_mm3": surface.dropped_volume_mm3,
-                "x_symmetric": surface.x_symmetric,
+                **surface_json(self.surface, self.gates),
+                "vertices": self.gates.vertices,
                 "distance_to_iso_surface_mm": {"mean": self.mean_distance_mm, "max": self.max_distance_mm},
                 "minimum_member_mm": self.minimum_member_mm,
                 "minimum_member_cells": self.minimum_member_mm / self.cell_mm,
@@ -108,7 +99,7 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
         CranktopoError: no density of that iteration, or a surface that fails a gate.
     """
     scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
-    scene = simulated_scene(scene, plan(scene))
+    scene = planned_scene(scene)
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
     grid, usable, smooth = slab_fields(domain, design)

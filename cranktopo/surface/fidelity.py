@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
@@ -137,8 +138,8 @@ def _distance(seeds: NDArray[np.bool_], voxel_mm: float) -> Array:
     return np.asarray(ndimage.distance_transform_edt(~seeds, sampling=voxel_mm), dtype=np.float64)
 
 
-def _vertices(solid: object) -> Array:
-    return np.asarray(solid.to_mesh64().vert_properties)[:, :3]  # type: ignore[attr-defined]
+def _vertices(solid: Manifold) -> Array:
+    return np.asarray(solid.to_mesh64().vert_properties)[:, :3]
 
 
 def _common(points: Array, kept: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -40,6 +41,21 @@ class GateReport:
     web_volume_mm3: float
     web_volume_error_percent: float
     smallest_face_mm2: float
+
+
+def surface_json(surface: WebSurface, gates: GateReport) -> dict[str, Any]:
+    """What a checked surface is, as metrics.json and `extract --json` hold it."""
+    return {
+        "iso_value": surface.iso_value,
+        "web_volume_mm3": surface.volume_mm3,
+        "web_volume_error_percent": gates.web_volume_error_percent,
+        "faces": gates.faces,
+        "bodies": gates.bodies,
+        "cavities": gates.cavities,
+        "dropped_islands": surface.dropped_islands,
+        "dropped_volume_mm3": surface.dropped_volume_mm3,
+        "x_symmetric": surface.x_symmetric,
+    }
 
 
 def check_surface(surface: WebSurface) -> GateReport:

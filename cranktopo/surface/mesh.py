@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from manifold3d import Manifold, Mesh64
@@ -99,3 +100,18 @@ def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
             break
         mesh = mesh_of(solid_of(mesh.vertices_mm, mesh.faces, "surface").simplify(tolerance_mm))
     return mesh
+
+
+def read_stl(path: Path) -> SurfaceMesh:
+    """The surface in an STL file, mm, vertices joined; not checked.
+
+    Raises:
+        CranktopoError: it cannot be read.
+    """
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(path)
+    except Exception as error:  # trimesh raises what its parsers raise, all meaning this
+        raise CranktopoError(f"'{path}': cannot be read as STL: {error}.", hint="Export it again.") from None
+    return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from manifold3d import CrossSection, FillRule, Manifold
 
-from cranktopo.domain.stl import envelope_from_stl
+from cranktopo.domain.stl import envelope_from_stl, mirror_difference
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.surface.grid import DensityGrid
@@ -49,11 +49,9 @@ def journal_halves(scene: Scene) -> tuple[Manifold, Manifold]:
 
 def web_bores(scene: Scene) -> Manifold:
     """What both bores take out of the web: each runs through it from face to face, and stops there."""
-    throw = scene.throw
     start, end = scene.web_z_mm
     through = (start - _BEYOND_MM, end + _BEYOND_MM)
-    pairs = ((throw.main_journal, 0.0), (throw.crankpin, throw.radius_mm))
-    bores = [cylinder(j.bore_radius_mm, y, through) for j, y in pairs if j.bore_radius_mm > 0]
+    bores = [cylinder(j.bore_radius_mm, y, through) for j, y in scene.throw.journals if j.bore_radius_mm > 0]
     return sum(bores, Manifold())
 
 
@@ -97,9 +95,15 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     return _prism(CrossSection([outline], FillRule.EvenOdd), start, end)
 
 
+def web_slab(solid: Manifold, scene: Scene) -> Manifold:
+    """The part of a solid between the web faces."""
+    start, end = scene.web_z_mm
+    return solid.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+
+
 def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:
     """Whether a solid is its own mirror image in the plane x = 0, to a share of its volume."""
-    return bool((solid - solid.mirror((1.0, 0.0, 0.0))).volume() <= share * solid.volume())
+    return mirror_difference(solid) <= share
 
 
 def _tube(journal: Journal, y_mm: float, z_mm: tuple[float, float]) -> Manifold:

@@ -87,7 +87,7 @@ def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, RunStore]
             options={},
             command=["cranktopo", "optimise"],
         )
-        made[state].set_status(state)  # type: ignore[arg-type]
+        made[state].set_status(state)
     made["done"].write_metrics(
         {
             "status": "converged",

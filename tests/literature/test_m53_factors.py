@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from cranktopo.effects.beam import web_lever_mm
 from cranktopo.evaluate.m53 import concentration_factors, nominal_stresses
-from cranktopo.evaluate.rule_check import dimensions, element_factors, web_lever
+from cranktopo.evaluate.rule_check import dimensions, element_factors
 from cranktopo.evaluate.stress_model import solve_stresses
 from cranktopo.evaluate.targets import Target
 from tests.benchmarks.fatigue_mesh import throws
@@ -21,6 +22,6 @@ def test_elements_agree_with_the_rule(name: str) -> None:
     rule = concentration_factors(size)
     for factor in ("alpha_bending", "alpha_torsion", "beta_bending", "beta_torsion"):
         assert getattr(found, factor) == pytest.approx(getattr(rule, factor), rel=0.2), factor
-    n = nominal_stresses(size, web_lever(scene) / 2, 0.5, 0.0)
+    n = nominal_stresses(size, web_lever_mm(scene) / 2, 0.5, 0.0)
     sums = [f.beta_bending * n.bending_MPa + f.beta_shear * n.shear_MPa for f in (found, rule)]
     assert sums[0] == pytest.approx(sums[1], rel=0.2)

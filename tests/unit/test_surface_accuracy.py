@@ -124,9 +124,9 @@ def box() -> SurfaceMesh:
 @pytest.mark.parametrize("form", FORMATS)
 def test_formats_hold_the_body_in_their_units(box: SurfaceMesh, tmp_path: Path, form: str) -> None:
     path = tmp_path / f"box.{form}"
-    write_surface(path, box, form)  # type: ignore[arg-type]
+    write_surface(path, box, form)
     first = path.read_bytes()
-    write_surface(path, box, form)  # type: ignore[arg-type]
+    write_surface(path, box, form)
     assert path.read_bytes() == first
     mesh = _read_3mf(first) if form == "3mf" else trimesh.load_mesh(path)
     scale = 1000.0 if form == "glb" else 1.0  # glTF demands metres

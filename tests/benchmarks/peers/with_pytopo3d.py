@@ -25,10 +25,10 @@ def main() -> None:
     logging.disable(logging.CRITICAL)
     began = []
 
-    class Timed(optimizer.ComplianceEvaluator):  # type: ignore[misc]
+    class Timed(optimizer.ComplianceEvaluator):
         """Notes when each design is evaluated: a design iteration starts here."""
 
-        def evaluate(self, *arguments):  # type: ignore[no-untyped-def]
+        def evaluate(self, *arguments):
             began.append(time.perf_counter())
             return super().evaluate(*arguments)
 

@@ -1,0 +1,22 @@
+"""Figures as PNG."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") -> bytes:
+    """A figure as PNG.
+
+    Args:
+        figure: the figure.
+        dpi: pixels per inch.
+        facecolor: background; the figure's own by default.
+    """
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi, facecolor=facecolor)
+    return stream.getvalue()
