@@ -126,7 +126,7 @@ def solve_stresses(
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
     """
-    _check_fillets(target)
+    check_fillets(target)
     scene, material = target.scene, target.scene.material
     start = time.perf_counter()
     size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
@@ -156,7 +156,12 @@ def solve_stresses(
     )
 
 
-def _check_fillets(target: Target) -> None:
+def check_fillets(target: Target) -> None:
+    """Check that both fillets of a target have a radius.
+
+    Raises:
+        CranktopoError: a surface file, or a fillet of radius 0.
+    """
     if target.file is not None:
         raise CranktopoError(
             f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "

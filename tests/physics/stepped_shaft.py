@@ -161,7 +161,7 @@ def peterson(load: int, shaft: Shaft) -> float:
     """The same in bending and torsion from the older, photoelastic curves.
 
     Source: W. D. Pilkey, Peterson's Stress Concentration Factors, second edition, charts 3.10 and 3.12. Its
-    chart of tension is left out: flat bars stood for round ones, and it lies some 10 % below the fits of 1996.
+    chart of tension is left out: flat bars stood for round ones, and it lies 10 % below the fits of 1996.
     """
     step = (shaft.large - shaft.small) / 2
     ratio, depth = step / shaft.fillet, 2 * step / shaft.large
