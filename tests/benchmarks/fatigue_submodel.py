@@ -1,10 +1,10 @@
 """Local refinement against a cut-boundary submodel: largest fillet stresses, unknowns, seconds.
 
-Run with `python -m tests.benchmarks.fatigue_submodel` (`--design NAME` for another throw). A submodel is the
-material in a box around one fillet, some fillet radii wide; its cut faces follow the displacement of a global
-model on the mesh that stiffness is judged with. Von Mises stress in percent of the finest local refinement,
-at the worst node of each fillet under unit bending and unit torsion. Local refinement resolves both fillets
-in one model, so both submodels count.
+Run with `python -m tests.benchmarks.fatigue_submodel` (`--design NAME` for another throw, `--fraction F` for
+the element size over the fillet's radius). A submodel is the material in a box around one fillet, some fillet
+radii wide; its cut faces follow the displacement of a global model on the mesh that stiffness is judged with.
+Von Mises stress in percent of a finer local refinement, at the worst node of each fillet under unit bending
+and unit torsion. Local refinement resolves both fillets in one model, so both submodels count.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ HELD_AXES = {"bending": (0,), "torsion": (1, 2)}
 """Displacements that the mirror plane x = 0 holds."""
 FILLETS: tuple[Fillet, ...] = ("pin", "journal")
 CUTS = (2.0, 4.0, 6.0)
-FINEST = 0.12
+FINER = 0.7
+"""Element size of the reference over that of the others."""
 _NEIGHBOURS, _PLANE_MM = 40, 1e-6
 
 
@@ -76,7 +77,7 @@ def refined(scene: Scene, fraction: float) -> Result:
     return Result(name, (3 * model.quality.nodes,), worst, time.perf_counter() - start)
 
 
-def submodelled(scene: Scene, cut: float) -> Result:
+def submodelled(scene: Scene, cut: float, fraction: float) -> Result:
     """A coarse global model, and one submodel per fillet cut some radii away from it."""
     start = time.perf_counter()
     part = mesh_throw(scene, default_element_size_mm(scene))
@@ -85,7 +86,7 @@ def submodelled(scene: Scene, cut: float) -> Result:
     moved = np.stack([field.displacement_mm for field in fields])
     unknowns, worst = [moved.shape[1]], []
     for fillet in FILLETS:
-        fine = elastic(scene, cut_mesh(scene, fillet, cut))
+        fine = elastic(scene, cut_mesh(scene, fillet, cut, fraction))
         found = nodal_stress(
             fine,
             driven(fine, coarse, moved, box(scene, fillet, cut)),
@@ -95,7 +96,7 @@ def submodelled(scene: Scene, cut: float) -> Result:
         on = fillet_nodes(scene, fillet, fine.nodes_mm)
         worst.append(von_mises(found.nodal_MPa[:, on]).max(axis=1))
         unknowns.append(fine.nodes_mm.size)
-    name = f"submodels, {RULE_FRACTION:g} r, cut {cut:g} r away"
+    name = f"submodels, {fraction:g} r, cut {cut:g} r away"
     return Result(name, tuple(unknowns), np.stack(worst), time.perf_counter() - start)
 
 
@@ -118,14 +119,14 @@ def box(scene: Scene, fillet: Fillet, cut: float) -> tuple[Array, Array]:
     )
 
 
-def cut_mesh(scene: Scene, fillet: Fillet, cut: float) -> TetMesh:
+def cut_mesh(scene: Scene, fillet: Fillet, cut: float, fraction: float) -> TetMesh:
     """The half x >= 0 of a submodel, as fine as local refinement makes it."""
     low, high = box(scene, fillet, cut)
     with cad_session("submodel") as gmsh:
         occ = gmsh.model.occ
         occ.intersect(add_half_throw(occ, scene), [(3, occ.addBox(*low, *(high - low)))])
         size = min(default_element_size_mm(scene), scene.web.thickness_mm / 6)
-        _set_sizes(gmsh, scene, size, graded=True, full=False, fillet_fraction=RULE_FRACTION)
+        _set_sizes(gmsh, scene, size, graded=True, full=False, fillet_fraction=fraction)
         return _generate(gmsh, True, smooth=True)
 
 
@@ -172,16 +173,16 @@ def main() -> None:
     """Print the table as Markdown."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--design", default="mikron-iiic")
-    scene = load_scene(parser.parse_args().design)
-    reference = refined(scene, FINEST)
+    parser.add_argument("--fraction", type=float, default=RULE_FRACTION)
+    chosen = parser.parse_args()
+    scene, fraction = load_scene(chosen.design), chosen.fraction
     places = " | ".join(f"{fillet}, {kind} %" for fillet in FILLETS for kind in KINDS)
     print(f"| method | unknowns | {places} | s |\n{'|---' * 7}|")
-    for result in (
-        reference,
-        refined(scene, RULE_FRACTION),
-        *(submodelled(scene, cut) for cut in CUTS),
-    ):
-        print(result.line(reference.stress), flush=True)
+    reference = refined(scene, FINER * fraction)
+    print(reference.line(reference.stress), flush=True)
+    print(refined(scene, fraction).line(reference.stress), flush=True)
+    for cut in CUTS:
+        print(submodelled(scene, cut, fraction).line(reference.stress), flush=True)
 
 
 if __name__ == "__main__":
