@@ -139,6 +139,9 @@ def _verdicts(lines: list[str]) -> None:
 
 
 def _warn(field: FatigueField) -> None:
+    quality = field.model.quality
+    if not quality.within_rule:
+        say(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
     if field.elsewhere.safety < field.critical.safety:
         say(
             f"note: {field.model.name}: {field.elsewhere.safety:.3f} off the fillets at "

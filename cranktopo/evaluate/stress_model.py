@@ -60,6 +60,15 @@ class Quality:
         """Whether both checks are within their limits."""
         return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
 
+    @property
+    def shortfall(self) -> str:
+        """Both checks beside their limits in words, for a mesh that misses one."""
+        return (
+            "the mesh misses the rule's checks: surface-normal stress "
+            f"{self.normal_percent:.1f} % (at most {NORMAL_LIMIT_PERCENT:g} %), "
+            f"jump between elements {self.jump_percent:.1f} % (at most {JUMP_LIMIT_PERCENT:g} %)"
+        )
+
 
 @dataclass(frozen=True)
 class Image:
