@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.effects.beam import web_lever_mm
+from cranktopo.evaluate.equivalent import principal_stresses, von_mises
 from cranktopo.evaluate.fatigue import Progress, check_material, load_kinds
 from cranktopo.evaluate.m53 import (
     LEAST_FACTOR,
@@ -24,7 +25,6 @@ from cranktopo.evaluate.m53 import (
     pin_equivalent_MPa,
 )
 from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
-from cranktopo.evaluate.superposition import principal_stresses, von_mises
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history
 from cranktopo.scene import Scene

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from cranktopo.effects.beam import web_lever_mm
 from cranktopo.evaluate.condense import RX, condense
 from cranktopo.evaluate.elasticity import assemble, mean_displacement
+from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.evaluation import default_element_size_mm
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.m53 import concentration_factors, nominal_stresses, outside_validity
 from cranktopo.evaluate.rule_check import dimensions
 from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.superposition import von_mises
 from cranktopo.evaluate.supports import bending_motion
 from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.scene import Scene

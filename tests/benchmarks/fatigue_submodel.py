@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from cranktopo.evaluate.elasticity import Elasticity, assemble
+from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.evaluation import default_element_size_mm
 from cranktopo.evaluate.fillets import Fillet, fillet_nodes
 from cranktopo.evaluate.linear import solve
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.stress_model import RULE_FRACTION, solve_stresses
-from cranktopo.evaluate.superposition import von_mises
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, unit_fields
 from cranktopo.remodel.curving import EDGES

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import section_motions
 from cranktopo.evaluate.elasticity import Elasticity, assemble
+from cranktopo.evaluate.equivalent import principal_stresses
 from cranktopo.evaluate.linear import solve
 from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.superposition import principal_stresses
 from cranktopo.evaluate.surface import outer_surface, surface_stress
 from cranktopo.remodel.meshing import TetMesh, extract_mesh
 from cranktopo.remodel.session import cad_session
