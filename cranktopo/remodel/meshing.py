@@ -109,8 +109,8 @@ def mesh_body(gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool
 def _generate(gmsh: Any, mirrored: bool, *, smooth: bool = False) -> TetMesh:
     """The mesh, smooth where stresses are wanted.
 
-    Regular triangles on the surface and Netgen's optimiser each take about a third off the noise of the
-    stresses. Bores of a quarter model have no seam.
+    Regular triangles on the surface and Netgen's optimiser each take a quarter to a third off the noise of
+    the stresses. Bores of a quarter model have no seam.
     """
     gmsh.option.setNumber("Mesh.Algorithm", _FRONTAL_2D if smooth and mirrored else _DELAUNAY_2D)
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D)
