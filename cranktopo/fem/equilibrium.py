@@ -16,6 +16,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.conjugate_gradients import Result, System, jacobi_cg, multigrid_cg
 from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
 from cranktopo.fem.multigrid import Precision, Tables, build_hierarchy
+from cranktopo.fem.precision import sized_for
 
 # An answer of which void decides more than this share is refused.
 _VOID_SHARE = 0.5
@@ -97,8 +98,9 @@ def _run(method: _Method, tables: Tables, system: System, guess: jax.Array, tole
     limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
-    hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
-    return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
+    with sized_for(system.moduli.size):
+        hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
+        return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
 
 
 def _worst(result: Result) -> float:

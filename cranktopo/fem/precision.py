@@ -1,4 +1,4 @@
-"""The one place that touches JAX's settings: 64-bit numbers and stored compilations for a `with` block."""
+"""The one place that touches JAX's settings for a `with` block: 64-bit numbers, stored compilations, cores."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ import platform
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 # Compilations that take less are not worth a file.
 _WORTH_STORING_S = 0.2
+# Below so many cells the cores wait for each other longer than they compute.
+_CELLS_WORTH_DIVIDING = 150_000
 _FOLDER_SETTING = "jax_compilation_cache_dir"
 
 
@@ -27,6 +30,36 @@ def double_precision() -> Iterator[None]:
 
     with jax.enable_x64(True), _stored_compilations():
         yield
+
+
+@contextmanager
+def sized_for(cells: int) -> Iterator[None]:
+    """Context in which programs for small grids are compiled to run their loops on one core.
+
+    XLA divides every loop among the cores that the compiling thread may use. Threads that exist already, and
+    the programs of large grids, keep all of them.
+
+    Args:
+        cells: of the grid that the programs work on.
+    """
+    if cells >= _CELLS_WORTH_DIVIDING or not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    _start_threads()
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, allowed)
+
+
+@cache
+def _start_threads() -> None:
+    """Let JAX start its threads, which would inherit the single core of their parent."""
+    import jax
+
+    jax.block_until_ready(jax.numpy.zeros(1) + 1)
 
 
 def cache_folder() -> Path:
