@@ -15,7 +15,7 @@ from cranktopo.domain.build import Domain
 from cranktopo.effects import EffectPlan
 from cranktopo.optimise.assess import Assessment
 from cranktopo.optimise.connectivity import is_connected
-from cranktopo.optimise.loop import TOLERANCE, Problem
+from cranktopo.optimise.loop import Problem
 from cranktopo.optimise.state import State
 from cranktopo.report.outputs import Outputs
 from cranktopo.scene import Scene
@@ -164,7 +164,7 @@ def _solver(problem: Problem, state: State, result: Assessment) -> dict[str, Any
     counts = [row.cg_iterations for row in state.history]
     return {
         "precision": "float64 conjugate gradients, float32 multigrid cycle",
-        "tolerance": TOLERANCE,
+        "tolerance": problem.solving.tolerance,
         "cg_iterations": {"mean": fmean(counts), "max": max(counts)},
         "levels": problem.model.levels,
         "final_relative_residual": max(case.relative_residual for case in result.cases),
