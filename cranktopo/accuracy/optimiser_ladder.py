@@ -28,7 +28,7 @@ from cranktopo.surface import check_surface, extract_half_throw, slab_fields, wr
 
 _JUDGED_STEPS = (3, 2)
 """Meshes on which a shape is judged: 1.5 to these powers times the default size, extrapolated."""
-_FINEST_STEPS = 9
+_STEPS = 9
 _MODEL_NAMES = {"torsion": TORSION, "bending": BENDING}
 
 
@@ -67,11 +67,21 @@ def optimiser_ladder(scene: Scene) -> Sequence[OptimiserModel]:
     Args:
         scene: its own resolution is one of the sizes.
     """
+    sizes = cell_sizes(scene)
+    plain = [OptimiserModel(size) for size in sizes]
+    return (*plain[:2], *settings_rungs(sizes[1]), *plain[2:])
+
+
+def cell_sizes(scene: Scene) -> list[float]:
+    """Cell sizes that double the number of cells, coarsest first, from the coarsest that walls allow, mm.
+
+    Args:
+        scene: its own resolution is one of the sizes where that is allowed.
+    """
     coarsest = thinnest_wall_mm(scene) / WALL_CELLS
-    sizes = [scene.optimise.resolution_mm * 2 ** (k / 3) for k in range(_FINEST_STEPS, -_FINEST_STEPS, -1)]
-    usable = [size for size in sizes if size <= coarsest]
-    plain = [OptimiserModel(size) for size in usable]
-    return (*plain[:2], *settings_rungs(usable[1]), *plain[2:])
+    steps = range(_STEPS, -_STEPS, -1)
+    sizes = [scene.optimise.resolution_mm * 2 ** (step / 3) for step in steps]
+    return [size for size in sizes if size <= coarsest]
 
 
 def settings_rungs(cell_mm: float) -> tuple[OptimiserModel, ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.evaluate import evaluate_targets, warn_missed
+from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
 from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
@@ -53,6 +53,7 @@ def command(
     page: Path | None,
     element_size_mm: float | None,
     accuracy: float | None,
+    budget: float | None,
     design: str | None,
 ) -> None:
     """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance.
@@ -70,7 +71,7 @@ def command(
         check_report_path(page)
     names = targets if baseline in targets else (baseline, *targets)
     resolved = _resolved(names, design)
-    evaluations, missed = evaluate_targets(names, element_size_mm, accuracy, design)
+    evaluations, missed = evaluate_targets(names, Meshing(element_size_mm, accuracy, budget), design)
     comparison = _compared(resolved, evaluations, names.index(baseline))
     click.echo(_text(comparison, "json" if as_json else form))
     if plot is not None:

@@ -48,11 +48,12 @@ def seconds(context: click.Context, parameter: click.Parameter, value: str | Non
 
 
 def mesh_options(function: Any) -> Any:
-    """Add --element-size-mm, --accuracy and --design to a command."""
+    """Add --element-size-mm, --accuracy, --budget and --design to a command."""
     for option in (
         click.option("--design", help="Design for the journals and material of STL and STEP targets."),
+        click.option("--accuracy", metavar="PERCENT", callback=percent, help="Wanted error, such as 1%."),
         click.option(
-            "--accuracy", metavar="PERCENT", callback=percent, help="Refine until the estimate is below."
+            "--budget", metavar="TIME", callback=seconds, help="Time for each target, such as 30s or 2min."
         ),
         click.option(
             "--element-size-mm",
