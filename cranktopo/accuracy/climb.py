@@ -72,10 +72,12 @@ def climb(target: Target, budget_s: float, progress: Progress = lambda _: None) 
     failures: list[str] = []
     interrupted = False
     try:
-        for name, tasks in _ladders(target).items():
+        ladders = _ladders(target)
+        for name, tasks in ladders.items():
             left = budget_s - (time.perf_counter() - began)
-            share = 1.0 if name == list(_ladders(target))[-1] else _SHARES[name]
-            _climb_one(name, tasks, share * left, (began, budget_s), rungs, failures, progress)
+            share = 1.0 if name == list(ladders)[-1] else _SHARES[name]
+            if left > 0:
+                _climb_one(name, tasks, share * left, (began, budget_s), rungs, failures, progress)
     except KeyboardInterrupt:
         interrupted = True
     spent = time.perf_counter() - began
@@ -91,13 +93,13 @@ def _climb_one(
     failures: list[str],
     progress: Progress,
 ) -> None:
-    """Climb one ladder as far as its share of the budget allows; the first two rungs are always tried."""
+    """Climb one ladder as far as its share of the budget allows; its first rung is always tried."""
     start, (began, budget) = time.perf_counter(), clock
     rate: float | None = None
     for number, task in enumerate(tasks):
         guess = None if rate is None else rate * task.cost
         used = time.perf_counter() - start
-        if number > 1 and used + (guess or 0.0) > allowed_s:
+        if number > 0 and used + (guess or 0.0) > allowed_s:
             return
         about = "" if guess is None else f", about {guess:.2g} s"
         progress(f"{time.perf_counter() - began:.0f} of {budget:g} s: {ladder}, {task.name}{about}")
