@@ -62,14 +62,14 @@ class OptimiserModel:
 
 
 def optimiser_ladder(scene: Scene) -> Sequence[OptimiserModel]:
-    """Cell sizes that double the number of cells, and at the second one every other setting by itself.
+    """Cell sizes that double the number of cells; after three of them every other setting at the second.
 
     Args:
         scene: its own resolution is one of the sizes.
     """
     sizes = cell_sizes(scene)
     plain = [OptimiserModel(size) for size in sizes]
-    return (*plain[:2], *settings_rungs(sizes[1]), *plain[2:])
+    return (*plain[:3], *settings_rungs(sizes[1]), *plain[3:])
 
 
 def cell_sizes(scene: Scene) -> list[float]:

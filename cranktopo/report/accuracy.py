@@ -239,7 +239,7 @@ def _frame(axes: Any) -> None:
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    axes.margins(0.15)
+    axes.margins(0.15 if len(axes.texts) == 0 else 0.25, 0.15)
     axes.legend(fontsize=8)
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)

@@ -65,6 +65,23 @@ def cycle(system: System, tables, precision: Precision) -> tuple[float, float, i
     return work, float(result.relative_residual[0]), int(result.iterations)
 
 
+def test_precision_is_the_callers_choice(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    block, used = Block("", FIELD), []
+    model = block.model()
+
+    def watched(*arguments: object) -> object:
+        used.append(arguments[-1])
+        return build_hierarchy(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("cranktopo.fem.equilibrium.build_hierarchy", watched)
+    works = []
+    for precision in ("float32", "float64"):
+        found = solve(model, jnp.asarray(block.moduli), tolerance=1e-9, precision=precision)
+        works.append(float(jnp.sum(model.forces * found.displacements)))
+    assert used == ["float32", "float64"]
+    assert works[0] == pytest.approx(works[1], rel=1e-12)
+
+
 def test_an_island_in_nothing_changes_nothing(float64: None) -> None:
     """Void of modulus 0: the island may move freely, the matrix is singular, the answer is not."""
     beam = fields.island()
