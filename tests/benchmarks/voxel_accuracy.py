@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import jax.numpy as jnp
@@ -117,7 +118,7 @@ def variants() -> dict[str, Scene]:
     """Eleven webs of the Mikron, without fillets, on one grid."""
     hole = {"shape": "cylinder", "x_mm": 0.0, "y_mm": 24.0, "diameter_mm": 12.0}
     slot = {"shape": "side", "y_mm": 24.0, "length_mm": 24.0, "height_mm": 7.0, "depth_mm": 8.0}
-    box = {"shape": "box", "face": "pin", "x_mm": 0.0, "y_mm": -5.0, "size_x_mm": 30.0, "size_y_mm": 18.0}
+    box = {"shape": "box", "face": "pin", "x_mm": 0.0, "y_mm": -18.0, "size_x_mm": 30.0, "size_y_mm": 8.0}
     ellipse = {"outline": "ellipse", "semi_axis_throw_mm": 56.0, "semi_axis_lateral_mm": 36.0}
     tapered = {"outline": "tapered", "main_radius_mm": 31.0, "pin_radius_mm": 25.0}
     obround = {"outline": "obround"}
@@ -159,7 +160,9 @@ class Ranking:
         return float(kendalltau(own, true).statistic), float(spearmanr(own, true).statistic)
 
 
-def ranking(cell_mm: float = 1.5, steps: Sequence[int] = (2, 1)) -> Ranking:
+def ranking(
+    cell_mm: float = 1.5, steps: Sequence[int] = (3, 2), progress: Callable[[str], None] = lambda _: None
+) -> Ranking:
     """All variants by both models; the cells are those of the Mikron's envelope."""
     own, true = {}, {}
     grid = build_domain(load_scene("mikron-iiic"), cell_mm).grid
@@ -167,6 +170,12 @@ def ranking(cell_mm: float = 1.5, steps: Sequence[int] = (2, 1)) -> Ranking:
         with double_precision():
             own[name] = own_model(scene, cell_mm, grid).stiffness
         true[name] = judged(scene, steps)
+        cells = [
+            f"{own[name][q] / 1e3:.2f} | {true[name][q] / 1e3:.2f} | "
+            f"{100 * (own[name][q] / true[name][q] - 1):+.2f}"
+            for q in ("torsion", "bending")
+        ]
+        progress(f"| {name} | {' | '.join(cells)} |")
     return Ranking(own, true)
 
 
@@ -205,16 +214,9 @@ def print_throws() -> None:
 
 def print_ranking() -> None:
     """Stiffnesses of the variants by both models, and how well the ranks agree."""
-    found = ranking()
     print("| web | torsion own | judged kN m/rad | error % | bending own | judged kN/mm | error % |")
     print("|---" * 7 + "|")
-    for name, own in found.own.items():
-        cells = [
-            f"{own[q] / 1e3:.2f} | {found.judged[name][q] / 1e3:.2f} | "
-            f"{100 * (own[q] / found.judged[name][q] - 1):+.2f}"
-            for q in ("torsion", "bending")
-        ]
-        print(f"| {name} | {' | '.join(cells)} |")
+    found = ranking(progress=partial(print, flush=True))
     for quantity in ("torsion", "bending"):
         tau, rho = found.agreement(quantity)
         print(f"\n{quantity}: Kendall {tau:.3f}, Spearman {rho:.3f} over {len(found.own)} webs")

@@ -52,7 +52,7 @@ def test_a_budget_buys_rungs_a_table_a_plot_and_a_memory(
     assert (out / "accuracy-pictures" / "accuracy.png").read_bytes().startswith(b"\x89PNG")
     assert "# What accuracy costs in time: opposed-piston-casting" in (out / "accuracy.md").read_text()
     assert "opposed-piston-casting" in json.loads((cache / "accuracy.json").read_text())["designs"]
-    assert re.search(r"0 of 6 s: judge, uniform [\d.]+ mm", captured.err)
+    assert re.search(r"\d of 6 s: judge, uniform [\d.]+ mm", captured.err)
 
 
 def test_every_evaluation_prints_its_estimate_beside_the_value(

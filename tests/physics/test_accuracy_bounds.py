@@ -29,7 +29,7 @@ def test_the_judges_bounds_on_one_random_throw() -> None:
     assert max(abs(row.error_percent) / row.bound_percent for row in rows) > 0.4
 
 
-@pytest.mark.parametrize("cell_mm", [4.0, 3.0])
+@pytest.mark.parametrize("cell_mm", [4.0, pytest.param(2.0, marks=pytest.mark.slow)])
 def test_the_optimisers_bound_on_the_mikron(float64: None, cell_mm: float) -> None:
     """Against the reference of another program; the bound is no more than three times the error."""
     scene = load_scene("mikron-iiic")
