@@ -6,7 +6,7 @@ import pytest
 
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene, load_scene
-from tests.benchmarks.error_estimates import judgements, targets
+from tests.benchmarks.error_estimates import every_name, judgements, target_of
 from tests.benchmarks.solver_settings import shapes
 from tests.benchmarks.voxel_accuracy import REFERENCE, model_errors, own_model, ranking
 from tests.random_throws import random_throw
@@ -15,7 +15,8 @@ from tests.random_throws import random_throw
 @pytest.mark.slow
 def test_the_judges_bounds_hold_in_95_percent_of_cases() -> None:
     """Coarse meshes of every built-in design and five random throws, against much finer ones."""
-    rows = [row for target in targets(range(5)) for row in judgements(target, steps=(2, 1), finest=-1)]
+    targets = [target_of(name) for name in every_name(range(5))]
+    rows = [row for target in targets for row in judgements(target, steps=(2, 1), finest=-1)]
     missed = [row for row in rows if not row.holds]
     assert len(rows) == 13 * 4
     assert len(missed) <= 0.05 * len(rows), missed
@@ -23,8 +24,7 @@ def test_the_judges_bounds_hold_in_95_percent_of_cases() -> None:
 
 def test_the_judges_bounds_on_one_random_throw() -> None:
     """The one whose meshes scatter most: with the theoretical order instead of the factor it is missed."""
-    (target,) = (t for t in targets([1]) if t.name == "random-1")
-    rows = list(judgements(target, steps=(2,), finest=0))
+    rows = list(judgements(target_of("random-1"), steps=(2,), finest=0))
     assert all(row.holds for row in rows), rows
     assert max(abs(row.error_percent) / row.bound_percent for row in rows) > 0.4
 
