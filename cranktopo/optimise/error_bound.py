@@ -14,7 +14,7 @@ def model_error_percent(scene: Scene, cell_mm: float) -> dict[str, float]:
     """Bound of the error of the stiffnesses of a throw without fillets, %, by kind of load case.
 
     A power of cells through the web, fitted from above to the errors of `python -m
-    tests.benchmarks.voxel_accuracy`; webs of 12 to 37 mm collapse on one curve.
+    tests.benchmarks.voxel_accuracy --throws`; webs of 14 to 37 mm collapse on one curve.
 
     Args:
         scene: the design.

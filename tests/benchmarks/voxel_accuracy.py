@@ -1,7 +1,7 @@
 """What the optimiser's own stiffness is worth: its model of whole webs against the judge's, without fillets.
 
 - `python -m tests.benchmarks.voxel_accuracy`: error and time on finer and finer cells, the Mikron's own web.
-- `... --throws`: errors and their bound on random throws and built-in designs.
+- `... --throws [NAME...]`: errors and their bound on built-in designs and random throws (random-SEED).
 - `... --ranking`: whether the ranking of eleven webs is kept at the default cell size.
 """
 
@@ -26,15 +26,15 @@ from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene, load_scene, scene_from_dict
+from tests.benchmarks.error_estimates import target_of
 from tests.physics.judge_cases import mikron_with
 from tests.physics.throw_cases import BENDING, TORSION
-from tests.random_throws import random_throw
 
 REFERENCE = {"torsion": 138.2e3, "bending": 217.6e3}
 """Body-fitted quadratic tetrahedra refined at the re-entrant rings, N m/rad and N/mm; no fillets."""
 CELLS_MM = (4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
 DESIGNS = ("opposed-piston", "opposed-piston-casting", "opposed-piston-forging")
-SEEDS = (0, 2, 4, 5, 7)
+DESIGNS += tuple(f"random-{seed}" for seed in (0, 2, 4, 5, 7))
 CELLS_THROUGH_WEB = (4, 6, 9)
 _ORDER = 1.3
 
@@ -196,13 +196,13 @@ def print_ladder() -> None:
             print(f"| {cell:g} | {cost} | {errors['torsion']:+.2f} | {errors['bending']:+.2f} |", flush=True)
 
 
-def print_throws() -> None:
+def print_throws(names: Sequence[str]) -> None:
     """Errors of the model and their bounds."""
     print("| design | stiffness | cell mm | cells through the web | bound % | error % | holds |")
     print("|---" * 7 + "|")
     rows = []
-    for scene in [load_scene(name) for name in DESIGNS] + [random_throw(seed) for seed in SEEDS]:
-        for row in model_errors(scene):
+    for name in names:
+        for row in model_errors(target_of(name).scene):
             rows.append(row)
             cell = f"{row.cell_mm:.2f} | {row.cells_through_web:.1f}"
             numbers = f"{row.bound_percent:.2f} | {row.error_percent:+.2f}"
@@ -225,11 +225,11 @@ def print_ranking() -> None:
 def main() -> None:
     """Print a table as Markdown."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--throws", action="store_true")
+    parser.add_argument("--throws", nargs="*", metavar="NAME")
     parser.add_argument("--ranking", action="store_true")
     chosen = parser.parse_args()
-    if chosen.throws:
-        print_throws()
+    if chosen.throws is not None:
+        print_throws(chosen.throws or DESIGNS)
     elif chosen.ranking:
         print_ranking()
     else:
