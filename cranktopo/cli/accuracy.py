@@ -30,6 +30,7 @@ _BUDGET_S = 120.0
     show_default=True,
     help="Time to spend, such as 90, 120s or 5min.",
 )
+@click.option("--design", "journals", help="Design for the journals and material of an STL or STEP file.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
@@ -37,8 +38,8 @@ _BUDGET_S = 120.0
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @talkative
-def command(design: str, budget_s: float, out: Path | None, as_json: bool) -> int:
-    """Climb the ladders of DESIGN (or of a run) from cheap to exact until the budget is used.
+def command(design: str, budget_s: float, journals: str | None, out: Path | None, as_json: bool) -> int:
+    """Climb the ladders of DESIGN (or of a run or surface file) from cheap to exact until the budget is used.
 
     The judge's ladder: element size, order, refined fillets. The optimiser's: cell size, tolerance,
     precision, iterations, hexahedra; its shapes are judged. Where the design calls for it, the peak stress
@@ -52,7 +53,7 @@ def command(design: str, budget_s: float, out: Path | None, as_json: bool) -> in
     from cranktopo.accuracy.memory import remember
     from cranktopo.evaluate.targets import resolve_target
 
-    target = resolve_target(design)
+    target = resolve_target(design, journals)
     folder = out or _folder(target)
     frontier = frontier_of(climb(target, budget_s, say))
     result = frontier.as_json()

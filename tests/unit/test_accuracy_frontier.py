@@ -18,7 +18,13 @@ from cranktopo.accuracy.optimising import choose_cells
 from cranktopo.accuracy.rung import BENDING, TORSION, LadderName, Rung
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.targets import Target
-from cranktopo.report.accuracy import error_picture, limit_lines, recommendation_table, rung_tables
+from cranktopo.report.accuracy import (
+    accuracy_section,
+    error_picture,
+    limit_lines,
+    recommendation_table,
+    rung_tables,
+)
 from cranktopo.report.accuracy_page import accuracy_page
 from cranktopo.scene import Scene
 
@@ -116,6 +122,19 @@ def test_json_and_pages(frontier: Frontier) -> None:
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     joined = next(line for line in axes.lines if line.get_label() == "judge, efficient frontier")
     assert list(joined.get_xdata()) == [3.0, 4.0, 8.0, 16.0]
+
+
+def test_the_report_of_a_run_shows_its_ladders(frontier: Frontier) -> None:
+    metrics = {
+        "grid": {"cell_mm": 1.5},
+        "load_cases": {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}},
+        "solver": {"final_relative_residual": 1e-9, "cg_iterations": {"mean": 8.0, "max": 12}},
+        "surface": {},
+    }
+    plain, full = (accuracy_section(metrics, ladder) for ladder in (None, frontier.as_json()))
+    assert ("error estimate, torsion", "1.3 %") in plain.tables[0][1].rows
+    assert [title for title, _ in full.tables] == ["This run", "Judge", "Optimiser", "Cheapest rung"]
+    assert (len(plain.pictures), len(full.pictures)) == (0, 1)
 
 
 def tasks(rungs: list[Rung | Exception]) -> list[Task]:
