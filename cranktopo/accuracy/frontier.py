@@ -27,7 +27,7 @@ class Placed:
         model_errors_percent: of the optimiser's own stiffnesses against the judge's, of the same shape.
         orders: observed order of convergence up to this rung in its family, by value.
         error_percent: largest of all errors, without sign; None where there is no limit.
-        uncertainty_percent: of the limit that it was measured against.
+        uncertainty_percent: of the limit that it was measured against, or of the judge's word on its shape.
         efficient: no cheaper rung of the ladder has a smaller error.
     """
 
@@ -176,7 +176,7 @@ def _placed(rung: Rung, rungs: Sequence[Rung], limits: dict[str, Limit]) -> Plac
         if name in rung.values
     }
     every = [abs(error) for error in (*errors.values(), *own.values())]
-    band = [limits[name].uncertainty_percent for name in errors]
+    band = [max(limits[name].uncertainty_percent, rung.band_percent) for name in errors]
     return Placed(
         rung,
         errors,

@@ -12,13 +12,11 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from cranktopo import pipeline
-from cranktopo.accuracy.extrapolation import extrapolate
-from cranktopo.accuracy.judge_ladder import stiffnesses
 from cranktopo.accuracy.machine import PeakMemory
 from cranktopo.accuracy.rung import BENDING, TORSION, Rung
 from cranktopo.domain.limits import WALL_CELLS, thinnest_wall_mm
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, judge
+from cranktopo.evaluate.evaluation import RATIO, Evaluation, default_element_size_mm, evaluate
 from cranktopo.evaluate.targets import Target
 from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop
@@ -26,8 +24,8 @@ from cranktopo.optimise.assess import Assessment, assess
 from cranktopo.scene import Scene
 from cranktopo.surface import check_surface, extract_half_throw, slab_fields, write_stl
 
-_JUDGED_STEPS = (3, 2)
-"""Meshes on which a shape is judged: 1.5 to these powers times the default size, extrapolated."""
+_JUDGED_STEPS = 1
+"""How many times 1.5 the elements are larger than by default on which shapes are judged, all alike."""
 _STEPS = 9
 _MODEL_NAMES = {"torsion": TORSION, "bending": BENDING}
 
@@ -164,7 +162,7 @@ def climb_optimiser(scene: Scene, model: OptimiserModel) -> Rung:
     with tempfile.TemporaryDirectory() as folder:
         found = optimise_once(scene, model, Path(folder))
         seconds, peak = time.perf_counter() - began, memory.MiB
-        values = judged_shape(found.target) if found.target else {}
+        judged = _judged(found.target) if found.target else None
     return Rung(
         ladder="optimiser",
         name=model.name,
@@ -181,7 +179,8 @@ def climb_optimiser(scene: Scene, model: OptimiserModel) -> Rung:
         unknowns=found.unknowns,
         seconds=seconds - found.compile_seconds,
         peak_memory_MiB=peak,
-        values=values,
+        values=_values(judged) if judged else {},
+        band_percent=judged.error_percent if judged else 0.0,
         compile_seconds=found.compile_seconds,
         model={
             _MODEL_NAMES[c.name]: c.stiffness
@@ -192,19 +191,14 @@ def climb_optimiser(scene: Scene, model: OptimiserModel) -> Rung:
     )
 
 
-def judged_shape(target: Target) -> dict[str, float]:
-    """Stiffnesses of a shape by the judge, extrapolated from two meshes.
+def _judged(target: Target) -> Evaluation:
+    size = default_element_size_mm(target.scene) * RATIO**_JUDGED_STEPS
+    return evaluate(target, size)
 
-    Args:
-        target: the surface.
 
-    Raises:
-        CranktopoError: a failed mesh or solve.
-    """
-    sizes = [default_element_size_mm(target.scene) * RATIO**steps for steps in _JUDGED_STEPS]
-    found = [stiffnesses(judge(target, size)) for size in sizes]
-    limits = {name: extrapolate(sizes, [row[name] for row in found]) for name in found[0]}
-    return {name: limit.value for name, limit in limits.items() if limit is not None}
+def _values(found: Evaluation) -> dict[str, float]:
+    """Both stiffnesses with the supports of the design, by the names of the tables."""
+    return {TORSION: found.torsion_Nm_per_rad, BENDING: found.bending_N_per_mm}
 
 
 def _surface(ready: pipeline.Prepared, design: loop.Design, folder: Path) -> Target | None:

@@ -23,6 +23,7 @@ class Rung:
         seconds: wall time, JAX's compilation not counted.
         peak_memory_MiB: largest resident memory.
         values: stiffnesses N m/rad and N/mm, peak stress MPa; of the judge in every ladder.
+        band_percent: bound of the judge's error of the values, where they are taken as they are.
         compile_seconds: JAX's compilation, which the next process finds stored.
         model: stiffnesses by the optimiser's own model, where it has one.
         spent_seconds: wall time of everything, the judging of the result included.
@@ -37,6 +38,7 @@ class Rung:
     seconds: float
     peak_memory_MiB: float
     values: dict[str, float]
+    band_percent: float = 0.0
     compile_seconds: float = 0.0
     model: dict[str, float] = field(default_factory=dict)
     spent_seconds: float = 0.0

@@ -36,7 +36,8 @@ def rung(ladder: LadderName, family: str, size: float, seconds: float, **found: 
     model = found.pop("model", {})
     values = {TORSION: found["torsion"], BENDING: found["bending"]} if "torsion" in found else {}
     name = f"{family} {size:g}"
-    return Rung(ladder, name, family, settings, size, 1000, seconds, 200.0, values, 0.5, model, seconds + 1)
+    cost = (1000, seconds, 200.0)
+    return Rung(ladder, name, family, settings, size, *cost, values, 0.3, 0.5, model, seconds + 1)
 
 
 def judge_rung(steps: int, seconds: float, graded: bool = True, shift: float = 0.0) -> Rung:
@@ -102,6 +103,11 @@ def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(frontier: Fron
     first = frontier.rungs[5]
     assert first.model_errors_percent == {TORSION: pytest.approx(100 / 98)}
     assert first.error_percent == pytest.approx(max(abs(e) for e in first.errors_percent.values()))
+    assert first.uncertainty_percent == pytest.approx(
+        max(limit.uncertainty_percent for limit in frontier.limits["optimiser"].values())
+    )
+    sure = replace(first.rung, band_percent=50.0)
+    assert frontier_of(ascent(sure, frontier.rungs[6].rung)).rungs[0].uncertainty_percent == 50.0
     empty = frontier.rungs[7]
     assert (empty.error_percent, empty.efficient, empty.errors_percent) == (None, False, {})
 
