@@ -222,7 +222,7 @@ def test_the_first_rung_follows_from_what_was_measured(frontier: Frontier) -> No
     assert first_rung(Wish(budget_s=49.0), known) == 2
     assert first_rung(Wish(budget_s=1.0), known) == 0
     assert first_rung(Wish(percent=bound + 0.01, budget_s=1.0), known) == 0
-    assert first_rung(Wish(percent=4.0), None) == 1
+    assert first_rung(Wish(percent=2.0), None) == 1
     assert first_rung(Wish(percent=0.001), None) == len(RUNGS) - 1
     assert first_rung(Wish(budget_s=1000.0), None) == 0
 
