@@ -20,7 +20,7 @@ class Limit:
     Attributes:
         value: extrapolated value.
         uncertainty_percent: half the width of the band that should hold the true value.
-        order: observed order of convergence of the three finest, None where they do not converge evenly.
+        order: observed order of convergence of the three finest, None where they show none.
     """
 
     value: float
@@ -62,8 +62,8 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
 def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None:
     """The limit of values on falling sizes (Richardson, 1911).
 
-    The band covers the limits that every plausible order would give. Where the three finest values do not
-    approach a limit from one side, their scatter is the band, and the finest value stands.
+    The band covers the limits that every plausible order would give; where none is observed a typical one gives
+    the value. Where the three finest values go to and fro their scatter is the band, and the finest stands.
 
     Args:
         sizes: element sizes, falling.
@@ -76,8 +76,8 @@ def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None
         return None
     order = observed_order(sizes[-3:], values[-3:]) if len(values) > 2 else None
     fine, step = values[-1], values[-1] - values[-2]
-    if len(values) > 2 and order is None:
-        recent = values[-3:]
+    recent = values[-3:]
+    if len(values) > 2 and (recent[0] - recent[1]) * step >= 0:
         return Limit(fine, 100 * (max(recent) - min(recent)) / abs(fine), None)
     used = min(max(order or _TYPICAL_ORDER, LEAST_ORDER), MOST_ORDER)
     value = fine + step * _further(sizes, used)

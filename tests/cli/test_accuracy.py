@@ -115,7 +115,10 @@ def test_an_accuracy_chooses_the_cells_of_a_run(
     metrics = json.loads(captured.out)
     for case in metrics["load_cases"].values():
         assert 0 < case["error_estimate_percent"] <= 15.0
-    assert f"cells of {metrics['grid']['cell_mm']:.1f}" in captured.err
+    said = re.search(r"cells of ([\d.]+) mm: stiffness \+-([\d.]+) %", captured.err)
+    assert said
+    assert metrics["grid"]["cell_mm"] == pytest.approx(float(said.group(1)), rel=0.05)
+    assert float(said.group(2)) <= 15.0
 
 
 @pytest.mark.slow

@@ -45,6 +45,15 @@ def test_an_order_out_of_range_is_not_believed() -> None:
     assert abs(found.error_percent(140.0)) <= found.uncertainty_percent
 
 
+def test_a_steady_approach_without_an_order_is_still_extrapolated() -> None:
+    """Equal steps on sizes that fall by the same factor: no power law, but the limit lies ahead."""
+    found = extrapolate((9.0, 6.0, 4.0), [142.0, 141.7, 141.4])
+    assert found is not None
+    assert found.order is None
+    assert 141.4 - 0.6 < found.value < 141.4 - 0.3 / (1.5**2.2 - 1)
+    assert abs(found.error_percent(141.4 - 0.6)) <= found.uncertainty_percent + 1e-9
+
+
 def test_scatter_is_reported_as_such() -> None:
     found = extrapolate(SIZES, [140.0, 141.0, 139.5])
     assert found is not None
