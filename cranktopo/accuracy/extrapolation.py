@@ -62,8 +62,8 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
 def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None:
     """The limit of values on falling sizes (Richardson, 1911).
 
-    The band covers the limits that every plausible order would give; where none is observed a typical one gives
-    the value. Where the three finest values go to and fro their scatter is the band, and the finest stands.
+    The band covers the limits that every plausible order would give; where none is observed a typical one
+    gives the value. Where the three finest values go to and fro, their scatter is the band.
 
     Args:
         sizes: element sizes, falling.
