@@ -80,8 +80,10 @@ def _write(result: dict[str, Any], folder: Path) -> dict[str, str]:
     folder.mkdir(parents=True, exist_ok=True)
     paths = {"json": folder / "accuracy.json", "markdown": folder / "accuracy.md"}
     write_json(paths["json"], result)
-    write_report(accuracy_page(result, timestamp()[:10]), paths["markdown"])
-    paths["picture"] = folder / "accuracy-pictures" / "accuracy.png"
+    page = accuracy_page(result, timestamp()[:10])
+    write_report(page, paths["markdown"])
+    for picture in page.sections[0].pictures:
+        paths["picture"] = folder / "accuracy-pictures" / f"{picture.name}.png"
     return {name: str(path) for name, path in paths.items()}
 
 

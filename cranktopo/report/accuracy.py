@@ -43,7 +43,7 @@ def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | Non
     pictures: tuple[Picture, ...] = ()
     if ladder and ladder.get("rungs"):
         tables += [*rung_tables(ladder), ("Cheapest rung", recommendation_table(ladder))]
-        pictures = (error_picture(ladder["rungs"]),)
+        pictures = ladder_pictures(ladder)
     return Section("accuracy", "Accuracy and its price", text, tuple(tables), pictures)
 
 
@@ -186,6 +186,16 @@ def _valued(rung: Mapping[str, Any], name: str) -> tuple[float | None, float | N
 
 def _stars(rungs: Sequence[Mapping[str, Any]]) -> frozenset[tuple[int, int]]:
     return frozenset((row, 0) for row, rung in enumerate(rungs) if rung["efficient"])
+
+
+def ladder_pictures(result: Mapping[str, Any]) -> tuple[Picture, ...]:
+    """Error against seconds, where any error is known.
+
+    Args:
+        result: what `cranktopo accuracy --json` prints.
+    """
+    rungs = result["rungs"]
+    return (error_picture(rungs),) if any(rung["error_percent"] for rung in rungs) else ()
 
 
 def error_picture(rungs: Sequence[Mapping[str, Any]]) -> Picture:

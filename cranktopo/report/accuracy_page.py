@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.report.accuracy import error_picture, limit_lines, recommendation_table, rung_tables
+from cranktopo.report.accuracy import ladder_pictures, limit_lines, recommendation_table, rung_tables
 from cranktopo.report.page import Fact, Page, Section
 
 _LEGEND = (
@@ -37,7 +37,7 @@ def accuracy_page(result: Mapping[str, Any], written: str) -> Page:
                 "Rungs",
                 " ".join([_LEGEND, *(f"{line}." for line in limit_lines(result))]),
                 tuple(rung_tables(result)),
-                (error_picture(result["rungs"]),),
+                ladder_pictures(result),
             ),
             Section(
                 "recommendation",

@@ -143,6 +143,15 @@ def test_the_report_of_a_run_shows_its_ladders(frontier: Frontier) -> None:
     assert (len(plain.pictures), len(full.pictures)) == (0, 1)
 
 
+def test_one_rung_has_no_error_and_no_plot() -> None:
+    result = frontier_of(ascent(judge_rung(2, 3.0))).as_json()
+    page = accuracy_page(result, "today")
+    assert page.sections[0].pictures == ()
+    assert page.facts[0].value == "no accuracy reached"
+    assert limit_lines(result) == ["judge, extrapolated: nothing, fewer than two rungs"]
+    assert result["rungs"][0]["error_percent"] is None
+
+
 def tasks(rungs: list[Rung | Exception]) -> list[Task]:
     def run(result: Rung | Exception) -> Rung:
         if isinstance(result, Exception):
