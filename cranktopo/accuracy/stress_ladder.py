@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from cranktopo.accuracy.machine import PeakMemory
 from cranktopo.accuracy.rung import STRESS, Rung
 from cranktopo.effects import plan
+from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.stress_model import solve_stresses
-from cranktopo.evaluate.superposition import von_mises
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import load_cases
 from cranktopo.scene import Scene

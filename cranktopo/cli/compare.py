@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import click
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from cranktopo.evaluate.evaluation import Evaluation
     from cranktopo.evaluate.targets import Target
     from cranktopo.report.comparison import Comparison
+    from cranktopo.report.fatigue_tables import Judged
 
 
 @click.command()
@@ -42,6 +43,12 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path, dir_okay=False),
     help="Also write a page with 3D view (.html), or Markdown with PNGs (.md).",
 )
+@click.option(
+    "--fatigue",
+    "method",
+    type=click.Choice(["lsa", "fkm", "m53"]),
+    help="Also judge the fatigue safety by this method; see 'cranktopo fatigue --help'.",
+)
 @mesh_options
 @talkative
 def command(
@@ -51,12 +58,13 @@ def command(
     as_json: bool,
     plot: Path | None,
     page: Path | None,
+    method: str | None,
     element_size_mm: float | None,
     accuracy: float | None,
     budget: float | None,
     design: str | None,
 ) -> None:
-    """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance.
+    """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
 
     The stiffnesses are those of the supports in the designs. A star marks the best of each column. The
     baseline is evaluated too when it is not among the targets.
@@ -71,8 +79,10 @@ def command(
         check_report_path(page)
     names = targets if baseline in targets else (baseline, *targets)
     resolved = _resolved(names, design)
+    index = names.index(baseline)
+    judged = None if method is None else _judged(resolved, method, index)
     evaluations, missed = evaluate_targets(names, Meshing(element_size_mm, accuracy, budget), design)
-    comparison = _compared(resolved, evaluations, names.index(baseline))
+    comparison = _compared(resolved, evaluations, index, judged)
     click.echo(_text(comparison, "json" if as_json else form))
     if plot is not None:
         from cranktopo.report.scatter import plot_stiffness_over_mass
@@ -94,12 +104,28 @@ def _resolved(names: tuple[str, ...], design: str | None) -> list[Target]:
     return [resolve_target(name, design) for name in names]
 
 
-def _compared(targets: list[Target], evaluations: list[Evaluation], baseline: int) -> Comparison:
+def _judged(targets: list[Target], method: str, baseline: int) -> Judged:
+    from cranktopo.evaluate.fatigue import FieldMethod, assess, check_inputs
+    from cranktopo.evaluate.rule_check import check_rule
+    from cranktopo.report.fatigue_tables import judged
+
+    for target in targets:
+        check_inputs(target, method, "extremes")
+    if method == "m53":
+        return judged([check_rule(target, progress=say) for target in targets], "extremes", baseline)
+    chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
+    return judged([assess(target, chosen, progress=say) for target in targets], "extremes", baseline)
+
+
+def _compared(
+    targets: list[Target], evaluations: list[Evaluation], baseline: int, judged: Judged | None
+) -> Comparison:
     from cranktopo.report.comparison import Entry, compare
 
     published = [None if target.file else target.scene.published for target in targets]
-    entries = [Entry(e, p) for e, p in zip(evaluations, published, strict=True)]
-    return compare(entries, evaluations[baseline].target)
+    safeties = judged.safeties if judged else [None] * len(targets)
+    entries = [Entry(*parts) for parts in zip(evaluations, published, safeties, strict=True)]
+    return compare(entries, evaluations[baseline].target, judged)
 
 
 def _text(comparison: Comparison, form: str) -> str:
@@ -113,4 +139,6 @@ def _text(comparison: Comparison, form: str) -> str:
     draw = markdown if form == "markdown" else terminal
     tables = [report.value_table(comparison), report.percent_table(comparison)]
     published = report.published_table(comparison)
-    return "\n\n".join(draw(table) for table in [*tables, *([published] if published else [])])
+    parts = [draw(table) for table in [*tables, *([published] if published else [])]]
+    lives = [] if comparison.fatigue is None else ["\n".join(comparison.fatigue.verdicts)]
+    return "\n\n".join([*parts, *lives])

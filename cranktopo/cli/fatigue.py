@@ -60,6 +60,7 @@ def command(
 
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
+    from cranktopo.evaluate.fatigue import check_inputs
     from cranktopo.evaluate.stress_model import RULE_FRACTION
     from cranktopo.evaluate.targets import resolve_target
     from cranktopo.loads.histories import HistoryKind
@@ -75,6 +76,8 @@ def command(
         )
     kind: HistoryKind = next(name for name in get_args(HistoryKind) if name == loads)
     resolved = [resolve_target(name) for name in names]
+    for target in resolved:
+        check_inputs(target, method, kind)
     index = None if baseline is None else names.index(baseline)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
     if method == "m53":
@@ -136,6 +139,9 @@ def _verdicts(lines: list[str]) -> None:
 
 
 def _warn(field: FatigueField) -> None:
+    quality = field.model.quality
+    if not quality.within_rule:
+        say(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
     if field.elsewhere.safety < field.critical.safety:
         say(
             f"note: {field.model.name}: {field.elsewhere.safety:.3f} off the fillets at "

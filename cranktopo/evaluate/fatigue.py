@@ -15,7 +15,7 @@ from cranktopo.evaluate.fillets import Place, place
 from cranktopo.evaluate.fkm import FkmStrength, fkm
 from cranktopo.evaluate.local_stress import LocalStress
 from cranktopo.evaluate.lsa import LsaStrength, lsa
-from cranktopo.evaluate.stress_model import RULE_FRACTION, StressModel, solve_stresses
+from cranktopo.evaluate.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
 from cranktopo.evaluate.superposition import Extremes, extremes
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind
@@ -70,6 +70,7 @@ class Critical:
         """The point as `fatigue --json` prints it."""
         at = self.place
         return {
+            "place": str(at),
             "fillet": at.fillet or None,
             "around_deg": at.around_deg if at.fillet else None,
             "along_deg": at.along_deg if at.fillet else None,
@@ -125,6 +126,22 @@ def check_material(scene: Scene, method: str) -> None:
                 f"(material '{scene.material.name}').",
                 hint=f"Give material.{key}, or name a material of the library.",
             )
+
+
+def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
+    """Check everything that a user can get wrong, before the first solve.
+
+    Args:
+        target: a design.
+        method: "lsa", "fkm" or "m53".
+        kind: load states.
+
+    Raises:
+        CranktopoError: missing material data or loads, or sharp fillets.
+    """
+    check_fillets(target)
+    check_material(target.scene, method)
+    load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
 
 
 def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[LoadKind, ...]]:

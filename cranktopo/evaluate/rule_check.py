@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.effects.beam import web_lever_mm
+from cranktopo.evaluate.equivalent import principal_stresses, von_mises
 from cranktopo.evaluate.fatigue import Progress, check_material, load_kinds
 from cranktopo.evaluate.m53 import (
     LEAST_FACTOR,
@@ -24,7 +25,6 @@ from cranktopo.evaluate.m53 import (
     pin_equivalent_MPa,
 )
 from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
-from cranktopo.evaluate.superposition import principal_stresses, von_mises
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history
 from cranktopo.scene import Scene
@@ -109,7 +109,7 @@ def check_rule(
     size = dimensions(scene)
     nominal = nominal_stresses(size, force / 2 * web_lever_mm(scene), force / 2, torque * NMM_PER_NM)
     progress(f"{target.name}: four-point bending, three-point bending and torsion")
-    model = solve_stresses(target, ("moment", "bending", "torsion"), fillet_fraction)
+    model = solve_stresses(_held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction)
     closed, elements = concentration_factors(size), element_factors(model)
     return RuleCheck(
         target.name,
@@ -122,6 +122,12 @@ def check_rule(
         _checks(scene, size, elements, nominal),
         model.quality,
     )
+
+
+def _held_by_rule(target: Target) -> Target:
+    """The target on the bearings of Appendix III, which let the journals tilt, whatever the scene has."""
+    supports = target.scene.supports.model_copy(update={"bending": "pinned", "torsion": "free"})
+    return replace(target, scene=target.scene.model_copy(update={"supports": supports}))
 
 
 def dimensions(scene: Scene) -> Dimensions:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.equivalent import principal_stresses, von_mises
 from cranktopo.evaluate.evaluation import default_element_size_mm
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.superposition import principal_stresses, von_mises
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
@@ -43,7 +43,8 @@ class Quality:
         longest_edge: longest element edge in the fillets over the fillet's radius.
         nodes: number of mesh nodes.
         normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
-        jump_percent: departure of an element's stress from the nodal mean over the same, worst.
+        jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
+            worst.
         mesh_seconds, solve_seconds: wall time.
     """
 
@@ -59,6 +60,15 @@ class Quality:
     def within_rule(self) -> bool:
         """Whether both checks are within their limits."""
         return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
+
+    @property
+    def shortfall(self) -> str:
+        """Both checks beside their limits in words, for a mesh that misses one."""
+        return (
+            "the mesh misses the rule's checks: surface-normal stress "
+            f"{self.normal_percent:.1f} % (at most {NORMAL_LIMIT_PERCENT:g} %), "
+            f"jump between elements {self.jump_percent:.1f} % (at most {JUMP_LIMIT_PERCENT:g} %)"
+        )
 
 
 @dataclass(frozen=True)
@@ -126,7 +136,7 @@ def solve_stresses(
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
     """
-    _check_fillets(target)
+    check_fillets(target)
     scene, material = target.scene, target.scene.material
     start = time.perf_counter()
     size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
@@ -156,7 +166,12 @@ def solve_stresses(
     )
 
 
-def _check_fillets(target: Target) -> None:
+def check_fillets(target: Target) -> None:
+    """Check that both fillets of a target have a radius.
+
+    Raises:
+        CranktopoError: a surface file, or a fillet of radius 0.
+    """
     if target.file is not None:
         raise CranktopoError(
             f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
@@ -199,15 +214,15 @@ def _quality(
         )
     normal = np.abs(_normal_stress(stress.stress_MPa, surface.normals))
     largest = np.abs(principal_stresses(stress.stress_MPa)).max(axis=-1)
-    jump = stress.jump_MPa.max(axis=-1)
-    where = _examined(von_mises(stress.stress_MPa), fillets)
+    equivalent = von_mises(stress.stress_MPa)
+    where = _examined(equivalent, fillets)
     radii = (scene.throw.main_journal.fillet_mm, scene.throw.crankpin.fillet_mm)
     return Quality(
         fraction * min(radii),
         max(_longest_edge(surface, nodes_on) / r for nodes_on, r in zip(fillets, radii, strict=True)),
         nodes,
         float(100 * (normal / largest)[where].max()),
-        float(100 * (jump / largest)[where].max()),
+        float(100 * (stress.jump_MPa / equivalent)[where].max()),
         *seconds,
     )
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.evaluate.equivalent import DEVIATOR, von_mises
 from cranktopo.evaluate.local_stress import LocalStress
 from cranktopo.evaluate.surface import SurfaceStress
 
@@ -18,10 +19,6 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _CHUNK = 4096
-_DEVIATOR = np.zeros((6, 6))
-_DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
-_DEVIATOR[3:, 3:] = 3 * np.eye(3)
-"""Quadratic form of the squared von Mises stress in the six components."""
 
 
 @dataclass(frozen=True)
@@ -36,25 +33,6 @@ class Extremes:
     local: LocalStress
     highest: Index
     lowest: Index
-
-
-def von_mises(stress: Array) -> Array:
-    """Von Mises stress; last axis holds the six components."""
-    squared: Array = np.einsum("...i,ij,...j->...", stress, _DEVIATOR, stress)
-    return np.sqrt(np.maximum(squared, 0.0))
-
-
-def signed_von_mises(stress: Array) -> Array:
-    """Von Mises stress with the sign of the principal stress that is largest in magnitude."""
-    values = principal_stresses(stress)
-    sign = np.where(values[..., 0] + values[..., 2] >= 0, 1.0, -1.0)
-    return sign * von_mises(stress)
-
-
-def principal_stresses(stress: Array) -> Array:
-    """Principal stresses, falling, in the last axis; that of the argument holds the six components."""
-    tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
-    return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
 
 
 def extremes(found: SurfaceStress, loads: Array) -> Extremes:
@@ -85,9 +63,7 @@ def _signed(stress: Array, loads: Array) -> Array:
     """Signed von Mises stress of every node in every state, shape (n, states)."""
     fields = len(stress)
     pairs = [(a, b) for a in range(fields) for b in range(a, fields)]
-    form = [
-        (1 if a == b else 2) * np.einsum("ni,ij,nj->n", stress[a], _DEVIATOR, stress[b]) for a, b in pairs
-    ]
+    form = [(1 if a == b else 2) * np.einsum("ni,ij,nj->n", stress[a], DEVIATOR, stress[b]) for a, b in pairs]
     products = [loads[:, a] * loads[:, b] for a, b in pairs]
     squared = np.stack(form, axis=1) @ np.stack(products)
     trace = stress[..., :3].sum(axis=-1).T @ loads.T
@@ -105,6 +81,6 @@ def _sign(stress: Array) -> Array:
 
 def _related_gradient(stress: Array, depth: Array) -> Array:
     """Fall of the von Mises stress into the depth over its surface value, 1/mm; zero where it rises."""
-    squared = np.einsum("ni,ij,nj->n", stress, _DEVIATOR, stress)
-    fall = -np.einsum("ni,ij,nj->n", stress, _DEVIATOR, depth)
+    squared = np.einsum("ni,ij,nj->n", stress, DEVIATOR, stress)
+    fall = -np.einsum("ni,ij,nj->n", stress, DEVIATOR, depth)
     return np.asarray(np.maximum(fall / np.maximum(squared, 1e-30), 0.0))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import Elasticity
+from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.stress import NodalStress
 from cranktopo.remodel.curving import EDGES, shape_gradients
 
@@ -46,7 +47,8 @@ class SurfaceStress:
     Attributes:
         stress_MPa: shape (fields, n, 6), components as `stress.COMPONENTS`.
         depth_MPa_per_mm: derivative into the depth, along the inward normal, same shape.
-        jump_MPa: largest departure of an element's stress from the nodal mean, same shape.
+        jump_MPa: largest departure of an element's von Mises stress from that of the nodal mean, shape
+            (fields, n).
     """
 
     stress_MPa: Array
@@ -149,10 +151,10 @@ def _jumps(surface: Surface, found: NodalStress) -> Array:
     position[surface.nodes] = np.arange(len(surface.nodes))
     where = position[found.elements.T]  # (elements, 10)
     touching = where >= 0
-    jump = np.zeros((len(found.nodal_MPa), len(surface.nodes), 6))
+    jump = np.zeros((len(found.nodal_MPa), len(surface.nodes)))
     for field, element, nodal in zip(jump, found.element_MPa, found.nodal_MPa, strict=True):
-        departure = np.abs(element[touching] - nodal[found.elements.T[touching]])
-        np.maximum.at(field, where[touching], departure)
+        mean = von_mises(nodal)[found.elements.T[touching]]
+        np.maximum.at(field, where[touching], np.abs(von_mises(element[touching]) - mean))
     return jump
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import SCHEMA_VERSION, Evaluation
+from cranktopo.report.fatigue_tables import Judged
 from cranktopo.report.tables import Table, records
 from cranktopo.scene.schema import Published
 
@@ -20,14 +21,22 @@ _COLUMNS: tuple[tuple[str, int, int], ...] = (
     ("unbalance_kg_mm", 2, -1),
 )
 """Name, decimals, and which way is better (+1 more, -1 less)."""
+_SAFETY = ("safety", 3, 1)
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A compared target: its evaluation and what was published for it, if anything."""
+    """A compared target.
+
+    Attributes:
+        evaluation: its mass and stiffness.
+        published: what was published for it, if anything.
+        safety: least fatigue safety of its fillets, where it was asked for.
+    """
 
     evaluation: Evaluation
     published: Published | None = None
+    safety: float | None = None
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -42,23 +51,36 @@ class Entry:
             bending / e.throw_kg,
             e.inertia_kg_mm2,
             e.unbalance_kg_mm,
+            *(() if self.safety is None else (self.safety,)),
         )
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Entries and which of them is the baseline."""
+    """Entries and which of them is the baseline.
+
+    Attributes:
+        entries: what is compared.
+        baseline: position of the baseline.
+        fatigue: of the same targets, where it was asked for.
+    """
 
     entries: tuple[Entry, ...]
     baseline: int
+    fatigue: Judged | None = None
+
+    @property
+    def columns(self) -> tuple[tuple[str, int, int], ...]:
+        """Name, decimals, and which way is better of each column."""
+        return _COLUMNS if self.fatigue is None else (*_COLUMNS, _SAFETY)
 
     def percent(self, row: int, column: int) -> float:
         """A value in percent of the baseline's."""
         return 100 * self.entries[row].values[column] / self.entries[self.baseline].values[column]
 
 
-def compare(entries: list[Entry], baseline: str) -> Comparison:
-    """A comparison against the entry of that name.
+def compare(entries: list[Entry], baseline: str, fatigue: Judged | None = None) -> Comparison:
+    """A comparison against the entry of that name; with fatigue, each entry holds its safety.
 
     Raises:
         CranktopoError: the baseline is not among the entries, or the supports differ.
@@ -74,22 +96,20 @@ def compare(entries: list[Entry], baseline: str) -> Comparison:
             "the targets have different [supports], so their stiffnesses do not compare.",
             hint="Give all of them the same.",
         )
-    return Comparison(tuple(entries), names.index(baseline))
+    return Comparison(tuple(entries), names.index(baseline), fatigue)
 
 
 def value_table(comparison: Comparison) -> Table:
     """Absolute values, the best of each column marked."""
-    return _table(
-        comparison, [name for name, _, _ in _COLUMNS], [entry.values for entry in comparison.entries]
-    )
+    names = [name for name, _, _ in comparison.columns]
+    return _table(comparison, names, [entry.values for entry in comparison.entries])
 
 
 def percent_table(comparison: Comparison) -> Table:
     """Percent of the baseline, the best of each column marked."""
-    rows = [
-        tuple(comparison.percent(r, c) for c in range(len(_COLUMNS))) for r in range(len(comparison.entries))
-    ]
-    names = [f"{_quantity(name)}_percent" for name, _, _ in _COLUMNS]
+    columns = range(len(comparison.columns))
+    rows = [tuple(comparison.percent(r, c) for c in columns) for r in range(len(comparison.entries))]
+    names = [f"{_quantity(name)}_percent" for name, _, _ in comparison.columns]
     return _table(comparison, names, rows, digits=1)
 
 
@@ -139,9 +159,10 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
         "percent_of_baseline": records(percent_table(comparison)),
         "best": {
             name: comparison.entries[row].evaluation.target
-            for (name, _, _), row in zip(_COLUMNS, best_rows(comparison), strict=True)
+            for (name, _, _), row in zip(comparison.columns, best_rows(comparison), strict=True)
         },
         "published": None if published is None else records(published),
+        "fatigue": None if comparison.fatigue is None else comparison.fatigue.json,
     }
 
 
@@ -157,7 +178,7 @@ def _table(
         rows=tuple(
             (entry.evaluation.target, *row) for entry, row in zip(comparison.entries, values, strict=True)
         ),
-        digits=(0, *(decimals if digits is None else digits for _, decimals, _ in _COLUMNS)),
+        digits=(0, *(decimals if digits is None else digits for _, decimals, _ in comparison.columns)),
         marks=frozenset((row, column + 1) for column, row in enumerate(best)),
     )
 
@@ -168,7 +189,7 @@ def best_rows(comparison: Comparison) -> list[int]:
     rows = range(len(values))
     return [
         max(rows, key=lambda row: better * values[row][column])
-        for column, (_, _, better) in enumerate(_COLUMNS)
+        for column, (_, _, better) in enumerate(comparison.columns)
     ]
 
 

@@ -30,7 +30,7 @@ from cranktopo.surface.mesh import read_stl
 _FACET_MM = 2.0
 # Columns of a comparison that make its verdict, and how they read there.
 _VERDICT = {0: "Lightest", 3: "Stiffest in torsion per mass", 4: "Stiffest in bending per mass"}
-_TORSION_PER_MASS, _BENDING_PER_MASS = 3, 4
+_TORSION_PER_MASS, _BENDING_PER_MASS, _SAFETY = 3, 4, 7
 
 
 def comparison_page(comparison: Comparison, targets: Sequence[Target], command: Sequence[str]) -> Page:
@@ -83,14 +83,14 @@ def _headline(comparison: Comparison) -> str:
 
 
 def _facts(comparison: Comparison) -> tuple[Fact, ...]:
-    best = best_rows(comparison)
+    best, judged = best_rows(comparison), comparison.fatigue is not None
     found = []
-    for column, label in _VERDICT.items():
+    for column, label in {**_VERDICT, **({_SAFETY: "Safest against fatigue"} if judged else {})}.items():
         row = best[column]
         same = row == comparison.baseline
         note = "the baseline itself" if same else f"{_change(comparison, row, column)} of the baseline"
         found.append(Fact(label, _name(comparison, row), note, "neutral" if same else "good"))
-    return (*found, fatigue_fact(None, "stiffness was compared, not life"))
+    return tuple(found) if judged else (*found, fatigue_fact(None, "stiffness was compared, not life"))
 
 
 def _variants(comparison: Comparison) -> Section:
@@ -102,10 +102,22 @@ def _variants(comparison: Comparison) -> Section:
         "variants",
         "Variants",
         "A star marks the best of each column. Stiffnesses are those of the full throw with the supports of "
-        "its design.",
+        "its design." + _lives(comparison),
         tuple(tables),
         scatter_pictures(scatter_points(comparison), comparison.baseline),
     )
+
+
+def _lives(comparison: Comparison) -> str:
+    if comparison.fatigue is None:
+        return ""
+    places = [
+        f"{entry['target']}: {entry['critical']['place']}"
+        for entry in comparison.fatigue.json["fatigue"]
+        if "critical" in entry
+    ]
+    worst = f" Least safety: {'; '.join(places)}." if places else ""
+    return f" {' '.join(comparison.fatigue.verdicts)}{worst}"
 
 
 def _accuracy(comparison: Comparison) -> Section:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.evaluate.evaluation import SCHEMA_VERSION
@@ -12,6 +13,29 @@ from cranktopo.report.tables import Table
 
 _SAME = 0.02
 """Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Fatigue of several targets beside a baseline.
+
+    Attributes:
+        safeties: least safety of each target.
+        verdicts: for each other target whether it lives as long as the baseline.
+        json: the object that `fatigue --json` prints.
+    """
+
+    safeties: tuple[float, ...]
+    verdicts: tuple[str, ...]
+    json: dict[str, Any]
+
+
+def judged(results: Sequence[FatigueField] | Sequence[RuleCheck], loads: str, baseline: int) -> Judged:
+    """What a comparison shows of the fatigue of its targets."""
+    fields = [r for r in results if isinstance(r, FatigueField)]
+    checks = [r for r in results if isinstance(r, RuleCheck)]
+    json = fields_json(fields, loads, baseline) if fields else checks_json(checks, loads, baseline)
+    return Judged(tuple(_columns(results)[2]), tuple(verdicts(results, baseline)), json)
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> Table:

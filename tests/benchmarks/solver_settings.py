@@ -24,8 +24,9 @@ EXACT = Solving(tolerance_early=1e-8, tolerance=1e-8, precision="float64")
 SETTINGS = {
     "1e-8, float64": EXACT,
     "1e-8, float32 inside": Solving(tolerance_early=1e-8, tolerance=1e-8),
-    "1e-5, float32 inside": Solving(tolerance_early=1e-5),
-    "1e-2 early, 1e-5 last (default)": Solving(),
+    "1e-5, float32 inside": Solving(tolerance_early=1e-5, tolerance=1e-5),
+    "1e-2 early, 1e-5 last": Solving(tolerance=1e-5),
+    "1e-2 early, 1e-3 last (default)": Solving(),
     "1e-2 throughout": Solving(tolerance=1e-2),
 }
 CELL_MM = 3.0

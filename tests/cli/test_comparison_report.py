@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -9,7 +10,11 @@ import pytest
 
 from cranktopo.cli.main import main
 from cranktopo.evaluate.evaluation import Evaluation, Stiffness
+from cranktopo.evaluate.m53 import Factors, FilletCheck, Nominal
+from cranktopo.evaluate.rule_check import RuleCheck
+from cranktopo.evaluate.stress_model import Quality
 from cranktopo.evaluate.targets import Target
+from cranktopo.scene.loading import designs_folder
 
 NAMES = ["opposed-piston", "opposed-piston-casting"]
 
@@ -48,6 +53,76 @@ def test_markdown(tmp_path: Path) -> None:
     assert len(names) >= 3
     assert all((tmp_path / name).is_file() for name in names)
     assert "| opposed-piston-casting | 1.500* | 90.00 |" in text
+
+
+@pytest.fixture
+def lives(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Invented safeties by the rule: the casting has 1.05 against 1.3 of the baseline."""
+
+    def checked(target: Target, **_: object) -> RuleCheck:
+        light = target.name.endswith("casting")
+        fillet = {"pin": FilletCheck(200.0, 210.0 if light else 260.0), "journal": FilletCheck(200.0, 400.0)}
+        factors, nominal = Factors(2.0, 1.5, 2.0, 3.0, 1.5), Nominal(50.0, 5.0, 20.0, 20.0)
+        quality = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
+        mass = 1.5 if light else 2.0
+        return RuleCheck(target.name, mass, (), factors, factors, nominal, fillet, fillet, quality)
+
+    monkeypatch.setattr("cranktopo.evaluate.fatigue.check_inputs", lambda *_: None)
+    monkeypatch.setattr("cranktopo.evaluate.rule_check.check_rule", checked)
+
+
+@pytest.mark.usefixtures("lives")
+@pytest.mark.parametrize("form", ["table", "markdown", "csv", "json"])
+def test_safety_beside_stiffness(form: str, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["compare", *NAMES, "--baseline", NAMES[0], "--fatigue", "m53", "--format", form, "--quiet"]
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    verdict = "opposed-piston-casting: -25.0 % mass, -19.2 % safety: it lives less long than opposed-piston."
+    if form == "json":
+        found = json.loads(text)
+        assert found["best"]["safety"] == NAMES[0]
+        assert found["percent_of_baseline"][1]["safety_percent"] == pytest.approx(100 * 1.05 / 1.3)
+        assert [entry["safety"] for entry in found["fatigue"]["fatigue"]] == pytest.approx([1.3, 1.05])
+        assert found["fatigue"]["method"] == "m53"
+    elif form == "csv":
+        header, base, casting = text.splitlines()
+        column = header.split(",").index("safety")
+        assert float(base.split(",")[column]) == pytest.approx(1.3)
+        assert float(casting.split(",")[header.split(",").index("safety_percent")]) == pytest.approx(
+            80.769, abs=1e-3
+        )
+    else:
+        assert text.rstrip().endswith(verdict)
+        assert "1.300*" in text
+        assert "80.8" in text
+
+
+@pytest.mark.usefixtures("lives")
+def test_safety_on_the_page(tmp_path: Path) -> None:
+    path = tmp_path / "page.html"
+    assert main(["compare", *NAMES, "--baseline", NAMES[0], "--fatigue", "m53", "--report", str(path)]) == 0
+    text = path.read_text(encoding="utf-8")
+    assert "Safest against fatigue" in text
+    assert "it lives less long than opposed-piston." in text
+    assert "not judged" not in text
+
+
+def test_sharp_fillets_are_refused_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second target's mistake is found before the first is solved."""
+
+    def solved(*_: object) -> None:
+        raise AssertionError("solved before the inputs were checked")
+
+    monkeypatch.setattr("cranktopo.evaluate.fatigue.solve_stresses", solved)
+    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    path = tmp_path / "sharp.toml"
+    path.write_text(text.replace("fillet_mm = 2.5", "fillet_mm = 0.0"), encoding="utf-8")
+    assert main(["compare", "mikron-iiic", str(path), "--baseline", "mikron-iiic", "--fatigue", "lsa"]) == 3
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "fillet_mm = 0" in err
 
 
 @pytest.mark.parametrize("name", ["page.pdf", "page", "absent/page.html"])

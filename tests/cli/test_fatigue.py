@@ -59,6 +59,29 @@ def test_mistakes(
     assert "Traceback" not in captured.err
 
 
+@pytest.mark.parametrize("method", ["fkm", "m53"])
+def test_each_method_names_what_it_needs(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, method: str
+) -> None:
+    assert main(["fatigue", design(tmp_path, (NO_DATA, PLAIN)), "--method", method]) == 3
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "material.ultimate_MPa" in captured.err
+    assert f"'{method}'" in captured.err
+
+
+def test_a_later_target_is_checked_before_the_first_is_solved(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def solved(*_: object) -> None:
+        raise AssertionError("solved before the inputs were checked")
+
+    monkeypatch.setattr("cranktopo.evaluate.fatigue.solve_stresses", solved)
+    sharp = design(tmp_path, ("fillet_mm = 2.5", "fillet_mm = 0.0"))
+    assert main(["fatigue", "mikron-iiic", sharp]) == 3
+    assert "singular" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("missing", ["gas", "torque"])
 def test_peak_loads_must_be_given(capsys: pytest.CaptureFixture[str], tmp_path: Path, missing: str) -> None:
     gas = MIKRON[MIKRON.index("[engine.gas]") : MIKRON.index("[engine.masses]")]
@@ -87,7 +110,9 @@ def test_result_and_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) ->
     """A coarse mesh: the numbers agree with each other and with the files."""
     arguments = ["fatigue", "mikron-iiic", "--fillet-fraction", "0.45", "--out", str(tmp_path), "--json"]
     assert main(arguments) == 0
-    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    captured = capsys.readouterr()
+    assert "the mesh misses the rule's checks" in captured.err
+    result: dict[str, Any] = json.loads(captured.out)
     (entry,) = result["fatigue"]
     critical = entry["critical"]
     assert entry["safety"] == critical["safety"] == pytest.approx(min(entry["fillet_safety"].values()))

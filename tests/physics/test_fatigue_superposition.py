@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 
 from cranktopo.evaluate.condense import section_motions
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
+from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.stress import point_stress
-from cranktopo.evaluate.superposition import von_mises
 from cranktopo.evaluate.unit_fields import unit_fields
 from cranktopo.remodel.meshing import TetMesh, mesh_throw
 from cranktopo.scene import Scene, scene_from_dict

@@ -7,28 +7,29 @@ import pytest
 from skfem import MeshTet, MeshTet2
 
 from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.equivalent import principal_stresses, signed_von_mises, von_mises
 from cranktopo.evaluate.stress import hooke, nodal_stress
-from cranktopo.evaluate.superposition import (
-    extremes,
-    principal_stresses,
-    signed_von_mises,
-    von_mises,
-)
+from cranktopo.evaluate.superposition import extremes
 from cranktopo.evaluate.surface import SurfaceStress, outer_surface, surface_stress
 from cranktopo.remodel.meshing import TetMesh
 
 YOUNGS, POISSON = 2.1e5, 0.3
 
 
+def cube() -> TetMesh:
+    """A box of ten-node tetrahedra, none inverted."""
+    mesh = MeshTet2.from_mesh(MeshTet.init_tensor(*(np.linspace(0, s, 4) for s in (2.0, 3.0, 1.5))))
+    cells = mesh.dofs.element_dofs.copy()
+    edges = (mesh.doflocs[:, cells[1:4]] - mesh.doflocs[:, cells[:1]]).transpose(2, 0, 1)
+    inverted = np.linalg.det(edges) < 0
+    cells[:, inverted] = cells[:, inverted][[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
+    return TetMesh(mesh.doflocs, cells, False)
+
+
 def test_linear_stress_is_exact_on_the_surface() -> None:
     """A quadratic displacement is in the space of the elements; its stress and slope are exact."""
     rng = np.random.default_rng(1)
-    cube = MeshTet2.from_mesh(MeshTet.init_tensor(*(np.linspace(0, s, 4) for s in (2.0, 3.0, 1.5))))
-    cells = cube.dofs.element_dofs.copy()
-    edges = (cube.doflocs[:, cells[1:4]] - cube.doflocs[:, cells[:1]]).transpose(2, 0, 1)
-    inverted = np.linalg.det(edges) < 0
-    cells[:, inverted] = cells[:, inverted][[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
-    model = assemble(TetMesh(cube.doflocs, cells, False), YOUNGS, POISSON)
+    model = assemble(cube(), YOUNGS, POISSON)
     shape = rng.standard_normal((3, 10)) * 1e-4
     x, y, z = model.nodes_mm
     terms = np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, z * x])
@@ -58,6 +59,26 @@ def test_linear_stress_is_exact_on_the_surface() -> None:
     below = exact_at(shape, model.nodes_mm[:, surface.nodes[top]] - np.array([[0.0], [0.0], [0.1]]))
     slope = (below - exact[surface.nodes[top]]) / 0.1
     assert stress.depth_MPa_per_mm[0][top] == pytest.approx(slope, abs=1e-8 * scale)
+
+
+def test_jump_is_that_of_the_worst_element() -> None:
+    """Random element stresses: array operations against a plain loop over the elements of one node."""
+    rng = np.random.default_rng(3)
+    model = assemble(cube(), YOUNGS, POISSON)
+    found = nodal_stress(model, rng.standard_normal((2, model.nodes_mm.size)) * 1e-4, YOUNGS, POISSON)
+    surface = outer_surface(model, found.elements, ((2, 0.0),))
+    jump = surface_stress(model, surface, found).jump_MPa
+    for position in (0, 17, len(surface.nodes) - 1):
+        node = surface.nodes[position]
+        for field in range(2):
+            mean = von_mises(found.nodal_MPa[field, node])
+            local, owners = np.nonzero(found.elements == node)
+            apart = [
+                abs(von_mises(found.element_MPa[field, e, k]) - mean)
+                for k, e in zip(local, owners, strict=True)
+            ]
+            assert jump[field, position] == pytest.approx(max(apart))
+            assert max(apart) > 0.01 * mean
 
 
 def exact_at(shape: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -96,7 +117,7 @@ def test_extremes_are_those_of_every_state_one_by_one() -> None:
     unit[..., [0, 1, 3]] = rng.standard_normal((3, 50, 3))
     depth = -1.5 * unit
     loads = rng.standard_normal((40, 3)) * [1, 3, 0.5]
-    found = extremes(SurfaceStress(unit, depth, np.zeros_like(unit)), loads)
+    found = extremes(SurfaceStress(unit, depth, np.zeros((3, 50))), loads)
     signed = np.stack([signed_von_mises(np.einsum("f,fnc->nc", load, unit)) for load in loads])
     assert found.local.amplitude_MPa == pytest.approx(np.ptp(signed, axis=0) / 2)
     assert found.local.mean_MPa == pytest.approx((signed.max(axis=0) + signed.min(axis=0)) / 2)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate import rule_check
 from cranktopo.evaluate.fkm import FkmStrength, fkm
 from cranktopo.evaluate.local_stress import LocalStress
 from cranktopo.evaluate.lsa import LsaStrength, lsa
@@ -19,6 +21,8 @@ from cranktopo.evaluate.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
+from cranktopo.evaluate.targets import Target
+from cranktopo.scene import Scene, load_scene, scene_from_dict
 
 # J. Voparil, Brno University of Technology, 2011: amplitude, mean, related gradient of two crank webs.
 ORIGINAL, VARIANT_II = (241.08, 330.95, 0.228), (226.27, 309.58, 0.235)
@@ -111,3 +115,20 @@ def test_m53_names_what_is_outside() -> None:
     found = " ".join(outside_validity(thin))
     assert "web thickness / pin diameter = 0.167" in found
     assert "pin fillet / pin diameter = 0.0167" in found
+
+
+def test_m53_takes_its_own_supports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Clamped journals would share the moment, which the rule takes as that of a beam on two bearings."""
+    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data["supports"] = {**data["supports"], "bending": "clamped", "torsion": "held"}
+    held: list[Scene] = []
+
+    def solved(target: Target, *_: object) -> None:
+        held.append(target.scene)
+        raise CranktopoError("enough")
+
+    monkeypatch.setattr(rule_check, "solve_stresses", solved)
+    with pytest.raises(CranktopoError, match="enough"):
+        rule_check.check_rule(Target("clamped", scene_from_dict(data)))
+    assert (held[0].supports.bending, held[0].supports.torsion) == ("pinned", "free")
+    assert held[0].throw == load_scene("mikron-iiic").throw

@@ -1,0 +1,32 @@
+"""Equivalent and principal stresses of stresses given by their six components."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+DEVIATOR = np.zeros((6, 6))
+DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
+DEVIATOR[3:, 3:] = 3 * np.eye(3)
+"""Quadratic form of the squared von Mises stress in the six components."""
+
+
+def von_mises(stress: Array) -> Array:
+    """Von Mises stress; last axis holds the six components."""
+    squared: Array = np.einsum("...i,ij,...j->...", stress, DEVIATOR, stress)
+    return np.sqrt(np.maximum(squared, 0.0))
+
+
+def signed_von_mises(stress: Array) -> Array:
+    """Von Mises stress with the sign of the principal stress that is largest in magnitude."""
+    values = principal_stresses(stress)
+    sign = np.where(values[..., 0] + values[..., 2] >= 0, 1.0, -1.0)
+    return sign * von_mises(stress)
+
+
+def principal_stresses(stress: Array) -> Array:
+    """Principal stresses, falling, in the last axis; that of the argument holds the six components."""
+    tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
+    return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
