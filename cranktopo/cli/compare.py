@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.evaluate import evaluate_targets, warn_missed
+from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
 from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
@@ -61,6 +61,7 @@ def command(
     method: str | None,
     element_size_mm: float | None,
     accuracy: float | None,
+    budget: float | None,
     design: str | None,
 ) -> None:
     """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
@@ -80,7 +81,7 @@ def command(
     resolved = _resolved(names, design)
     index = names.index(baseline)
     judged = None if method is None else _judged(resolved, method, index)
-    evaluations, missed = evaluate_targets(names, element_size_mm, accuracy, design)
+    evaluations, missed = evaluate_targets(names, Meshing(element_size_mm, accuracy, budget), design)
     comparison = _compared(resolved, evaluations, index, judged)
     click.echo(_text(comparison, "json" if as_json else form))
     if plot is not None:

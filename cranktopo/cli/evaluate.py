@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
@@ -14,6 +15,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
     from cranktopo.evaluate.evaluation import Evaluation
+    from cranktopo.evaluate.targets import Target
 
 
 @click.command()
@@ -25,6 +27,7 @@ def command(
     targets: tuple[str, ...],
     element_size_mm: float | None,
     accuracy: float | None,
+    budget: float | None,
     design: str | None,
     as_json: bool,
 ) -> None:
@@ -35,56 +38,84 @@ def command(
 
     Example: cranktopo evaluate mikron-iiic --accuracy 1%
     """
-    evaluations, missed = evaluate_targets(targets or ("mikron-iiic",), element_size_mm, accuracy, design)
+    wanted = Meshing(element_size_mm, accuracy, budget)
+    evaluations, missed = evaluate_targets(targets or ("mikron-iiic",), wanted, design)
     if as_json:
         from cranktopo.evaluate.evaluation import SCHEMA_VERSION
 
         entries = [e.as_json() for e in evaluations]
         click.echo(json.dumps({"schema_version": SCHEMA_VERSION, "evaluations": entries}, indent=2))
     else:
-        from cranktopo.report.evaluations import evaluation_table
+        from cranktopo.report.evaluations import evaluation_table, result_line
         from cranktopo.report.tables import terminal
 
-        click.echo(terminal(evaluation_table(evaluations)))
+        click.echo(terminal(evaluation_table(evaluations)) + "\n")
+        for evaluation in evaluations:
+            click.echo(result_line(evaluation))
     warn_missed(missed, accuracy)
 
 
+@dataclass(frozen=True)
+class Meshing:
+    """How exactly targets are to be evaluated: by size, or by accuracy and time.
+
+    Attributes:
+        element_size_mm: general element size, or None.
+        accuracy: wanted error in percent, or None.
+        budget_s: time per target, or None.
+    """
+
+    element_size_mm: float | None = None
+    accuracy: float | None = None
+    budget_s: float | None = None
+
+
 def evaluate_targets(
-    targets: tuple[str, ...], element_size_mm: float | None, accuracy: float | None, design: str | None
+    targets: tuple[str, ...], wanted: Meshing, design: str | None
 ) -> tuple[list[Evaluation], list[str]]:
     """Evaluate targets one after the other, progress on stderr.
 
     Args:
         targets: as typed.
-        element_size_mm: general element size, or None.
-        accuracy: wanted error in percent, or None.
+        wanted: how exactly.
         design: design for geometry files.
 
     Returns:
         Evaluations in order, and the names of those that miss the accuracy.
 
     Raises:
-        CranktopoError: a bad target, both size and accuracy given, or a failed solve.
+        CranktopoError: a bad target, both size and accuracy or time given, or a failed solve.
     """
-    from cranktopo.evaluate.evaluation import evaluate, evaluate_to_accuracy
     from cranktopo.evaluate.targets import resolve_target
 
-    if element_size_mm and accuracy:
+    if wanted.element_size_mm and (wanted.accuracy or wanted.budget_s):
         raise CranktopoError(
-            "--element-size-mm and --accuracy exclude each other.", hint="Give one.", code=ExitCode.USAGE
+            "--element-size-mm excludes --accuracy and --budget.",
+            hint="Give the size, or what it should do.",
+            code=ExitCode.USAGE,
         )
     resolved = [resolve_target(text, design) for text in targets]
     evaluations, missed = [], []
     for target in resolved:
-        if accuracy is None:
-            evaluations.append(evaluate(target, element_size_mm, say))
-            _detail(evaluations[-1])
-            continue
-        evaluation, reached = evaluate_to_accuracy(target, accuracy, say)
+        evaluation, reached = _evaluate(target, wanted)
         evaluations.append(evaluation)
         _detail(evaluation)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
     return evaluations, missed
+
+
+def _evaluate(target: Target, wanted: Meshing) -> tuple[Evaluation, bool]:
+    if wanted.accuracy is None and wanted.budget_s is None:
+        from cranktopo.evaluate.evaluation import evaluate
+
+        return evaluate(target, wanted.element_size_mm, say), True
+    from cranktopo.accuracy.judging import Wish, evaluate_to
+    from cranktopo.accuracy.memory import recall
+
+    found, reached = evaluate_to(target, Wish(wanted.accuracy, wanted.budget_s), recall(target.name), say)
+    if wanted.budget_s is not None and found.total_seconds > wanted.budget_s:
+        say(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
+    return found, reached
 
 
 def warn_missed(missed: list[str], accuracy: float | None) -> None:

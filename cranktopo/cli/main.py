@@ -20,6 +20,7 @@ COMMANDS = {
     "loads": "Forces over the working cycle, their extremes, and the load cases.",
     "evaluate": "Judge designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
     "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
+    "accuracy": "What accuracy costs in time: error against seconds for judge and optimiser.",
     "report": "Write the page of a run: verdict, 3D view, curves, tables; HTML or Markdown with PNGs.",
     "fatigue": "Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",

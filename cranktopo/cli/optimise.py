@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.options import percent, seconds
 from cranktopo.cli.parameters import Number
 from cranktopo.cli.talk import NORMAL, QUIET, detail, level, say, talkative
 from cranktopo.errors import ExitCode
@@ -17,6 +18,7 @@ from cranktopo.errors import ExitCode
 if TYPE_CHECKING:
     from cranktopo.optimise.loop import Problem
     from cranktopo.optimise.state import State
+    from cranktopo.scene import Scene
 
 DEFAULT_DESIGN = "mikron-iiic"
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
@@ -39,6 +41,10 @@ _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
     type=click.Choice(["free", "forged", "cast"]),
     help="How the web is made: a die releases forged and cast ones along x; default: the design's.",
 )
+@click.option(
+    "--accuracy", metavar="PERCENT", callback=percent, help="Wanted error of the stiffnesses, such as 5%."
+)
+@click.option("--budget", metavar="TIME", callback=seconds, help="Time for the run, such as 30s or 2min.")
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
 @click.option(
@@ -51,6 +57,8 @@ def command(
     volume_fraction: float | None,
     resolution_mm: float | None,
     process: str | None,
+    accuracy: float | None,
+    budget: float | None,
     max_iterations: int | None,
     out: Path | None,
     resume: str | None,
@@ -60,9 +68,13 @@ def command(
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
-    if resume and (design or volume_fraction or resolution_mm or process or out):
+    if resume and any((design, volume_fraction, resolution_mm, process, accuracy, budget, out)):
         raise click.UsageError(
             "--resume takes the design and its options from the run; only --max-iterations may be given"
+        )
+    if resolution_mm and (accuracy or budget):
+        raise click.UsageError(
+            "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
         )
     from cranktopo import pipeline
 
@@ -76,6 +88,8 @@ def command(
             "max_iterations": max_iterations,
         }
         scene, text = _scene(design or DEFAULT_DESIGN, overrides)
+        if accuracy or budget:
+            scene = _with_cells(scene, accuracy, budget)
         run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, say)
     with _Bar() as bar:
         metrics = pipeline.optimise(run, prepared, bool(resume), bar)
@@ -95,7 +109,7 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
     lines = [
         f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
         "",
-        f"{'':24}{'optimised':>14}{'original web':>14}{'gain per kg':>14}",
+        f"{'':24}{'optimised':>14}{'original web':>14}{'estimate':>12}{'gain per kg':>14}",
     ]
     for name, case in metrics["load_cases"].items():
         key = next((k for k in case if k.startswith("stiffness_")), None)
@@ -104,7 +118,8 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
         unit, scale = ("kN m/rad", 1e-3) if key.endswith("rad") else ("kN/mm", 1e-3)
         gain = original["gain_of_stiffness_per_mass_percent"][name]
         values = f"{case[key] * scale:14.1f}{original['load_cases'][name][key] * scale:14.1f}"
-        lines.append(f"{name + ', ' + unit:24}{values}{gain:+12.1f} %")
+        estimate = f"+-{case['error_estimate_percent']:.2g} %" if "error_estimate_percent" in case else ""
+        lines.append(f"{name + ', ' + unit:24}{values}{estimate:>12}{gain:+12.1f} %")
     for part in ("throw", "web"):
         masses = f"{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
         lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
@@ -143,6 +158,17 @@ def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:
     given = {key: value for key, value in overrides.items() if value is not None}
     settings = scene.optimise.model_copy(update=given)
     return scene.model_copy(update={"optimise": settings}), resolve_design(design).read_text(encoding="utf-8")
+
+
+def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) -> Scene:
+    """The scene with the cell size that an accuracy or a time asks for, said on stderr."""
+    from cranktopo.accuracy.memory import recall
+    from cranktopo.accuracy.optimising import choose_cells
+
+    choice = choose_cells(scene, accuracy, budget_s, recall(scene.name))
+    say(str(choice))
+    settings = scene.optimise.model_copy(update={"resolution_mm": choice.cell_mm})
+    return scene.model_copy(update={"optimise": settings})
 
 
 class _Bar:

@@ -59,10 +59,14 @@ def thinnest_wall_mm(scene: Scene) -> float:
 
 def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
     """Estimated peak memory of an optimisation at a cell size, MiB."""
+    return BASE_MIB + PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
+
+
+def estimated_cells(scene: Scene, resolution_mm: float, quarter: bool) -> float:
+    """Number of cells of the optimiser's grid at a cell size, without padding."""
     (x0, x1), (y0, y1) = throw_ranges_mm(scene, "envelope")
     width = x1 if quarter else x1 - x0
-    cells: float = width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
-    return BASE_MIB + PER_CELL_KIB * cells * cases / 1024
+    return width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
 
 
 def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB: float) -> float:

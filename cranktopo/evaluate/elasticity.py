@@ -1,9 +1,9 @@
-"""Linear elasticity on ten-node tetrahedra: stiffness matrix and mean displacement, through scikit-fem."""
+"""Linear elasticity on curved tetrahedra: stiffness matrix and mean displacement, through scikit-fem."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,9 +13,11 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.meshing import TetMesh
 
 Array = NDArray[np.float64]
+Order = Literal[1, 2]
+"""Degree of the displacements in an element; its shape is quadratic in either case."""
 
 _CHUNK = 4000
-_ORDER = 2
+_QUADRATURE = 2
 """Quadrature order of the stiffness: four points, exact on straight elements, as C3D10 elsewhere."""
 _LOAD_ORDER = 6
 _PLANE_MM = 1e-9
@@ -32,6 +34,7 @@ class Elasticity:
         prolongation: linear to quadratic interpolation over unknowns, shape (3 nodes, 3 corners).
         mesh: scikit-fem mesh (curved).
         volume_mm3: volume of the mesh.
+        order: degree of the displacements; with 1 the nodes are the corners alone.
     """
 
     nodes_mm: Array
@@ -39,35 +42,45 @@ class Elasticity:
     prolongation: sp.csr_matrix
     mesh: Any
     volume_mm3: float
+    order: Order = 2
 
 
-def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float) -> Elasticity:
+def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2) -> Elasticity:
     """Assemble the isotropic stiffness matrix.
 
     Args:
         mesh: ten-node tetrahedra.
         youngs_MPa: Young's modulus.
         poisson: Poisson's ratio.
+        order: degree of the displacements; 1 only to show what quadratic elements are worth.
 
     Raises:
         CranktopoError: an element is inverted at a quadrature point.
     """
-    from skfem import Basis, ElementTetP2, MeshTet2
+    from skfem import Basis, MeshTet2
 
     body = MeshTet2(mesh.points_mm, mesh.cells)
-    unknowns = 3 * mesh.points_mm.shape[1]
+    nodes = body.doflocs if order == 2 else body.doflocs[:, : body.nvertices]
+    unknowns = nodes.size
     stiffness = sp.csr_matrix((unknowns, unknowns))
     volume = 0.0
     for start in range(0, body.nelements, _CHUNK):
         elements = np.arange(start, min(start + _CHUNK, body.nelements))
-        basis = Basis(body, ElementTetP2(), intorder=_ORDER, elements=elements)
+        basis = Basis(body, _element(order), intorder=_QUADRATURE, elements=elements)
         if basis.mapping.detDF(basis.X, tind=elements).min() <= 0:  # basis.dx takes its absolute value
             raise CranktopoError(
                 "mesh: an element is inverted.", hint="Choose another element size.", code=ExitCode.SOLVER
             )
         stiffness = stiffness + _chunk_matrix(basis, youngs_MPa, poisson, unknowns)
         volume += float(basis.dx.sum())
-    return Elasticity(body.doflocs, stiffness, _prolongation(body), body, volume)
+    coarse = _prolongation(body) if order == 2 else sp.identity(unknowns, format="csr")
+    return Elasticity(nodes, stiffness, coarse, body, volume, order)
+
+
+def _element(order: Order) -> Any:
+    from skfem import ElementTetP1, ElementTetP2
+
+    return ElementTetP2() if order == 2 else ElementTetP1()
 
 
 def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
@@ -81,11 +94,11 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
         axis: 0, 1, 2 for x, y, z.
         z_from_mm: start of the material.
     """
-    from skfem import Basis, ElementTetP2
+    from skfem import Basis
 
     heights = model.mesh.p[2][model.mesh.t]
     elements = np.nonzero(heights.max(axis=0) > z_from_mm + _PLANE_MM)[0]
-    basis = Basis(model.mesh, ElementTetP2(), intorder=_LOAD_ORDER, elements=elements)
+    basis = Basis(model.mesh, _element(model.order), intorder=_LOAD_ORDER, elements=elements)
     inside = basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm - _PLANE_MM)
     weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
@@ -100,9 +113,9 @@ def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
         model: the body.
         density_tonne_per_mm3: mass density.
     """
-    from skfem import Basis, ElementTetP2
+    from skfem import Basis
 
-    basis = Basis(model.mesh, ElementTetP2(), intorder=_LOAD_ORDER)
+    basis = Basis(model.mesh, _element(model.order), intorder=_LOAD_ORDER)
     points = np.asarray(basis.global_coordinates())
     force = np.zeros(model.nodes_mm.size)
     for axis in (0, 1):
@@ -119,16 +132,17 @@ def _chunk_matrix(basis: Any, youngs: float, poisson: float, unknowns: int) -> s
     gradients = np.ascontiguousarray(np.stack([phi[0].grad for phi in basis.basis]).transpose(2, 3, 0, 1))
     weighted = gradients * basis.dx[:, :, None, None]
     count, points = basis.dx.shape
-    flat = gradients.reshape(count, points, 30)
-    outer = np.matmul(weighted.reshape(count, points, 30).transpose(0, 2, 1), flat)
-    outer = outer.reshape(count, 10, 3, 10, 3)
+    nodes = gradients.shape[2]
+    flat = gradients.reshape(count, points, 3 * nodes)
+    outer = np.matmul(weighted.reshape(count, points, 3 * nodes).transpose(0, 2, 1), flat)
+    outer = outer.reshape(count, nodes, 3, nodes, 3)
     matrix = lame * outer + shear * outer.transpose(0, 1, 4, 3, 2)
     trace = shear * np.einsum("eaibi->eab", outer)
     for axis in range(3):
         matrix[:, :, axis, :, axis] += trace
-    rows = (3 * basis.element_dofs.T[:, :, None] + np.arange(3)).reshape(count, 30).astype(np.int32)
+    rows = (3 * basis.element_dofs.T[:, :, None] + np.arange(3)).reshape(count, 3 * nodes).astype(np.int32)
     return sp.coo_matrix(
-        (matrix.ravel(), (np.repeat(rows, 30, axis=1).ravel(), np.tile(rows, (1, 30)).ravel())),
+        (matrix.ravel(), (np.repeat(rows, 3 * nodes, axis=1).ravel(), np.tile(rows, (1, 3 * nodes)).ravel())),
         shape=(unknowns, unknowns),
     ).tocsr()
 

@@ -5,7 +5,7 @@ Nothing leaves this module whose true float64 residual misses its tolerance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import NamedTuple
 
@@ -62,7 +62,12 @@ METHODS = (
 
 
 def solve_system(
-    tables: Tables, system: System, guess: jax.Array, tolerance: float, names: tuple[str, ...]
+    tables: Tables,
+    system: System,
+    guess: jax.Array,
+    tolerance: float,
+    names: tuple[str, ...],
+    precision: Precision = "float32",
 ) -> Solution:
     """Displacements of every case, their true residual at most the tolerance.
 
@@ -72,6 +77,7 @@ def solve_system(
         guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros.
         tolerance: relative residual that every case must reach.
         names: of the cases, for messages.
+        precision: of the first method's multigrid cycle.
 
     Raises:
         CranktopoError: the field or the load makes no sense, or no method reaches the tolerance (exit
@@ -79,7 +85,7 @@ def solve_system(
     """
     _check_numbers(system, names)
     iterations, tried = 0, ""
-    for method in METHODS:
+    for method in (replace(METHODS[0], precision=precision), *METHODS[1:]):
         result = _run(method, tables, system, guess, tolerance)
         used, residual = int(result.iterations), _worst(result)
         iterations += used

@@ -28,6 +28,7 @@ class Lattice:
         dy_mm: cell edge along y, mm.
         dz_mm: cell edge along z for each of the nz layers, mm.
         poisson: Poisson's ratio of every cell.
+        plain: hexahedra without incompatible modes.
     """
 
     cells: Cells
@@ -35,6 +36,7 @@ class Lattice:
     dy_mm: float
     dz_mm: tuple[float, ...]
     poisson: float
+    plain: bool = False
 
     @property
     def nodes(self) -> tuple[int, int, int]:
@@ -69,7 +71,8 @@ class Lattice:
 @lru_cache(maxsize=64)
 def layer_stiffness(lattice: Lattice, layer: int) -> Array:
     """Stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa."""
-    return hexahedron_stiffness((lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[layer]), lattice.poisson)
+    size = lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[layer]
+    return hexahedron_stiffness(size, lattice.poisson, plain=lattice.plain)
 
 
 @lru_cache(maxsize=16)

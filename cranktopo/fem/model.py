@@ -63,7 +63,9 @@ class ThrowModel:
         return tuple(case.name for case in self.cases)
 
 
-def build_model(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> ThrowModel:
+def build_model(
+    scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, plain: bool = False
+) -> ThrowModel:
     """Supports and nodal loads of the load cases on a domain's grid.
 
     Call inside `double_precision()`.
@@ -72,10 +74,16 @@ def build_model(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Thro
         scene: material and supports.
         domain: the cells.
         cases: load cases; forces are those of the full throw.
+        plain: hexahedra without incompatible modes.
     """
     dx, dy, dz = domain.grid.steps_mm
     lattice = Lattice(
-        domain.grid.cells, float(dx[0]), float(dy[0]), tuple(float(d) for d in dz), scene.material.poisson
+        domain.grid.cells,
+        float(dx[0]),
+        float(dy[0]),
+        tuple(float(d) for d in dz),
+        scene.material.poisson,
+        plain,
     )
     modulus = scene.material.E_GPa * MPA_PER_GPA
     origin = float(domain.grid.x_mm[0]), float(domain.grid.y_mm[0])

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
+from cranktopo.store import user_cache
+
 # Compilations that take less are not worth a file.
 _WORTH_STORING_S = 0.2
 # Below so many cells the cores wait for each other longer than they compute.
@@ -66,8 +68,7 @@ def cache_folder() -> Path:
     """Where compiled programs are kept: one folder per JAX version and kind of processor."""
     import jax
 
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "cranktopo" / f"jax-{jax.__version__}-{_processor()}"
+    return user_cache() / f"jax-{jax.__version__}-{_processor()}"
 
 
 class CompileClock:

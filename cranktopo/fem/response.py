@@ -14,7 +14,7 @@ from cranktopo.fem.conjugate_gradients import System
 from cranktopo.fem.equilibrium import Solution, solve_system
 from cranktopo.fem.lattice import layer_blocks
 from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
-from cranktopo.fem.multigrid import build_tables
+from cranktopo.fem.multigrid import Precision, build_tables
 from cranktopo.fem.operator import strain_energy_densities, strain_energy_density
 from cranktopo.fem.supports import section_coordinates
 from cranktopo.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
@@ -27,6 +27,7 @@ def solve(
     forces: jax.Array | None = None,
     guess: jax.Array | None = None,
     tolerance: float = 1e-8,
+    precision: Precision = "float32",
 ) -> Solution:
     """Displacements of every load case.
 
@@ -36,6 +37,7 @@ def solve(
         forces: nodal forces divided by the modulus (cases, 3, nodes...); the model's by default.
         guess: start values, e.g. the displacements of the previous design.
         tolerance: relative residual that every case must reach.
+        precision: of the multigrid cycle inside the float64 iteration.
 
     Raises:
         CranktopoError: moduli or loads that make no sense, or the residual is not reached (exit code 4).
@@ -44,7 +46,7 @@ def solve(
     start = jnp.zeros_like(load) if guess is None else guess
     tables = build_tables(model.lattice, model.levels)
     system = System(jnp.asarray(tables.blocks), model.supports, moduli, load)
-    return solve_system(tables, system, start, tolerance, model.case_names)
+    return solve_system(tables, system, start, tolerance, model.case_names, precision)
 
 
 def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8) -> jax.Array:

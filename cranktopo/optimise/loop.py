@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
 from cranktopo.fem.model import ThrowModel, build_model, case_forces
+from cranktopo.fem.multigrid import Precision
 from cranktopo.fem.response import (
     compliance_gradients,
     compliance_gradients_by_solid,
@@ -54,6 +55,23 @@ TOLERANCE, TOLERANCE_EARLY = 1e-3, 1e-2
 
 
 @dataclass(frozen=True)
+class Solving:
+    """How exactly the linear systems of the design iterations are solved.
+
+    Attributes:
+        tolerance_early: relative residual before the last projection stage.
+        tolerance: relative residual in the last stage.
+        precision: of the multigrid cycle inside the float64 iteration.
+        plain: hexahedra without incompatible modes.
+    """
+
+    tolerance_early: float = TOLERANCE_EARLY
+    tolerance: float = TOLERANCE
+    precision: Precision = "float32"
+    plain: bool = False
+
+
+@dataclass(frozen=True)
 class Problem:
     """Everything constant during an optimisation.
 
@@ -63,6 +81,7 @@ class Problem:
         weights: objective weight per load case.
         target: volume fraction of the design space.
         max_iterations: limit on designs evaluated.
+        solving: how exactly its equations are solved.
     """
 
     model: ThrowModel
@@ -70,6 +89,7 @@ class Problem:
     weights: tuple[float, ...]
     target: float
     max_iterations: int
+    solving: Solving = Solving()
 
 
 @dataclass(frozen=True)
@@ -85,22 +105,27 @@ class Design:
     physical: Array
 
 
-def build_problem(scene: Scene, domain: Domain, cases: Sequence[LoadCase]) -> Problem:
+def build_problem(
+    scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: Solving | None = None
+) -> Problem:
     """The optimisation problem of a scene on a domain; call inside `double_precision()`.
 
     Args:
         scene: settings, material, supports.
         domain: cells with a design space.
         cases: load cases of the objective.
+        solving: how exactly its equations are solved.
     """
+    solving = solving or Solving()
     settings = scene.optimise
     weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
     return Problem(
-        model=build_model(scene, domain, cases),
+        model=build_model(scene, domain, cases, plain=solving.plain),
         chain=build_chain(scene, domain),
         weights=tuple(weights[case.kind] for case in cases),
         target=settings.volume_fraction,
         max_iterations=settings.max_iterations,
+        solving=solving,
     )
 
 
@@ -142,7 +167,8 @@ def step(problem: Problem, state: State) -> State:
     moduli, solid, volume, grey = _design(problem.chain, x, beta)
     forces = case_forces(model, solid)
     guess = jnp.asarray(state.displacements)
-    solution = solve(model, moduli, forces=forces, guess=guess, tolerance=_tolerance(state.beta))
+    tolerance, precision = _tolerance(problem.solving, state.beta), problem.solving.precision
+    solution = solve(model, moduli, forces=forces, guess=guess, tolerance=tolerance, precision=precision)
     values = tuple(float(c) for c in compliances(model, solution.displacements, forces))
     initial = state.initial_N_mm or values
     factors = jnp.asarray([w / c for w, c in zip(problem.weights, initial, strict=True)])
@@ -235,8 +261,8 @@ def _move(beta: float) -> float:
     return max(MOVE_LEAST, MOVE_FIRST / math.sqrt(beta))
 
 
-def _tolerance(beta: float) -> float:
-    return TOLERANCE if beta >= BETA_LAST else TOLERANCE_EARLY
+def _tolerance(solving: Solving, beta: float) -> float:
+    return solving.tolerance if beta >= BETA_LAST else solving.tolerance_early
 
 
 def _plateau(state: State, in_stage: int) -> float:

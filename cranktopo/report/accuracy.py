@@ -6,9 +6,15 @@ from collections.abc import Mapping, Sequence
 from itertools import cycle
 from typing import Any
 
-from cranktopo.report.axes_style import plain
+from cranktopo.report.axes_style import GREY, plain
 from cranktopo.report.page import Picture, Section
 from cranktopo.report.sections import pairs, picture
+from cranktopo.report.tables import Table
+
+_MARKERS, _COLOURS = "osD^vP*X", ("C0", "C1", "C2")
+_TORSION, _BENDING, _STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
+_COST = ("rung", "unknowns", "time_s", "memory_MiB")
+_KILO = 1000.0
 
 
 def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | None) -> Section:
@@ -16,11 +22,12 @@ def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | Non
 
     Args:
         metrics: content of metrics.json.
-        ladder: object with `rungs`, each with `name`, `seconds` and `error_percent`; None without.
+        ladder: what `cranktopo accuracy --json` prints; None without.
     """
     solver, surface = metrics["solver"], metrics["surface"]
     rows = [
         ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
+        *_estimates(metrics["load_cases"]),
         ("relative residual of the reported solve", f"{solver['final_relative_residual']:.1e}"),
         ("cycles per solve, mean and most", "{mean:.1f}, {max}".format(**solver["cg_iterations"])),
     ]
@@ -32,33 +39,217 @@ def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | Non
         "cell size and is nearly the same for both webs. 'cranktopo evaluate' gives a value with an error "
         "estimate."
     )
+    tables = [("This run", pairs(rows))]
     pictures: tuple[Picture, ...] = ()
     if ladder and ladder.get("rungs"):
-        pictures = (error_picture(ladder["rungs"]),)
-    return Section("accuracy", "Accuracy and its price", text, (("This run", pairs(rows)),), pictures)
+        tables += [*rung_tables(ladder), ("Cheapest rung", recommendation_table(ladder))]
+        pictures = ladder_pictures(ladder)
+    return Section("accuracy", "Accuracy and its price", text, tuple(tables), pictures)
+
+
+def _estimates(load_cases: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Error estimates of the stiffnesses, where a run has them."""
+    return [
+        (f"error estimate, {name}", f"{case['error_estimate_percent']:.2g} %")
+        for name, case in load_cases.items()
+        if "error_estimate_percent" in case
+    ]
+
+
+def rung_tables(result: Mapping[str, Any]) -> list[tuple[str, Table]]:
+    """One table per ladder, a star at the rungs that no cheaper one beats.
+
+    Args:
+        result: what `cranktopo accuracy --json` prints.
+    """
+    found = []
+    for ladder, build in (
+        ("judge", _judge_table),
+        ("fillet stress", _stress_table),
+        ("optimiser", _optimiser_table),
+    ):
+        rungs = [rung for rung in result["rungs"] if rung["ladder"] == ladder]
+        if rungs:
+            found.append((ladder.capitalize(), build(rungs)))
+    return found
+
+
+def recommendation_table(result: Mapping[str, Any]) -> Table:
+    """The cheapest rung of each ladder for each accuracy.
+
+    Args:
+        result: what `cranktopo accuracy --json` prints.
+    """
+    rows = tuple(
+        (f"{r['accuracy_percent']:g} %", r["ladder"], r["rung"] or "none within this budget", r["seconds"])
+        for r in result["recommendations"]
+    )
+    return Table(("accuracy", "ladder", "cheapest_rung", "time_s"), rows, (0, 0, 0, 1))
+
+
+def limit_lines(result: Mapping[str, Any]) -> list[str]:
+    """The extrapolated values with their uncertainty, one line per ladder.
+
+    Args:
+        result: what `cranktopo accuracy --json` prints.
+    """
+    lines = []
+    for ladder, limits in result["limits"].items():
+        values = [_limit_text(name, limit) for name, limit in limits.items()]
+        lines.append(f"{ladder}, extrapolated: {', '.join(values) or 'nothing, fewer than two rungs'}")
+    return lines
+
+
+def _limit_text(name: str, limit: Mapping[str, Any]) -> str:
+    units = {_TORSION: ("torsion", "kN m/rad", _KILO), _BENDING: ("bending", "kN/mm", _KILO)}
+    label, unit, scale = units.get(name, ("fillet stress", "MPa", 1.0))
+    order = "" if limit["order"] is None else f", order {limit['order']:.1f}"
+    return f"{label} {limit['value'] / scale:.5g} {unit} +-{limit['uncertainty_percent']:.2g} %{order}"
+
+
+def _judge_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
+    columns = (
+        *_COST,
+        "torsion_kNm_per_rad",
+        "error_percent",
+        "bending_kN_per_mm",
+        "error_percent",
+        "uncertainty_percent",
+        "order_in_torsion",
+        "in_bending",
+    )
+    rows = tuple(
+        (
+            *_cost(rung),
+            *_valued(rung, _TORSION),
+            *_valued(rung, _BENDING),
+            rung["uncertainty_percent"],
+            rung["orders"].get(_TORSION),
+            rung["orders"].get(_BENDING),
+        )
+        for rung in rungs
+    )
+    return Table(columns, rows, (0, 0, 1, 0, 2, 2, 2, 2, 2, 1, 1), _stars(rungs))
+
+
+def _stress_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
+    columns = (*_COST, "fillet_stress_MPa", "error_percent", "uncertainty_percent", "order")
+    rows = tuple(
+        (
+            *_cost(rung),
+            rung.get(_STRESS),
+            rung["errors_percent"].get(_STRESS),
+            rung["uncertainty_percent"],
+            rung["orders"].get(_STRESS),
+        )
+        for rung in rungs
+    )
+    return Table(columns, rows, (0, 0, 1, 0, 1, 2, 2, 1), _stars(rungs))
+
+
+def _optimiser_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
+    columns = (
+        *_COST,
+        "iterations",
+        "torsion_kNm_per_rad",
+        "shape_percent",
+        "own_value_percent",
+        "bending_kN_per_mm",
+        "shape_percent",
+        "own_value_percent",
+        "uncertainty_percent",
+    )
+    rows = tuple(
+        (
+            *_cost(rung),
+            float(rung["settings"]["iterations"]),
+            *_valued(rung, _TORSION),
+            rung["model_errors_percent"].get(_TORSION),
+            *_valued(rung, _BENDING),
+            rung["model_errors_percent"].get(_BENDING),
+            rung["uncertainty_percent"],
+        )
+        for rung in rungs
+    )
+    return Table(columns, rows, (0, 0, 1, 0, 0, 2, 2, 2, 2, 2, 2, 2), _stars(rungs))
+
+
+def _cost(rung: Mapping[str, Any]) -> tuple[str, float, float, float]:
+    return rung["name"], float(rung["unknowns"]), rung["seconds"], rung["peak_memory_MiB"]
+
+
+def _valued(rung: Mapping[str, Any], name: str) -> tuple[float | None, float | None]:
+    """A stiffness in kN and its error."""
+    value = rung.get(name)
+    return None if value is None else value / _KILO, rung["errors_percent"].get(name)
+
+
+def _stars(rungs: Sequence[Mapping[str, Any]]) -> frozenset[tuple[int, int]]:
+    return frozenset((row, 0) for row, rung in enumerate(rungs) if rung["efficient"])
+
+
+def ladder_pictures(result: Mapping[str, Any]) -> tuple[Picture, ...]:
+    """Error against seconds, where any error is known.
+
+    Args:
+        result: what `cranktopo accuracy --json` prints.
+    """
+    rungs = result["rungs"]
+    return (error_picture(rungs),) if any(rung["error_percent"] for rung in rungs) else ()
 
 
 def error_picture(rungs: Sequence[Mapping[str, Any]]) -> Picture:
     """Error against seconds, both logarithmic.
 
     Args:
-        rungs: each with `name`, `seconds` and `error_percent`.
+        rungs: each with `name`, `seconds` and `error_percent`; where they have `ladder` and `efficient`, the
+            efficient ones of each ladder are joined and named.
     """
-    words = "; ".join(f"{r['name']}: {r['error_percent']:.2g} % in {r['seconds']:.3g} s" for r in rungs)
-    return picture("accuracy", f"Error against seconds. {words}", _draw_errors, rungs)
+    drawn = [rung for rung in rungs if rung["error_percent"]]
+    words = "; ".join(f"{r['name']}: {r['error_percent']:.2g} % in {r['seconds']:.3g} s" for r in drawn)
+    draw = _draw_frontier if any("efficient" in rung for rung in drawn) else _draw_errors
+    return picture("accuracy", f"Error against seconds. {words}", draw, drawn)
 
 
 def _draw_errors(axes: Any, rungs: Sequence[Mapping[str, Any]]) -> None:
+    for rung, marker in zip(rungs, cycle(_MARKERS), strict=False):
+        axes.plot(rung["seconds"], rung["error_percent"], marker, label=rung["name"])
+    _frame(axes)
+
+
+def _draw_frontier(axes: Any, rungs: Sequence[Mapping[str, Any]]) -> None:
+    ladders = dict.fromkeys(rung["ladder"] for rung in rungs)
+    for ladder, marker, colour in zip(ladders, _MARKERS, _COLOURS, strict=False):
+        mine = [rung for rung in rungs if rung["ladder"] == ladder]
+        best = sorted((rung for rung in mine if rung["efficient"]), key=lambda rung: rung["seconds"])
+        others = [rung for rung in mine if not rung["efficient"]]
+        axes.plot(*_points(best), marker, color=colour, ls="-", label=f"{ladder}, efficient frontier")
+        if others:
+            axes.plot(*_points(others), marker, color=colour, mfc="none", ls="")
+        for rung in best:
+            _name(axes, rung)
+    _frame(axes)
+
+
+def _points(rungs: Sequence[Mapping[str, Any]]) -> tuple[list[float], list[float]]:
+    return [rung["seconds"] for rung in rungs], [rung["error_percent"] for rung in rungs]
+
+
+def _name(axes: Any, rung: Mapping[str, Any]) -> None:
+    place = rung["seconds"], rung["error_percent"]
+    style = {"textcoords": "offset points", "xytext": (4, 4), "fontsize": 6, "color": GREY}
+    axes.annotate(rung["name"], place, **style)
+
+
+def _frame(axes: Any) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter
 
-    for rung, marker in zip(rungs, cycle("osD^vP*X"), strict=False):
-        axes.plot(rung["seconds"], rung["error_percent"], marker, label=rung["name"])
     axes.set(xscale="log", yscale="log", xlabel="seconds", ylabel="error (%)")
     for axis in (axes.xaxis, axes.yaxis):  # a range below one decade has no power of ten to label
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    axes.margins(0.15)
+    axes.margins(0.15 if len(axes.texts) == 0 else 0.25, 0.15)
     axes.legend(fontsize=8)
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)

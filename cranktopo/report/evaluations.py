@@ -32,6 +32,15 @@ def evaluation_table(evaluations: list[Evaluation]) -> Table:
     )
 
 
+def result_line(e: Evaluation) -> str:
+    """Both stiffnesses of the design's supports, each with its estimate, and what they took."""
+    return (
+        f"{e.target}: torsion {e.torsion_Nm_per_rad / 1000:.2f} kN m/rad, "
+        f"+-{e.torsion_error_percent:.2g} %; bending {e.bending_N_per_mm / 1000:.2f} kN/mm, "
+        f"+-{e.bending_error_percent:.2g} %; {e.total_seconds:.1f} s"
+    )
+
+
 def _row(e: Evaluation) -> tuple[str | float | None, ...]:
     torsion, bending = e.fine.torsion, e.fine.bending
     return (

@@ -15,7 +15,8 @@ from cranktopo.domain.build import Domain
 from cranktopo.effects import EffectPlan
 from cranktopo.optimise.assess import Assessment
 from cranktopo.optimise.connectivity import is_connected
-from cranktopo.optimise.loop import TOLERANCE, Problem
+from cranktopo.optimise.error_bound import model_error_percent
+from cranktopo.optimise.loop import Problem
 from cranktopo.optimise.state import State
 from cranktopo.report.outputs import Outputs
 from cranktopo.scene import Scene
@@ -80,9 +81,9 @@ def optimise_metrics(
         "greyness": state.last.greyness,
         "connected": is_connected(domain, density),
         "grid": _grid(domain),
-        "load_cases": _load_cases(scene, problem, result),
+        "load_cases": _load_cases(scene, problem, result, domain),
         "stiffness_per_mass": _per_mass(result),
-        "original_web": _original(scene, problem, result, original),
+        "original_web": _original(scene, problem, result, original, domain),
         "surface": _surface(outputs),
         "solver": _solver(problem, state, result),
         "seconds": _seconds(state, timing),
@@ -103,7 +104,7 @@ def _grid(domain: Domain) -> dict[str, Any]:
     mirrors = (["x = 0"] if domain.mirrored_x else []) + (["mid-pin plane"] if domain.mirrored_z else [])
     return {
         "cells": list(domain.grid.cells),
-        "cell_mm": max(float(step.max()) for step in (dx, dy, dz)),
+        "cell_mm": largest_edge_mm(domain),
         "cell_size_mm": {
             "x": float(dx[0]),
             "y": float(dy[0]),
@@ -117,15 +118,22 @@ def _grid(domain: Domain) -> dict[str, Any]:
     }
 
 
+def largest_edge_mm(domain: Domain) -> float:
+    """Largest edge of a cell, mm."""
+    return max(float(step.max()) for step in domain.grid.steps_mm)
+
+
 def _stiffness_key(kind: str) -> str:
     return "stiffness_Nm_per_rad" if kind == "torsion" else "stiffness_N_per_mm"
 
 
-def _load_cases(scene: Scene, problem: Problem, result: Assessment) -> dict[str, Any]:
+def _load_cases(scene: Scene, problem: Problem, result: Assessment, domain: Domain) -> dict[str, Any]:
     supports = scene.supports
+    errors = model_error_percent(scene, largest_edge_mm(domain))
     return {
         case.name: {
             **({} if case.stiffness is None else {_stiffness_key(case.kind): case.stiffness}),
+            **({"error_estimate_percent": errors[case.kind]} if case.kind in errors else {}),
             "compliance_N_mm": case.compliance_N_mm,
             "support": supports.torsion if case.kind == "torsion" else supports.bending,
             "load": load.as_json(),
@@ -139,7 +147,9 @@ def _per_mass(result: Assessment) -> dict[str, float]:
     return {_PER_MASS_UNIT.get(name, f"{name}_N_per_mm_kg"): value for name, value in ratios.items()}
 
 
-def _original(scene: Scene, problem: Problem, result: Assessment, original: Assessment) -> dict[str, Any]:
+def _original(
+    scene: Scene, problem: Problem, result: Assessment, original: Assessment, domain: Domain
+) -> dict[str, Any]:
     """The scene's own web in the same model, and what the optimised one gains on it."""
     gain = {
         name: 100 * (value / original.stiffness_per_mass()[name] - 1)
@@ -147,7 +157,7 @@ def _original(scene: Scene, problem: Problem, result: Assessment, original: Asse
     }
     return {
         "mass_kg": {"throw": original.throw_kg, "web": original.web_kg},
-        "load_cases": _load_cases(scene, problem, original),
+        "load_cases": _load_cases(scene, problem, original, domain),
         "stiffness_per_mass": _per_mass(original),
         "gain_of_stiffness_per_mass_percent": gain,
     }
@@ -164,7 +174,7 @@ def _solver(problem: Problem, state: State, result: Assessment) -> dict[str, Any
     counts = [row.cg_iterations for row in state.history]
     return {
         "precision": "float64 conjugate gradients, float32 multigrid cycle",
-        "tolerance": TOLERANCE,
+        "tolerance": problem.solving.tolerance,
         "cg_iterations": {"mean": fmean(counts), "max": max(counts)},
         "levels": problem.model.levels,
         "final_relative_residual": max(case.relative_residual for case in result.cases),

@@ -97,6 +97,7 @@ _UNITS = {
     "s": "s",
     "deg": "deg",
     "MPa": "MPa",
+    "MiB": "MiB",
     "per_mm": "1/mm",
 }
 

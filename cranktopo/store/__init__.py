@@ -1,5 +1,6 @@
 """Run directories, manifest and checkpoint."""
 
+from cranktopo.store.cache import user_cache
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
 from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
@@ -31,6 +32,7 @@ __all__ = [
     "save_checkpoint",
     "save_iteration",
     "saved_iterations",
+    "user_cache",
     "write_bytes",
     "write_json",
     "write_npz",

@@ -16,7 +16,7 @@ import pytest
 from cranktopo.cli.main import COMMANDS, cli, main
 from cranktopo.scene.loading import designs_folder
 
-LONG = ("optimise", "evaluate", "compare", "fatigue", "shaft", "extract", "remodel", "iterate")
+LONG = ("optimise", "evaluate", "compare", "accuracy", "fatigue", "shaft", "extract", "remodel", "iterate")
 PROGRAM = [sys.executable, "-c", "from cranktopo.cli.main import main; main()"]
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
+from cranktopo.fem.equilibrium import METHODS, _Method, _run
 from cranktopo.fem.multigrid import Precision, build_hierarchy, build_tables
 from cranktopo.fem.response import solve
 from tests.hard import fields
@@ -63,6 +66,20 @@ def cycle(system: System, tables, precision: Precision) -> tuple[float, float, i
     result = multigrid_cg(system, hierarchy, jnp.asarray(2), start, *limits)
     work = float(jnp.sum(system.forces * result.displacements))
     return work, float(result.relative_residual[0]), int(result.iterations)
+
+
+def test_precision_is_the_callers_choice(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first method gets it; what both give is compared above."""
+    block, asked = Block("", FIELD), []
+
+    def watched(method: _Method, *arguments: Any) -> Any:
+        asked.append((method.name, method.precision))
+        return _run(METHODS[0], *arguments)
+
+    monkeypatch.setattr("cranktopo.fem.equilibrium._run", watched)
+    for precision in ("float32", "float64"):
+        solve(block.model(), jnp.asarray(block.moduli), precision=precision)
+    assert asked == [("multigrid CG", "float32"), ("multigrid CG", "float64")]
 
 
 def test_an_island_in_nothing_changes_nothing(float64: None) -> None:

@@ -60,6 +60,28 @@ def test_pure_bending_has_no_parasitic_shear() -> None:
     assert energy == pytest.approx(curvature**2 * second_moment * size[2] / 2 * 1.0, rel=1e-12)
 
 
+@pytest.mark.parametrize("poisson", [0.0, 0.3])
+def test_the_plain_hexahedron_has_parasitic_shear(poisson: float) -> None:
+    """Trilinear bending u_z = k x z: strain k x along z and shear k z, integrated by hand."""
+    curvature, size = 1e-3, (2.0, 1.0, 3.0)
+    x, z = (CORNERS[:, 0] - 0.5) * size[0], (CORNERS[:, 2] - 0.5) * size[2]
+    u = np.zeros((8, 3))
+    u[:, 2] = curvature * x * z
+    energy = u.ravel() @ hexahedron_stiffness(size, poisson, plain=True) @ u.ravel() / 2
+    confined = (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
+    shear = 0.5 / (1 + poisson)
+    volume = size[0] * size[1] * size[2]
+    expected = curvature**2 * volume / 24 * (confined * size[0] ** 2 + shear * size[2] ** 2)
+    assert energy == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_the_lattice_passes_the_kind_of_hexahedron_on(plain: bool) -> None:
+    lattice = Lattice((1, 1, 2), 1.0, 1.2, (0.7, 0.9), 0.3, plain)
+    expected = hexahedron_stiffness((1.0, 1.2, 0.9), 0.3, plain=plain)
+    np.testing.assert_array_equal(layer_stiffness(lattice, 1), expected)
+
+
 def test_reflection_blocks_rebuild_the_matrix() -> None:
     stiffness = hexahedron_stiffness((1.0, 1.2, 0.8), 0.3)
     blocks = reflection_blocks(stiffness)

@@ -143,3 +143,15 @@ def test_order_on_the_mikron_throw() -> None:
     orders = np.log((coarse - middle) / (middle - fine)) / np.log(1.5)
     assert (orders > 1.4).all(), orders
     assert fine == pytest.approx([141.2e3, 194.3e3, 230.2e3], rel=1e-3)
+
+
+def test_linear_elements_are_the_quadratic_ones_held_to_linear_fields() -> None:
+    """Same curved elements, same quadrature: their matrix is the Galerkin projection of the quadratic one."""
+    mesh = cube(2, 0.08)
+    linear, quadratic_ = (assemble(mesh, YOUNGS, POISSON, order) for order in (1, 2))
+    assert linear.order == 1
+    assert linear.volume_mm3 == pytest.approx(quadratic_.volume_mm3, rel=1e-12)
+    p = quadratic_.prolongation
+    projected = (p.T @ quadratic_.stiffness @ p).toarray()
+    np.testing.assert_allclose(linear.stiffness.toarray(), projected, atol=1e-12 * np.abs(projected).max())
+    np.testing.assert_array_equal(linear.nodes_mm, quadratic_.nodes_mm[:, : linear.nodes_mm.shape[1]])

@@ -6,12 +6,10 @@ program on a mesh graded to 0.3 mm at the rings, converged to less than 0.1 %.
 
 from __future__ import annotations
 
-import time
-
 import pytest
 
-from cranktopo.evaluate.evaluation import Stiffness, condensed_stiffness, default_element_size_mm
-from cranktopo.remodel.meshing import mesh_throw
+from cranktopo.evaluate.evaluation import Stiffness, default_element_size_mm, judge
+from cranktopo.evaluate.targets import Target
 from tests.physics.judge_cases import mikron_with
 
 TORSION = {"free": 138.2e3, "held": 187.3e3}
@@ -21,9 +19,7 @@ BENDING = {"pinned": 217.6e3, "clamped": 1324e3}
 def judged(size_mm: float, graded: bool = True) -> Stiffness:
     """The sharp Mikron throw on a mesh of its own."""
     scene = mikron_with(fillet_mm=0.0)
-    start = time.perf_counter()
-    part = mesh_throw(scene, size_mm, graded=graded)
-    return condensed_stiffness(part, scene, size_mm, time.perf_counter() - start)
+    return judge(Target("mikron", scene), size_mm, graded=graded).stiffness
 
 
 def errors_percent(found: Stiffness) -> dict[str, float]:

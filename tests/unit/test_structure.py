@@ -27,6 +27,7 @@ ORDER = [
     "report",
     "pipeline",
     "pipeline_remodel",
+    "accuracy",
     "iterate",
     "cli",
 ]

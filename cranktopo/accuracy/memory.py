@@ -1,0 +1,98 @@
+"""Frontiers kept in the user's cache, so that an accuracy or a budget can choose a rung without measuring."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cranktopo.accuracy.machine import Machine, this_machine
+from cranktopo.errors import CranktopoError
+from cranktopo.store import read_json, user_cache, write_json
+
+SCHEMA_VERSION = 1
+_FILE = "accuracy.json"
+
+
+@dataclass(frozen=True)
+class Known:
+    """What was measured on this machine.
+
+    Attributes:
+        design: the design that was measured.
+        own: whether that is the design asked for.
+        slowdown: how many times slower this machine is now.
+        result: what `cranktopo accuracy --json` printed.
+    """
+
+    design: str
+    own: bool
+    slowdown: float
+    result: dict[str, Any]
+
+    def rungs(self, ladder: str) -> list[dict[str, Any]]:
+        """Rungs of a ladder."""
+        return [rung for rung in self.result["rungs"] if rung["ladder"] == ladder]
+
+
+def memory_path() -> Path:
+    """The file of frontiers in the user's cache."""
+    return user_cache() / _FILE
+
+
+def remember(result: Mapping[str, Any]) -> Path | None:
+    """Keep a frontier; those of another machine or version are dropped.
+
+    Args:
+        result: what `cranktopo accuracy --json` prints.
+
+    Returns:
+        The file, or None where the cache cannot be written or nothing was measured.
+    """
+    if not result["rungs"]:
+        return None
+    machine = Machine(**result["machine"])
+    kept = _kept(machine)
+    kept.pop(result["design"], None)  # the newest is the last
+    data = {"schema_version": SCHEMA_VERSION, "designs": {**kept, result["design"]: dict(result)}}
+    try:
+        memory_path().parent.mkdir(parents=True, exist_ok=True)
+        write_json(memory_path(), data)
+    except (OSError, CranktopoError):
+        return None
+    return memory_path()
+
+
+def recall(design: str) -> Known | None:
+    """The frontier of a design on this machine, or else the newest of another design.
+
+    Args:
+        design: name of the design.
+
+    Returns:
+        What was measured, or None where nothing was measured on a machine of this kind.
+    """
+    if not memory_path().is_file():
+        return None
+    machine = this_machine()
+    kept = _kept(machine)
+    if not kept:
+        return None
+    name = design if design in kept else list(kept)[-1]
+    before = Machine(**kept[name]["machine"])
+    return Known(name, name == design, machine.reference_s / before.reference_s, kept[name])
+
+
+def _kept(machine: Machine) -> dict[str, Any]:
+    """Frontiers by design, of machines of this kind only; none where the file is of another version."""
+    if not memory_path().is_file():
+        return {}
+    try:
+        data = read_json(memory_path())
+        if data["schema_version"] != SCHEMA_VERSION:
+            return {}
+        kept = dict(data["designs"])
+        return {k: v for k, v in kept.items() if Machine(**v["machine"]).same_kind(machine)}
+    except (CranktopoError, KeyError, TypeError):
+        return {}

@@ -1,0 +1,216 @@
+"""The optimiser's ladder: cell size, solver tolerance and precision, iterations, kind of hexahedron.
+
+Every rung is a whole optimisation; the stiffness of its shape is the judge's, on the same meshes for all.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+from cranktopo import pipeline
+from cranktopo.accuracy.machine import PeakMemory
+from cranktopo.accuracy.rung import BENDING, TORSION, Rung
+from cranktopo.domain.limits import WALL_CELLS, thinnest_wall_mm
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import RATIO, Evaluation, default_element_size_mm, evaluate
+from cranktopo.evaluate.targets import Target
+from cranktopo.fem.precision import CompileClock, double_precision
+from cranktopo.optimise import loop
+from cranktopo.optimise.assess import Assessment, assess
+from cranktopo.scene import Scene
+from cranktopo.surface import check_surface, extract_half_throw, slab_fields, write_stl
+
+_JUDGED_STEPS = 1
+"""How many times 1.5 the elements are larger than by default on which shapes are judged, all alike."""
+_STEPS = 9
+_MODEL_NAMES = {"torsion": TORSION, "bending": BENDING}
+
+
+@dataclass(frozen=True)
+class OptimiserModel:
+    """An optimisation as a rung.
+
+    Attributes:
+        cell_mm: largest cell edge.
+        label: what differs from the default settings, empty for them.
+        solving: how exactly the equations are solved.
+        max_iterations: limit on designs evaluated, None for the design's own.
+    """
+
+    cell_mm: float
+    label: str = ""
+    solving: loop.Solving = field(default_factory=loop.Solving)
+    max_iterations: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Shown."""
+        return f"cells {self.cell_mm:.3g} mm" + (f", {self.label}" if self.label else "")
+
+    def scene(self, scene: Scene) -> Scene:
+        """A scene with this rung's cell size and limit."""
+        changes = {"resolution_mm": self.cell_mm}
+        if self.max_iterations is not None:
+            changes["max_iterations"] = min(self.max_iterations, scene.optimise.max_iterations)
+        return scene.model_copy(update={"optimise": scene.optimise.model_copy(update=changes)})
+
+
+def optimiser_ladder(scene: Scene) -> Sequence[OptimiserModel]:
+    """Cell sizes that double the number of cells; after three of them every other setting at the second.
+
+    Args:
+        scene: its own resolution is one of the sizes.
+    """
+    sizes = cell_sizes(scene)
+    plain = [OptimiserModel(size) for size in sizes]
+    return (*plain[:3], *settings_rungs(sizes[1]), *plain[3:])
+
+
+def cell_sizes(scene: Scene) -> list[float]:
+    """Cell sizes that double the number of cells, coarsest first, from the coarsest that walls allow, mm.
+
+    Args:
+        scene: its own resolution is one of the sizes where that is allowed.
+    """
+    coarsest = thinnest_wall_mm(scene) / WALL_CELLS
+    steps = range(_STEPS, -_STEPS, -1)
+    sizes = [scene.optimise.resolution_mm * 2 ** (step / 3) for step in steps]
+    return [size for size in sizes if size <= coarsest]
+
+
+def settings_rungs(cell_mm: float) -> tuple[OptimiserModel, ...]:
+    """One rung for each setting beside the cell size.
+
+    Args:
+        cell_mm: largest cell edge of all.
+    """
+    tight = loop.Solving(tolerance_early=1e-8, tolerance=1e-8)
+    double = replace(tight, precision="float64")
+    return (
+        OptimiserModel(cell_mm, "10 iterations", max_iterations=10),
+        OptimiserModel(cell_mm, "tolerance 1e-2", loop.Solving(tolerance=1e-2)),
+        OptimiserModel(cell_mm, "tolerance 1e-8", tight),
+        OptimiserModel(cell_mm, "tolerance 1e-8, float64", double),
+        OptimiserModel(cell_mm, "plain hexahedra", loop.Solving(plain=True)),
+    )
+
+
+@dataclass(frozen=True)
+class Optimised:
+    """A finished optimisation and its surface on the disk.
+
+    Attributes:
+        target: the surface, for the judge; None where the density has none worth judging.
+        own: what the optimiser's model says.
+        unknowns: degrees of freedom of one solve.
+        cells: number of cells.
+        load_cases: solved together.
+        iterations: designs evaluated.
+        compile_seconds: JAX's compilation.
+    """
+
+    target: Target | None
+    own: Assessment
+    unknowns: int
+    cells: int
+    load_cases: int
+    iterations: int
+    compile_seconds: float
+
+
+def optimise_once(scene: Scene, model: OptimiserModel, folder: Path) -> Optimised:
+    """Optimise a scene as a rung says, without a run directory.
+
+    Args:
+        scene: the design.
+        model: the rung.
+        folder: for the surface.
+
+    Raises:
+        CranktopoError: an impossible scene or a failed solve.
+    """
+    with double_precision():
+        clock = CompileClock()
+        ready = pipeline.prepare(model.scene(scene))
+        problem = loop.build_problem(ready.scene, ready.domain, ready.cases, model.solving)
+        state = loop.init(problem)
+        while not state.done:
+            state = loop.step(problem, state)
+        design = loop.final_design(problem, state)
+        own = assess(problem, ready.scene, ready.domain, design.physical)
+        target = _surface(ready, design, folder)
+        unknowns, cases = problem.model.forces[0].size, len(problem.model.cases)
+        nx, ny, nz = ready.domain.grid.cells
+        return Optimised(target, own, unknowns, nx * ny * nz, cases, len(state.history), clock.compile_s)
+
+
+def climb_optimiser(scene: Scene, model: OptimiserModel) -> Rung:
+    """Optimise as a rung says, and judge the shape.
+
+    Args:
+        scene: the design.
+        model: the rung.
+
+    Raises:
+        CranktopoError: an impossible scene or a failed solve.
+    """
+    memory, began = PeakMemory(), time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        found = optimise_once(scene, model, Path(folder))
+        seconds, peak = time.perf_counter() - began, memory.MiB
+        judged = _judged(found.target) if found.target else None
+    return Rung(
+        ladder="optimiser",
+        name=model.name,
+        family="cells" if not model.label else model.label,
+        settings={
+            "cell_mm": model.cell_mm,
+            **asdict(model.solving),
+            "max_iterations": model.max_iterations,
+            "iterations": found.iterations,
+            "cells": found.cells,
+            "load_cases": found.load_cases,
+        },
+        size_mm=model.cell_mm,
+        unknowns=found.unknowns,
+        seconds=seconds - found.compile_seconds,
+        peak_memory_MiB=peak,
+        values=_values(judged) if judged else {},
+        band_percent=judged.error_percent if judged else 0.0,
+        compile_seconds=found.compile_seconds,
+        model={
+            _MODEL_NAMES[c.name]: c.stiffness
+            for c in found.own.cases
+            if c.name in _MODEL_NAMES and c.stiffness is not None
+        },
+        spent_seconds=time.perf_counter() - began,
+    )
+
+
+def _judged(target: Target) -> Evaluation:
+    size = default_element_size_mm(target.scene) * RATIO**_JUDGED_STEPS
+    return evaluate(target, size)
+
+
+def _values(found: Evaluation) -> dict[str, float]:
+    """Both stiffnesses with the supports of the design, by the names of the tables."""
+    return {TORSION: found.torsion_Nm_per_rad, BENDING: found.bending_N_per_mm}
+
+
+def _surface(ready: pipeline.Prepared, design: loop.Design, folder: Path) -> Target | None:
+    """The surface on the disk, or None where the density is too grey for one."""
+    grid, usable, smooth = slab_fields(ready.domain, design)
+    try:
+        surface = extract_half_throw(grid, ready.scene, usable, smooth)
+        check_surface(surface)
+    except CranktopoError as error:
+        if error.code != ExitCode.CRITERION_NOT_MET:
+            raise
+        return None
+    path = folder / "web.stl"
+    write_stl(path, surface.half_throw)
+    return Target(f"{ready.scene.name}, optimised", ready.scene, path)

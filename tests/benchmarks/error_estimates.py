@@ -1,0 +1,107 @@
+"""Do the judge's error bounds hold? `python -m tests.benchmarks.error_estimates [NAME...] [--finest STEPS]`.
+
+Built-in designs and random throws (by default all) on meshes from coarse to fine, each bound against the true
+error: against the limit of two finer meshes, extrapolated with order 1.3. A name is a design or random-SEED.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from cranktopo.effects import planned_scene
+from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluation, judge
+from cranktopo.evaluate.targets import Target, load_simulated
+from cranktopo.scene.loading import builtin_designs
+from tests.random_throws import random_throw
+
+SEEDS = range(8)
+STEPS = (2, 1, 0)
+"""How many times 1.5 the judged meshes are coarser than the default."""
+_ORDER = 1.3
+_RANDOM = "random-"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A stiffness of a design on one mesh, its bound, and its true error, %."""
+
+    design: str
+    quantity: str
+    steps: int
+    size_mm: float
+    bound_percent: float
+    error_percent: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the bound is one."""
+        return abs(self.error_percent) <= self.bound_percent
+
+
+def target_of(name: str) -> Target:
+    """A built-in design, or random-SEED."""
+    drawn = name.startswith(_RANDOM)
+    scene = planned_scene(random_throw(int(name[len(_RANDOM) :]))) if drawn else load_simulated(name)
+    return Target(scene.name, scene)
+
+
+def every_name(seeds: Sequence[int] = SEEDS) -> list[str]:
+    """The built-in designs and random throws."""
+    return [*builtin_designs(), *(f"{_RANDOM}{seed}" for seed in seeds)]
+
+
+def judgements(target: Target, steps: Sequence[int] = STEPS, finest: int = -2) -> Iterator[Judgement]:
+    """Bounds and true errors of a design.
+
+    Args:
+        target: the design.
+        steps: judged meshes, coarse to fine.
+        finest: steps of the finest mesh of the truth; the other one is 1.5 times coarser.
+    """
+    size = default_element_size_mm(target.scene)
+    needed = sorted({*steps, *(step + 1 for step in steps), finest, finest + 1}, reverse=True)
+    found = {step: judge(target, size * RATIO**step) for step in needed}
+    known = {step: evaluation(found[min(step + 1, needed[0])], found[step], 0.0) for step in needed}
+
+    def limit(quantity: str) -> float:
+        fine, coarse = (float(getattr(known[step], quantity)) for step in (finest, finest + 1))
+        return fine + (fine - coarse) / (RATIO**_ORDER - 1)
+
+    for quantity in ("torsion_Nm_per_rad", "bending_N_per_mm"):
+        name, true = quantity.split("_")[0], limit(quantity)
+        for step in steps:
+            error = 100 * (getattr(known[step], quantity) / true - 1)
+            bound = getattr(known[step], f"{name}_error_percent")
+            yield Judgement(target.name, name, step, size * RATIO**step, bound, error)
+
+
+def main() -> None:
+    """Print the table as Markdown."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--finest", type=int, default=-2, help="1.5 to this power times the default size")
+    chosen = parser.parse_args()
+    print("| design | default mm | ", end="")
+    print(" | ".join(f"{q}, x{RATIO**step:.3g}" for step in STEPS for q in ("torsion", "bending")) + " |")
+    print("|---" * (2 + 2 * len(STEPS)) + "|")
+    every: list[Judgement] = []
+    for name in chosen.names or every_name():
+        rows = sorted(judgements(target_of(name), finest=chosen.finest), key=lambda row: -row.steps)
+        every += rows
+        cells = [f"{r.error_percent:+.2f} ({r.bound_percent:.2f}{'' if r.holds else ' NO'})" for r in rows]
+        print(f"| {name} | {rows[-1].size_mm:.2f} | {' | '.join(cells)} |", flush=True)
+    held = sum(row.holds for row in every)
+    print(f"\n{held} of {len(every)} within their bound: {100 * held / len(every):.1f} %")
+    for step in STEPS:
+        worst = [
+            max(r.bound_percent for r in every if (r.design, r.steps) == (design, step))
+            for design in dict.fromkeys(r.design for r in every)
+        ]
+        print(f"median bound at {RATIO**step:.3g} times the default size: {median(worst):.2f} %")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,133 @@
+"""`cranktopo accuracy`, and `--accuracy` and `--budget` of evaluate and optimise."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cranktopo.cli.main import main
+from cranktopo.scene.loading import designs_folder
+
+CASTING = (designs_folder() / "opposed-piston-casting.toml").read_text(encoding="utf-8")
+"""No envelope, so there is nothing to optimise."""
+
+
+@pytest.fixture(scope="module")
+def design(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Without fatigue there is no stress to be found."""
+    path = tmp_path_factory.mktemp("design") / "casting.toml"
+    path.write_text(CASTING + '\n[effects]\nfatigue = "off"\n', encoding="utf-8")
+    return str(path)
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "cranktopo"
+
+
+def test_a_budget_buys_rungs_a_table_a_plot_and_a_memory(
+    design: str, cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert main(["accuracy", design, "--budget", "6s", "--out", str(out), "--json"]) == 0
+    captured = capsys.readouterr()
+    result: dict[str, Any] = json.loads(captured.out)
+    assert result["schema_version"] == 1
+    assert result["design"] == "opposed-piston-casting"
+    assert {rung["ladder"] for rung in result["rungs"]} == {"judge"}
+    first, *others = result["rungs"]
+    assert first["settings"]["graded"] is False
+    assert all(rung["seconds"] > 0 and rung["peak_memory_MiB"] > 50 for rung in result["rungs"])
+    if others:  # a machine so slow that one rung takes six seconds has no limit
+        limit = result["limits"]["judge"]["torsion_Nm_per_rad"]
+        assert limit["uncertainty_percent"] > 0
+        assert first["torsion_Nm_per_rad"] > limit["value"]
+        assert Path(result["files"]["picture"]).read_bytes().startswith(b"\x89PNG")
+    stored = json.loads((out / "accuracy.json").read_text())
+    assert stored["rungs"] == result["rungs"]
+    assert "# What accuracy costs in time: opposed-piston-casting" in (out / "accuracy.md").read_text()
+    assert "opposed-piston-casting" in json.loads((cache / "accuracy.json").read_text())["designs"]
+    assert re.search(r"\d of 6 s: judge, uniform [\d.]+ mm", captured.err)
+
+
+def test_every_evaluation_prints_its_estimate_beside_the_value(
+    design: str, cache: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["evaluate", design, "--budget", "2s"]) == 0
+    captured = capsys.readouterr()
+    line = captured.out.strip().splitlines()[-1]
+    number = r"([\d.]+)"
+    found = re.fullmatch(
+        rf"opposed-piston-casting: torsion {number} kN m/rad, \+-{number} %; "
+        rf"bending {number} kN/mm, \+-{number} %; {number} s",
+        line,
+    )
+    assert found, line
+    torsion, torsion_error = float(found.group(1)), float(found.group(2))
+    assert torsion == pytest.approx(463.9, rel=torsion_error / 100 + 0.01)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["evaluate", "--budget", "soon"], 2, "not a time such as 30s"),
+        (["evaluate", "--budget", "0s"], 2, "above 0 s"),
+        (["accuracy", "--budget", "nan"], 2, "above 0 s"),
+        (["evaluate", "--element-size-mm", "3", "--budget", "9s"], 2, "excludes"),
+        (["optimise", "--accuracy", "5%", "--resolution-mm", "3"], 2, "excludes"),
+        (["optimise", "--resume", "x", "--budget", "5s"], 2, "--resume takes the design"),
+        (["optimise", "--accuracy", "120%"], 2, "below 100%"),
+        (["optimise", "--budget", "0.1s"], 2, "coarsest cells"),
+        (["optimise", "--accuracy", "0.001%"], 2, "finest cells that fit"),
+        (["accuracy", "no-such-design"], 3, "no such file or built-in design"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else None,
+)
+def test_mistakes_are_one_clear_line(
+    arguments: list[str], code: int, words: str, cache: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == code
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert words in captured.err
+    assert len(captured.err.strip().splitlines()) == 1
+
+
+def test_a_broken_memory_is_no_obstacle(cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cache.mkdir(parents=True)
+    (cache / "accuracy.json").write_text("{", encoding="utf-8")
+    assert main(["optimise", "--budget", "0.1s"]) == 2
+    assert "not measured here: run cranktopo accuracy" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_an_accuracy_chooses_the_cells_of_a_run(
+    cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["optimise", "--accuracy", "15%", "--max-iterations", "4", "--out", str(tmp_path / "run")]
+    assert main([*arguments, "--json"]) == 5
+    captured = capsys.readouterr()
+    metrics = json.loads(captured.out)
+    for case in metrics["load_cases"].values():
+        assert 0 < case["error_estimate_percent"] <= 15.0
+    said = re.search(r"cells of ([\d.]+) mm: stiffness \+-([\d.]+) %", captured.err)
+    assert said
+    assert metrics["grid"]["cell_mm"] == pytest.approx(float(said.group(1)), rel=0.05)
+    assert float(said.group(2)) <= 15.0
+
+
+@pytest.mark.slow
+def test_both_ladders_of_a_design(cache: Path, tmp_path: Path) -> None:
+    """One rung each of judge, fillets and optimiser at least, and a report that shows them."""
+    out = tmp_path / "out"
+    assert main(["accuracy", "--budget", "90s", "--out", str(out), "-q"]) == 0
+    result = json.loads((out / "accuracy.json").read_text())
+    assert {rung["ladder"] for rung in result["rungs"]} == {"judge", "fillet stress", "optimiser"}
+    shape = next(rung for rung in result["rungs"] if rung["ladder"] == "optimiser")
+    assert abs(shape["model_errors_percent"]["torsion_Nm_per_rad"]) < 5.0
+    assert 0 < shape["model_errors_percent"]["bending_N_per_mm"] < 14.0

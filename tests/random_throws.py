@@ -1,0 +1,56 @@
+"""Crank throws drawn at random, the same for the same seed: proportions of real engines, some lopsided."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cranktopo.scene import Scene, scene_from_dict
+
+OUTLINES = ("obround", "tapered", "rectangle", "ellipse")
+
+
+def random_throw(seed: int) -> Scene:
+    """A throw with journals, fillets, web and perhaps a hole beside its mirror plane, all from the seed."""
+    draw = np.random.default_rng(seed)
+    main = draw.uniform(36.0, 90.0)
+    pin = main * draw.uniform(0.8, 1.05)
+    radius = main * draw.uniform(0.5, 1.1)
+    fillet = 0.0 if draw.random() < 0.35 else main * draw.uniform(0.04, 0.08)
+    room = 0.45 * min(radius, main)  # two bores of this diameter do not meet in the web
+    bores = [0.0 if draw.random() < 0.3 else room * draw.uniform(0.6, 1.0) for _ in range(2)]
+    thickness = main * draw.uniform(0.28, 0.45)
+    throw: dict[str, Any] = {"radius_mm": radius}
+    for name, diameter, bore in (("main_journal", main, bores[0]), ("crankpin", pin, bores[1])):
+        throw[name] = {"outer_diameter_mm": diameter, "bore_diameter_mm": bore, "fillet_mm": fillet}
+        throw[name]["length_mm"] = main * draw.uniform(0.45, 1.0)
+    web = _web(draw, max(main, pin), radius, fillet) | {"thickness_mm": thickness}
+    if draw.random() < 0.3:
+        hole = {"shape": "cylinder", "x_mm": 0.3 * main, "y_mm": radius / 2, "diameter_mm": 0.15 * main}
+        web["pocket"] = [hole]
+    supports = {"bearing_spring_N_per_mm": draw.uniform(0.3e6, 2e6)}
+    return scene_from_dict(
+        {
+            "name": f"random-{seed}",
+            "throw": throw,
+            "web": web,
+            "material": {"name": "42CrMo4"},
+            "supports": supports,
+        }
+    )
+
+
+def _web(draw: np.random.Generator, journal: float, radius: float, fillet: float) -> dict[str, Any]:
+    """An outline that holds both journals and their fillets."""
+    half = journal / 2 + fillet + journal * draw.uniform(0.06, 0.25)
+    outline = OUTLINES[draw.integers(len(OUTLINES))]
+    if outline == "obround":
+        return {"outline": outline, "width_mm": 2 * half}
+    if outline == "tapered":
+        return {"outline": outline, "main_radius_mm": half, "pin_radius_mm": half * draw.uniform(0.97, 1.2)}
+    if outline == "rectangle":
+        return {"outline": outline, "width_mm": 2 * half, "overhang_mm": half, "corner_radius_mm": 0.2 * half}
+    lateral = half * draw.uniform(1.15, 1.4)
+    along = radius / 2 + half * draw.uniform(1.25, 1.4)
+    return {"outline": outline, "semi_axis_throw_mm": along, "semi_axis_lateral_mm": lateral}

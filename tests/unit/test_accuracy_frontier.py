@@ -1,0 +1,324 @@
+"""Errors, efficient rungs, recommendations, tables, memory and choices, from rungs made by hand."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from cranktopo.accuracy import judging, memory
+from cranktopo.accuracy.climb import Ascent, Task, _climb_one, climb
+from cranktopo.accuracy.frontier import Frontier, frontier_of
+from cranktopo.accuracy.judging import RUNGS, Wish, first_rung
+from cranktopo.accuracy.machine import Machine, PeakMemory, reference_seconds
+from cranktopo.accuracy.memory import Known, recall, remember
+from cranktopo.accuracy.optimising import choose_cells
+from cranktopo.accuracy.rung import BENDING, TORSION, LadderName, Rung
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.targets import Target
+from cranktopo.report.accuracy import (
+    accuracy_section,
+    error_picture,
+    limit_lines,
+    recommendation_table,
+    rung_tables,
+)
+from cranktopo.report.accuracy_page import accuracy_page
+from cranktopo.scene import Scene
+
+MACHINE = Machine("a processor", 2, 0.1)
+
+
+def rung(ladder: LadderName, family: str, size: float, seconds: float, **found: Any) -> Rung:
+    settings = {"size": size, **found.pop("settings", {})}
+    model = found.pop("model", {})
+    values = {TORSION: found["torsion"], BENDING: found["bending"]} if "torsion" in found else {}
+    name = f"{family} {size:g}"
+    cost = (1000, seconds, 200.0)
+    return Rung(ladder, name, family, settings, size, *cost, values, 0.3, 0.5, model, seconds + 1)
+
+
+def judge_rung(steps: int, seconds: float, graded: bool = True, shift: float = 0.0) -> Rung:
+    """The limit is 100 in torsion, order 2, and 50 in bending, order 1."""
+    size = 4.0 * 1.5**steps
+    settings = {"steps": steps, "graded": graded, "order": 2}
+    torsion, bending = 100 + 0.1 * size**2 + shift, 50 + 0.2 * size + shift
+    family = "graded" if graded else "uniform"
+    return rung("judge", family, size, seconds, torsion=torsion, bending=bending, settings=settings)
+
+
+def ascent(*rungs: Rung, interrupted: bool = False) -> Ascent:
+    return Ascent("by-hand", 30.0, 20.0, MACHINE, rungs, ("judge, a mesh: failed",), interrupted)
+
+
+@pytest.fixture
+def frontier() -> Frontier:
+    own = {"settings": {"iterations": 30, "cells": 8000, "load_cases": 2}}
+    return frontier_of(
+        ascent(
+            judge_rung(2, 3.0, graded=False, shift=2.0),
+            judge_rung(2, 4.0),
+            judge_rung(1, 8.0),
+            judge_rung(0, 16.0),
+            judge_rung(1, 17.0, graded=False, shift=1.0),
+            rung("optimiser", "cells", 3.0, 9.0, torsion=98.0, bending=51.0, model={TORSION: 99.0}, **own),
+            rung("optimiser", "cells", 2.4, 18.0, torsion=99.0, bending=50.5, model={TORSION: 99.5}, **own),
+            rung("optimiser", "10 iterations", 3.0, 5.0, **own),
+        )
+    )
+
+
+def test_errors_are_against_the_extrapolated_value(frontier: Frontier) -> None:
+    limits = frontier.limits["judge"]
+    assert limits[TORSION].value == pytest.approx(100.0, rel=1e-6)
+    assert limits[TORSION].order == pytest.approx(2.0, abs=1e-5)
+    assert limits[BENDING].value == pytest.approx(50.0, rel=1e-6)
+    last = frontier.rungs[3]
+    assert last.errors_percent[TORSION] == pytest.approx(1.6, rel=1e-4)
+    assert last.errors_percent[BENDING] == pytest.approx(1.6, rel=1e-4)
+    assert last.orders == {TORSION: pytest.approx(2.0, abs=1e-5), BENDING: pytest.approx(1.0, abs=1e-5)}
+    assert frontier.rungs[1].orders == {}
+
+
+def test_only_rungs_that_no_cheaper_one_beats_are_efficient(frontier: Frontier) -> None:
+    judged = [placed for placed in frontier.rungs if placed.rung.ladder == "judge"]
+    assert [placed.efficient for placed in judged] == [True, True, True, True, False]
+
+
+def test_recommendation_is_the_cheapest_whose_error_is_surely_below(frontier: Frontier) -> None:
+    finest = frontier.rungs[3]
+    assert finest.error_percent is not None
+    assert finest.bound_percent is not None
+    assert finest.bound_percent > finest.error_percent
+    chosen = frontier.cheapest("judge", finest.bound_percent + 1e-9)
+    assert chosen is finest
+    assert frontier.cheapest("judge", finest.error_percent) is None
+    loose = frontier.cheapest("judge", 50.0)
+    assert loose is frontier.rungs[0]
+
+
+def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(frontier: Frontier) -> None:
+    first = frontier.rungs[5]
+    assert first.model_errors_percent == {TORSION: pytest.approx(100 / 98)}
+    assert first.error_percent == pytest.approx(max(abs(e) for e in first.errors_percent.values()))
+    assert first.uncertainty_percent == pytest.approx(
+        max(limit.uncertainty_percent for limit in frontier.limits["optimiser"].values())
+    )
+    sure = replace(first.rung, band_percent=50.0)
+    assert frontier_of(ascent(sure, frontier.rungs[6].rung)).rungs[0].uncertainty_percent == 50.0
+    empty = frontier.rungs[7]
+    assert (empty.error_percent, empty.efficient, empty.errors_percent) == (None, False, {})
+
+
+def test_json_and_pages(frontier: Frontier) -> None:
+    result = frontier.as_json()
+    assert json.loads(json.dumps(result, allow_nan=False)) == result
+    assert {r["ladder"] for r in result["recommendations"]} == {"judge", "optimiser"}
+    tables = dict(rung_tables(result))
+    assert list(tables) == ["Judge", "Optimiser"]
+    assert tables["Judge"].cell(0, 0) == "uniform 9*"
+    assert tables["Judge"].cell(4, 0) == "uniform 6"
+    assert recommendation_table(result).cell(3, 2) == "none within this budget"
+    assert limit_lines(result)[0].startswith("judge, extrapolated: torsion 0.1 kN m/rad +-")
+    page = accuracy_page(result, "today")
+    assert "8 rungs in 20 of 30 s" in page.headline
+    axes = error_picture(result["rungs"]).figure.axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    joined = next(line for line in axes.lines if line.get_label() == "judge, efficient frontier")
+    assert list(joined.get_xdata()) == [3.0, 4.0, 8.0, 16.0]
+
+
+def test_the_report_of_a_run_shows_its_ladders(frontier: Frontier) -> None:
+    metrics = {
+        "grid": {"cell_mm": 1.5},
+        "load_cases": {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}},
+        "solver": {"final_relative_residual": 1e-9, "cg_iterations": {"mean": 8.0, "max": 12}},
+        "surface": {},
+    }
+    plain, full = (accuracy_section(metrics, ladder) for ladder in (None, frontier.as_json()))
+    assert ("error estimate, torsion", "1.3 %") in plain.tables[0][1].rows
+    assert [title for title, _ in full.tables] == ["This run", "Judge", "Optimiser", "Cheapest rung"]
+    assert (len(plain.pictures), len(full.pictures)) == (0, 1)
+
+
+def test_one_rung_has_no_error_and_no_plot() -> None:
+    result = frontier_of(ascent(judge_rung(2, 3.0))).as_json()
+    page = accuracy_page(result, "today")
+    assert page.sections[0].pictures == ()
+    assert page.facts[0].value == "no accuracy reached"
+    assert limit_lines(result) == ["judge, extrapolated: nothing, fewer than two rungs"]
+    assert result["rungs"][0]["error_percent"] is None
+
+
+def tasks(rungs: list[Rung | Exception]) -> list[Task]:
+    def run(result: Rung | Exception) -> Rung:
+        if isinstance(result, Exception):
+            raise result
+        return result
+
+    return [Task(f"task {n}", 2.0**n, lambda r=r: run(r)) for n, r in enumerate(rungs)]  # type: ignore[misc]
+
+
+def test_a_ladder_ends_before_the_rung_that_would_not_fit() -> None:
+    """The first rung says that a unit of cost takes 4 s: the third one would need 16."""
+    rungs: list[Rung] = []
+    failures: list[str] = []
+    planned: list[Rung | Exception] = [judge_rung(2, 3.0), CranktopoError("no mesh."), judge_rung(0, 16.0)]
+    lines: list[str] = []
+    clock = (0.0, 100.0)
+    _climb_one("judge", tasks(planned), 10.0, clock, rungs, failures, lines.append)
+    assert [r.size_mm for r in rungs] == [9.0]
+    assert failures == ["judge, task 1: no mesh."]
+    assert len(lines) == 2
+    assert "about 8 s" in lines[1]
+    rungs.clear()
+    _climb_one("judge", tasks(planned), 17.0, clock, rungs, failures, lines.append)
+    assert len(rungs) == 2
+
+
+def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch, mikron: Scene) -> None:
+    row = [judge_rung(2, 0.1), judge_rung(1, 0.1)]
+
+    def interrupt() -> Rung:
+        raise KeyboardInterrupt
+
+    planned = [*tasks([*row]), Task("slow", 3.0, interrupt)]
+    monkeypatch.setattr("cranktopo.accuracy.climb._ladders", lambda target: {"judge": planned})
+    found = climb(Target("mikron", mikron), 60.0)
+    assert found.interrupted
+    assert list(found.rungs) == row
+    assert "interrupted after" in accuracy_page(frontier_of(found).as_json(), "").headline
+
+
+@pytest.fixture
+def cache(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(memory, "this_machine", lambda: replace(MACHINE, reference_s=0.2))
+
+
+def test_a_frontier_is_kept_with_the_speed_of_its_machine(cache: None, frontier: Frontier) -> None:
+    result = frontier.as_json()
+    assert recall("by-hand") is None
+    assert remember(result) == memory.memory_path()
+    found, other = recall("by-hand"), recall("another")
+    assert found is not None
+    assert other is not None
+    assert (found.own, found.slowdown, found.result) == (True, pytest.approx(2.0), result)
+    assert (other.own, other.design) == (False, "by-hand")
+    remember({**result, "design": "newer"})
+    newest = recall("another")
+    assert newest is not None
+    assert newest.design == "newer"
+    remember({**result, "machine": replace(MACHINE, cores=64).as_json()})
+    assert recall("by-hand") is None, "times of another machine say nothing"
+
+
+def test_a_damaged_memory_is_none(cache: None, frontier: Frontier) -> None:
+    remember(frontier.as_json())
+    memory.memory_path().write_text('{"schema_version": 1, "designs": 3}', encoding="utf-8")
+    assert recall("by-hand") is None
+
+
+def test_the_first_rung_follows_from_what_was_measured(frontier: Frontier) -> None:
+    """Steps 2, 1, 0: 4 + (3 not measured), 8 + 4, 16 + 8 s here, twice as much on the slower machine."""
+    known = Known("by-hand", True, 2.0, frontier.as_json())
+    bound = frontier.rungs[2].bound_percent
+    assert bound is not None
+    assert first_rung(Wish(percent=bound + 0.01), known) == 1
+    assert first_rung(Wish(budget_s=25.0), known) == 1
+    assert first_rung(Wish(budget_s=49.0), known) == 2
+    assert first_rung(Wish(budget_s=1.0), known) == 0
+    assert first_rung(Wish(percent=bound + 0.01, budget_s=1.0), known) == 0
+    assert first_rung(Wish(percent=2.0), None) == 1
+    assert first_rung(Wish(percent=0.001), None) == len(RUNGS) - 1
+    assert first_rung(Wish(budget_s=1000.0), None) == 0
+
+
+class FakeJudge:
+    """Stiffness 100 + 0.05 size^2 in torsion, and a mesh that takes 1.9 times as long as the coarser one."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now, self.sizes = 0.0, [0.0]
+        self.sizes.clear()
+        monkeypatch.setattr(judging.time, "perf_counter", lambda: self.now)
+        monkeypatch.setattr(judging, "judge", self.judge)
+        monkeypatch.setattr(judging, "evaluation", self.evaluation)
+
+    def judge(self, target: Target, size: float, **_: Any) -> Any:
+        seconds = 1000 * size**-1.583  # 1.9 per factor 1.5
+        self.now += seconds
+        self.sizes.append(size)
+        return type("Judged", (), {"size": size, "seconds": seconds})
+
+    @staticmethod
+    def evaluation(coarse: Any, fine: Any, seconds: float) -> Any:
+        change = 0.05 * (coarse.size**2 - fine.size**2)
+        return type("Evaluation", (), {"error_percent": 3 * change, "size": fine.size, "seconds": seconds})
+
+
+def test_evaluation_climbs_to_the_accuracy_and_no_further(
+    monkeypatch: pytest.MonkeyPatch, mikron: Scene
+) -> None:
+    fake = FakeJudge(monkeypatch)
+    found, reached = judging.evaluate_to(Target("mikron", mikron), Wish(percent=1.0))
+    assert reached
+    assert found.error_percent <= 1.0
+    assert fake.sizes == sorted(set(fake.sizes), reverse=True), "no mesh twice"
+    before = fake.evaluation(*(type("J", (), {"size": size}) for size in fake.sizes[-3:-1]), 0.0)
+    assert before.error_percent > 1.0
+
+
+@pytest.mark.parametrize("budget", [30.0, 100.0, 300.0])
+def test_evaluation_keeps_within_its_budget(
+    monkeypatch: pytest.MonkeyPatch, mikron: Scene, budget: float
+) -> None:
+    fake = FakeJudge(monkeypatch)
+    found, reached = judging.evaluate_to(Target("mikron", mikron), Wish(budget_s=budget))
+    cheapest = len(fake.sizes) == 2
+    assert reached
+    assert found.size == min(fake.sizes)
+    assert cheapest or fake.now <= budget
+    assert fake.now * 3.3 > budget, "the next mesh would not have fitted"
+    _, reached = judging.evaluate_to(Target("mikron", mikron), Wish(percent=1e-6, budget_s=budget))
+    assert not reached
+
+
+def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
+    coarse, fine = choose_cells(mikron, 10.0, None), choose_cells(mikron, 2.0, None)
+    assert coarse.cell_mm > fine.cell_mm
+    assert coarse.error_percent <= 10.0
+    assert fine.error_percent <= 2.0
+    assert "run cranktopo accuracy" in str(coarse)
+    within = choose_cells(mikron, None, coarse.seconds + 1e-6)
+    assert within.cell_mm == pytest.approx(coarse.cell_mm)
+    both = choose_cells(mikron, 10.0, 1e6)
+    assert both == coarse
+    with pytest.raises(CranktopoError, match="takes about"):
+        choose_cells(mikron, 2.0, coarse.seconds + 1.0)
+    with pytest.raises(CranktopoError, match="coarsest cells"):
+        choose_cells(mikron, None, 0.1)
+    with pytest.raises(CranktopoError, match="evaluate RUN"):
+        choose_cells(mikron, 1e-4, None)
+
+
+def test_measured_times_replace_the_rough_ones(mikron: Scene, frontier: Frontier) -> None:
+    known = Known("by-hand", False, 2.0, frontier.as_json())
+    guess, found = (choose_cells(mikron, 5.0, None, k) for k in (None, known))
+    assert guess.cell_mm == found.cell_mm
+    assert "measured on by-hand" in str(found)
+    # 18 s for 16 000 cells times cases, in proportion beyond, twice as slow now, 0.5 s of compilation.
+    from cranktopo.domain.limits import estimated_cells
+
+    work = 2 * estimated_cells(mikron, found.cell_mm, quarter=True)
+    assert found.seconds == pytest.approx(2 * (18 * work / 16000 + 0.5), rel=1e-6)
+
+
+def test_memory_and_speed_are_measured() -> None:
+    import numpy as np
+
+    peak = PeakMemory()
+    block = np.ones(40 * 2**17)  # 40 MiB
+    assert peak.MiB > block.nbytes / 2**20
+    assert reference_seconds() > 0
