@@ -81,11 +81,16 @@ class Layout:
 
     def split(self, values: Any) -> Iterator[tuple[Part, dict[str, Any]]]:
         """Each part with its parameters by name."""
-        first = self.stations
-        for part in self.parts:
-            count = len(part.names)
-            yield part, {name: values[first + i] for i, name in enumerate(part.names)}
-            first += count
+        return named_parts(self.parts, values[self.stations :])
+
+
+def named_parts(parts: tuple[Part, ...], values: Any) -> Iterator[tuple[Part, dict[str, Any]]]:
+    """Each part with its parameters by name; `values` are those of the parts only."""
+    first = 0
+    for part in parts:
+        count = len(part.names)
+        yield part, {name: values[first + i] for i, name in enumerate(part.names)}
+        first += count
 
 
 def label(part: Part) -> str:

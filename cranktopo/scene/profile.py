@@ -47,6 +47,20 @@ class Flank:
             + arrive * t**2 * (t - 1)
         )
 
+    def along(self, xp: ModuleType, chords: int) -> Any:
+        """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm."""
+        pieces = self.points_mm.shape[0] - 1
+        place = np.linspace(0, pieces, chords + 1)
+        piece = np.minimum(place.astype(int), pieces - 1)
+        t = xp.asarray(place - piece)[:, None]
+        start, end, leave, arrive = (part[piece, 0] for part in self._pieces())
+        return (
+            start * (1 + 2 * t) * (1 - t) ** 2
+            + end * t**2 * (3 - 2 * t)
+            + leave * t * (1 - t) ** 2
+            + arrive * t**2 * (t - 1)
+        )
+
     def derivatives(self, xp: ModuleType, u: Any) -> tuple[Any, Any]:
         """First and second derivative by the parameter at u of every piece, (pieces, u, 2) each."""
         start, end, leave, arrive = self._pieces()

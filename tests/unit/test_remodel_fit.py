@@ -16,7 +16,7 @@ from cranktopo.remodel.leftover import leftovers
 from cranktopo.remodel.limits import violations
 from cranktopo.remodel.occupancy import occupancy
 from cranktopo.remodel.rules import Rules
-from cranktopo.remodel.search import compiled, search
+from cranktopo.remodel.search import fit_functions, search
 from cranktopo.remodel.select import Candidate, model_fill
 from cranktopo.remodel.starts import bevel_start, outline_start, side_start
 from cranktopo.scene import Scene
@@ -60,7 +60,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
     """All parameters of the family, away from the body they are fitted to."""
     values = values_of(WHOLE) + np.random.default_rng(3).normal(0, 0.7, len(WHOLE.names))
     with double_precision():
-        fit = compiled(_problem(body, mikron, COARSE, 2.0), WHOLE)
+        fit = fit_functions(_problem(body, mikron, COARSE, 2.0), WHOLE)
         _, gradient = fit.misfit(values, 3.0)
         slopes = np.asarray(fit.slopes(values))
         step = 1e-5
@@ -84,7 +84,7 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
         problem = _problem(body, mikron, rules, 1.0)
         start = [outline_start(problem, 7), *(bevel_start(problem, part) for part in PARTS[:2])]
         found, error = search(
-            compiled(problem, MORE), np.concatenate([*start, side_start(problem)]), (2.0, 1.0, 0.5)
+            fit_functions(problem, MORE), np.concatenate([*start, side_start(problem)]), (2.0, 1.0, 0.5)
         )
     assert error < 2e-3
     for name, true, value in zip(MORE.names, values_of(MORE), found, strict=True):
@@ -98,7 +98,7 @@ def test_each_parameter_is_recovered_within_half_a_percent(mikron: Scene) -> Non
     true = values_of(WHOLE)
     body = body_of(known_scene(mikron, WHOLE), facet_mm=0.3)
     with double_precision():
-        fit = compiled(_problem(body, mikron, Rules(), 0.5), WHOLE)
+        fit = fit_functions(_problem(body, mikron, Rules(), 0.5), WHOLE)
         start = np.clip(true + np.random.default_rng(1).normal(0, 1.0, len(true)), *fit.bounds)
         found, _ = search(fit, start, (2.0, 0.5, 0.25))
     for name, value, known in zip(WHOLE.names, found, true, strict=True):
@@ -113,7 +113,7 @@ def test_rules_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
     with double_precision():
         assert float(violations(MORE, true, mikron, rules).max()) > 0.1
         problem = _problem(body, mikron, rules, 2.0)
-        values, error = search(compiled(problem, MORE), true, (4.0, 2.0))
+        values, error = search(fit_functions(problem, MORE), true, (4.0, 2.0))
     assert np.isfinite(error)
     web = scene_with_web(mikron, web_of(MORE, values, mikron)).web
     assert web.outline == "profile"
