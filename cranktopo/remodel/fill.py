@@ -162,13 +162,15 @@ def _pocket_distance(
     import jax.numpy as jnp
 
     x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2]
-    along = jnp.abs(y - named["y"])
-    if part.shape == "side":
+    along = jnp.abs(y - named.get("y", 0.0))
+    if part.face == "side":
         angle = jnp.deg2rad(named["draft"])
         deep = x - named["floor"]
         opening, lean = deep * jnp.tan(angle), jnp.cos(angle)
         height = jnp.abs(z - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"])
-        walls = jnp.minimum(named["length"] / 2 + opening - along, named["height"] / 2 + opening - height)
+        walls = named["height"] / 2 + opening - height
+        if part.shape == "side":
+            walls = jnp.minimum(walls, named["length"] / 2 + opening - along)
         return jnp.minimum(deep, walls * lean)
     across = x - named.get("x", 0.0)
     if part.shape == "cylinder":

@@ -57,7 +57,7 @@ def part_limits(parts: tuple[Part, ...], points: Array, values: Array, scene: Sc
     ]
     terms = [term for bevel, arc in arcs for term in _bevel(bevel, arc, scene, rules)]
     for part, named in named_parts(parts, values):
-        if isinstance(part, Pocket) and part.shape == "side":
+        if isinstance(part, Pocket) and part.face == "side":
             terms += _side(named, points[:, 0].max(), arcs, scene, rules)
         elif isinstance(part, Pocket):
             terms += _pocket(part, named, points, scene, rules)
@@ -96,19 +96,20 @@ def _twice_tangent(rise: Any, run: Any) -> Any:
 def _side(
     named: dict[str, Any], widest: Any, arcs: list[tuple[Bevel, BevelArc]], scene: Scene, rules: Rules
 ) -> Iterator[Any]:
-    """Flanges on both sides, walls toward bores and bevels."""
+    """Flanges on both sides, walls toward bores and, unless it runs through them, bevels."""
     slope = np.tan(np.deg2rad(named["draft"]))
     deep = widest - named["floor"]
     tall = named["height"] / 2 + slope * deep
     wall = rules.min_wall_mm + _CLEAR_MM
+    through = "length" not in named
     yield 1.0 - deep
     offset = named["offset"]
     yield tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
     for journal, y in scene.throw.journals:
         if journal.bore_radius_mm:
-            beyond = np.maximum(np.abs(y - named["y"]) - named["length"] / 2, 0.0)
+            beyond = 0.0 if through else np.maximum(np.abs(y - named["y"]) - named["length"] / 2, 0.0)
             yield journal.bore_radius_mm + wall - np.hypot(named["floor"], beyond)
-    for part, arc in arcs:
+    for part, arc in () if through else arcs:
         reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
         depth = scene.web.thickness_mm / 2 + offset * (1.0 if part.face == "journal" else -1.0)
         yield wall - arc.distance_mm(np, depth - tall, reach)
