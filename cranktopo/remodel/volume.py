@@ -78,8 +78,10 @@ def _wedge_volume(scene: Scene, wedge: Wedge) -> float:
     def slice_area(y: Array) -> Array:
         low, high = (start + height for height in height_range_mm(web, radius, y))
         deep = half_width_mm(web, radius, y) - wedge.open_from_mm(y)
-        upper = _slot_side(deep, high - wedge.z_centre_mm, wedge)
-        return np.asarray(np.where(deep > 0, upper + _slot_side(deep, wedge.z_centre_mm - low, wedge), 0.0))
+        flat = _flat_half_height(wedge, y)
+        upper = _slot_side(deep, high - wedge.z_centre_mm, flat, wedge.slope)
+        lower = _slot_side(deep, wedge.z_centre_mm - low, flat, wedge.slope)
+        return np.asarray(np.where(deep > 0, upper + lower, 0.0))
 
     corners = {wedge.y_mm - wedge.half_length_mm, wedge.y_mm + wedge.half_length_mm}
     places = sorted(corners | set(_breaks(scene, [wedge], scene.web_z_mm)))
@@ -87,11 +89,15 @@ def _wedge_volume(scene: Scene, wedge: Wedge) -> float:
     return _integrate(slice_area, sorted({*places, *(y for found in edges for y in found)}))
 
 
-def _slot_side(deep: Array, height: Array, wedge: Wedge) -> Array:
-    """Area on one side of a slot's middle up to a height: full depth over the floor, then the sloped wall."""
-    floor = np.minimum(height, wedge.half_height_mm)
-    wall = np.clip(height - wedge.half_height_mm, 0.0, np.maximum(wedge.slope * deep, 0.0))
-    return np.asarray(deep * floor + wall * deep - wall**2 / (2 * wedge.slope))
+def _flat_half_height(wedge: Wedge, y_mm: Array) -> Array:
+    """Half-height over which a slot has its full depth: more in its end walls, which are less deep."""
+    return np.asarray(wedge.half_height_mm + wedge.slope * (wedge.open_from_mm(y_mm) - wedge.floor_mm))
+
+
+def _slot_side(deep: Array, height: Array, flat: Array, slope: float) -> Array:
+    """Area on one side of a slot's middle up to a height: full depth, then the sloped wall."""
+    wall = np.clip(height - flat, 0.0, np.maximum(slope * deep, 0.0))
+    return np.asarray(deep * (np.minimum(height, flat) + wall) - wall**2 / (2 * slope))
 
 
 def _slot_edges(scene: Scene, wedge: Wedge) -> list[Callable[[Array], Array]]:
@@ -102,7 +108,7 @@ def _slot_edges(scene: Scene, wedge: Wedge) -> list[Callable[[Array], Array]]:
         def gap(y: Array) -> Array:
             height = start + height_range_mm(web, radius, y)[side] - wedge.z_centre_mm
             deep = np.maximum(half_width_mm(web, radius, y) - wedge.open_from_mm(y), 0.0)
-            return (height if side else -height) - wedge.half_height_mm - opening * wedge.slope * deep
+            return (height if side else -height) - _flat_half_height(wedge, y) - opening * wedge.slope * deep
 
         return gap
 
