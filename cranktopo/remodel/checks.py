@@ -144,10 +144,10 @@ def _check_wedge(scene: Scene, wedge: Wedge) -> None:
     cut = half > wedge.open_from_mm(y)
     ends = y_range_mm(web, radius)
     through = abs(wedge.y_mm - sum(ends) / 2) + (ends[1] - ends[0]) / 2 <= wedge.half_length_mm
-    sunk = cut & ((middle < low) | (middle > high))
+    sunk = cut & ((middle + wedge.half_height_mm < low) | (middle - wedge.half_height_mm > high))
     if through and sunk.any():
         raise CranktopoError(
-            f"{wedge.key}: a bevel takes off its middle.", hint="Widen the floor or move it away from the bevel."
+            f"{wedge.key}: a bevel takes off its whole floor.", hint="Heighten the floor or move it inward."
         )
     if not through and (cut & ((middle - height < low) | (middle + height > high))).any():
         raise CranktopoError(

@@ -10,7 +10,7 @@ from manifold3d import Manifold
 
 from cranktopo.fem.precision import double_precision
 from cranktopo.remodel.closeness import closeness, surface_distance_mm
-from cranktopo.remodel.family import Layout, web_of
+from cranktopo.remodel.family import Bevel, Layout, Pocket, web_of
 from cranktopo.remodel.fit import _problem, fit_web, scene_with_web
 from cranktopo.remodel.leftover import leftovers
 from cranktopo.remodel.occupancy import occupancy
@@ -89,6 +89,22 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
     for name, true, value in zip(MORE.names, values_of(MORE), found, strict=True):
         if not name.endswith(("crown", "draft", "bevel-pin.y")):
             assert value == pytest.approx(true, rel=1e-2, abs=0.06), name
+
+
+def test_gradients_of_pockets_and_groove(mikron: Scene, body: Manifold) -> None:
+    """The parts that the known web lacks, one on each face."""
+    parts = (Bevel("pin"), Pocket("groove", "side"), Pocket("box", "journal"), Pocket("cylinder", "pin", True))
+    layout = Layout(6, parts)
+    values = [-25.0, 74.0, 21.0, 35.0, 36.0, 20.0, *(8.0, 12.0, 1.5), *(6.0, 30.0, 0.5, 11.0)]
+    at = np.array([*values, *(23.0, 9.0, 7.0, 5.0), *(22.0, 25.0, 8.0, 4.0)])
+    with double_precision():
+        fit = fit_functions(_problem(body, mikron, COARSE, 2.0), layout)
+        _, gradient = fit.misfit(at, 3.0)
+        step = 1e-5
+        for i, name in enumerate(layout.names):
+            side = step * np.eye(len(at))[i]
+            difference = (fit.misfit(at + side, 3.0)[0] - fit.misfit(at - side, 3.0)[0]) / (2 * step)
+            assert gradient[i] == pytest.approx(difference, rel=1e-4, abs=1e-8), name
 
 
 @pytest.mark.slow
