@@ -155,9 +155,7 @@ def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np
     return sign * distance, chord, share, sign[..., None] * away / np.maximum(distance, _TINY)[..., None]
 
 
-def _pocket_distance(
-    part: Pocket, named: dict[str, Any], axes: Any, web_z_mm: Any
-) -> Any:
+def _pocket_distance(part: Pocket, named: dict[str, Any], axes: Any, web_z_mm: Any) -> Any:
     """Signed distance of a pocket, positive in it, broadcastable to the cells, mm."""
     import jax.numpy as jnp
 

@@ -103,7 +103,7 @@ class _Shape:
 
 
 class _Outline:
-    """The outline of a parameter vector, the last one kept; derivatives by complex steps, exact to rounding."""
+    """The outline of a parameter vector, the last one kept; derivatives by complex steps."""
 
     def __init__(self, problem: Problem, stations: int) -> None:
         self._problem, self._layout = problem, Layout(stations)

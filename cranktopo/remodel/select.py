@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -111,7 +111,7 @@ def _features(problem: Problem, best: Candidate, trials: list[Trial]) -> Candida
 
 
 def _try(
-    problem: Problem, best: Candidate, choices: list[tuple[Part, Array]], trials: list[Trial]
+    problem: Problem, best: Candidate, choices: Sequence[tuple[Part, Array]], trials: list[Trial]
 ) -> Candidate:
     """The web with the best one of several parts, if that one pays for itself."""
     found = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -38,6 +39,7 @@ def half_throw_volume_mm3(scene: Scene) -> float:
     return total + _fillet_volume(scene, throw.crankpin, throw.radius_mm, end)
 
 
+@lru_cache(maxsize=16)
 def web_volume_mm3(scene: Scene) -> float:
     """Volume of the web between its two faces, mm3: layer by layer, each layer an area of constant shape.
 
@@ -69,7 +71,7 @@ def _layer_volume(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, flo
 
 
 def _wedge_volume(scene: Scene, wedge: Wedge) -> float:
-    """Volume that one slot with sloped walls takes from the web: sections across the throw, integrated along it.
+    """Volume that one slot with sloped walls takes from the web, from sections across the throw.
 
     In a section the slot's depth falls off linearly beyond its floor, and the bevels bound its height.
     """

@@ -1,7 +1,7 @@
 """Where the time of a re-model goes: python -m tests.benchmarks.remodel_time RUN [--judge].
 
-One line per search (what was tried, parameters, overlap, seconds), then one per stage. A second run shows what
-kept compiled programs save.
+One line per search (what was tried, parameters, overlap, seconds), then one per stage. A second run shows
+what kept compiled programs save.
 """
 
 from __future__ import annotations

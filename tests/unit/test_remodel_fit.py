@@ -93,7 +93,12 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
 
 def test_gradients_of_pockets_and_groove(mikron: Scene, body: Manifold) -> None:
     """The parts that the known web lacks, one on each face."""
-    parts = (Bevel("pin"), Pocket("groove", "side"), Pocket("box", "journal"), Pocket("cylinder", "pin", True))
+    parts = (
+        Bevel("pin"),
+        Pocket("groove", "side"),
+        Pocket("box", "journal"),
+        Pocket("cylinder", "pin", True),
+    )
     layout = Layout(6, parts)
     values = [-25.0, 74.0, 21.0, 35.0, 36.0, 20.0, *(8.0, 12.0, 1.5), *(6.0, 30.0, 0.5, 11.0)]
     at = np.array([*values, *(23.0, 9.0, 7.0, 5.0), *(22.0, 25.0, 8.0, 4.0)])
