@@ -126,7 +126,7 @@ def outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
 
 
 def _outline_pulled_back(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
-    """Derivative of sum(weight * distance) by the points: the foot of each distance moves its chord's ends."""
+    """Derivative of sum(weight * distance) by the points: a chord's ends move with the foot on it."""
     _, chord, along, normal = _nearest(points, x_mm, y_mm)
     result = np.zeros(points.shape)
     for end, share in ((chord, 1 - along), (chord + 1, along)):
