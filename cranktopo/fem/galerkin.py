@@ -1,4 +1,4 @@
-"""Galerkin coarse operators of the multigrid hierarchy, stored as 27-point stencils of 3 x 3 blocks.
+"""Galerkin coarse operators of the multigrid hierarchy: stencils of 27 blocks 3 x 3, half of them stored.
 
 A coarse cell's stiffness is linear in the moduli of the fine cells it holds. Trilinear weights inside a
 coarse cell are linear in the fine cell's position, products of two of them quadratic, so over x and y the
@@ -14,12 +14,14 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
 from cranktopo.fem.element import CORNERS
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
 
-OFFSETS = list(product((-1, 0, 1), repeat=3))
+# A node itself and the half of its neighbours that come later; the rest of a symmetric operator follows.
+_OFFSETS = [offset for offset in product((-1, 0, 1), repeat=3) if offset >= (0, 0, 0)]
+# Empty planes before the first: one flat slice then finds the blocks of all earlier neighbours.
+_LEAD = 2
 
 
 class CoarseMap(NamedTuple):
@@ -77,20 +79,26 @@ def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
 
 
 def assemble_stencil(cells: jax.Array) -> jax.Array:
-    """Stencil (27, 3, 3, nodes...) of cell matrices: blocks that couple a node to its neighbours."""
-    shape = cells.shape[4:]
-    pairs = [(a, b, _index(CORNERS[b] - CORNERS[a])) for a in range(8) for b in range(8)]
+    """Stencil of cell matrices: the blocks that couple a node to itself and to its later neighbours.
 
-    # A loop: as one expression the 64 shifted sums take seconds to compile.
+    Returns:
+        Array (14, 3, 3, 2 + nodes along x, nodes along y, nodes along z); its first two planes are 0.
+    """
+    shape = cells.shape[4:]
+    offsets = {(a, b): tuple(int(n) for n in CORNERS[b] - CORNERS[a]) for a in range(8) for b in range(8)}
+    pairs = [(a, b, _OFFSETS.index(offset)) for (a, b), offset in offsets.items() if offset in _OFFSETS]
+
+    # A loop: as one expression the shifted sums take seconds to compile.
     def add(number: jax.Array, stencil: jax.Array) -> jax.Array:
         a, b, offset = jnp.asarray(pairs)[number]
         i, j, k = jnp.asarray(CORNERS)[a]
-        at = offset, 0, 0, i, j, k
+        at = offset, 0, 0, _LEAD + i, j, k
         there = jax.lax.dynamic_slice(stencil, at, (1, 3, 3, *shape))
         part = jax.lax.dynamic_slice(cells, (a, 0, b, 0, 0, 0, 0), (1, 3, 1, 3, *shape))
         return jax.lax.dynamic_update_slice(stencil, there + part.reshape(there.shape), at)
 
-    empty = jnp.zeros((27, 3, 3, *(n + 1 for n in shape)), cells.dtype)
+    nx, ny, nz = shape
+    empty = jnp.zeros((len(_OFFSETS), 3, 3, _LEAD + nx + 1, ny + 1, nz + 1), cells.dtype)
     return jax.lax.fori_loop(0, len(pairs), add, empty)
 
 
@@ -108,30 +116,29 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """Product of a stencil operator (27, 3, 3, nodes...) with fields (cases, 3, nodes...)."""
+    """Product of a stencil operator from `assemble_stencil` with fields (cases, 3, nodes...)."""
     cases, _, nx, ny, nz = field.shape
-    size, reach = nx * ny * nz, ny * nz + nz + 1
+    size, reach, lead = nx * ny * nz, ny * nz + nz + 1, _LEAD * ny * nz
     # One flat axis: the blocks that would reach beyond the grid are 0. Without the barriers XLA recomputes
     # whatever made the field once per neighbour.
     flat = field.reshape(cases, 3, size)
     padded = jax.lax.optimization_barrier(jnp.pad(flat, ((0, 0), (0, 0), (reach, reach))))
-    blocks = stencil.reshape(27, 3, 3, size)
+    blocks = stencil.reshape(len(_OFFSETS), 3, 3, -1)
     result = jnp.zeros_like(flat)
-    for index, (i, j, k) in enumerate(OFFSETS):
-        first = reach + (i * ny + j) * nz + k
+    for index, (i, j, k) in enumerate(_OFFSETS):
+        shift = (i * ny + j) * nz + k
+        later, earlier = reach + shift, reach - shift
         for d in range(3):
-            result = result + blocks[index, :, d] * padded[:, d : d + 1, first : first + size]
+            result += blocks[index, :, d, lead:] * padded[:, d : d + 1, later : later + size]
+            if shift:
+                transposed = blocks[index, d, :, lead - shift : lead - shift + size]
+                result += transposed * padded[:, d : d + 1, earlier : earlier + size]
     return jax.lax.optimization_barrier(result).reshape(field.shape)
 
 
 def stencil_diagonal(stencil: jax.Array) -> jax.Array:
     """Diagonal (3, nodes...) of a stencil operator."""
-    centre = stencil[OFFSETS.index((0, 0, 0))]
-    return jnp.stack([centre[c, c] for c in range(3)])
-
-
-def _index(offset: NDArray[np.int64]) -> int:
-    return OFFSETS.index((int(offset[0]), int(offset[1]), int(offset[2])))
+    return jnp.stack([stencil[0, c, c, _LEAD:] for c in range(3)])
 
 
 def _samples(n: int) -> list[int]:

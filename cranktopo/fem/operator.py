@@ -6,15 +6,13 @@ eight 3 x 3 products, sums and differences back: no gather, no scatter, no (cell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks, wave_of
-
-Waves = list[list[jax.Array]]  # [wave][component], each (cases, nx, ny, nz)
+from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks
 
 # Entries of the reflection blocks that do not vanish by symmetry, the same for every box and material.
 _COUPLED = np.abs(reflection_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3))) > 1e-12
@@ -31,9 +29,10 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     Returns:
         Forces of the same shape and precision as `field`, N.
     """
-    waves = [_corner_sums(field[:, c]) for c in range(3)]
-    products = _multiply_blocks(blocks, moduli, waves)
-    return jnp.stack([_corner_sums_transposed([p[c] for p in products]) for c in range(3)], axis=1)
+    # Without the barriers XLA recomputes what made the field, and the block products, once per corner.
+    classes = _parity_sums(jax.lax.optimization_barrier(field))
+    products = _multiply_blocks(blocks, moduli, classes)
+    return _parity_sums_transposed(jax.lax.optimization_barrier(products))
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
@@ -47,20 +46,30 @@ def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
     Returns:
         Array (nx, ny, nz), N mm per MPa.
     """
-    waves = [_corner_sums(right[:, c]) for c in range(3)]
-    other = [_corner_sums(left[:, c]) for c in range(3)]
-    unit = jnp.ones(waves[0][0].shape[1:], right.dtype)
-    products = _multiply_blocks(blocks, unit, waves)
-    return sum(
-        (jnp.sum(other[c][w] * products[w][c], axis=0) for w in range(1, 8) for c in range(3)),
-        start=jnp.zeros_like(unit),
-    )
+
+    def layer(start: jax.Array) -> jax.Array:
+        at = [jax.lax.dynamic_slice_in_dim(field, start, 2, axis=2) for field in (left, right)]
+        return _layer_energy_density(blocks, *at)
+
+    # Layer by layer, so that sums and differences stay in the cache.
+    return jnp.squeeze(jax.lax.map(layer, jnp.arange(left.shape[2] - 1)), axis=1)
 
 
 @jax.jit
 def strain_energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
     """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus; arguments as `apply_stiffness`."""
     return jax.lax.map(lambda v: strain_energy_density(blocks, v[None], v[None]), u)
+
+
+def _layer_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
+    other, classes = _parity_sums(left), _parity_sums(right)
+    columns = blocks.astype(right.dtype)
+    density = jnp.zeros(classes.shape[3:], right.dtype)
+    # Term by term: one sum over classes and components would run along the slowest axis of memory.
+    for p, c in np.argwhere(np.any(_COUPLED, axis=2)):
+        force = sum(columns[p, c, d] * classes[:, p, d] for d in np.flatnonzero(_COUPLED[p, c]))
+        density += jnp.sum(other[:, p, c] * force, axis=0)
+    return density
 
 
 def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
@@ -79,57 +88,47 @@ def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
     return jnp.stack(diagonal)
 
 
-def _corner_sums(nodal: jax.Array) -> list[jax.Array]:
-    """Sums and differences over the corners of each cell; list index is the wave 4 wx + 2 wy + wz."""
-    waves = [nodal]
-    for axis in (-1, -2, -3):
-        waves = [part for wave in waves for part in _sum_and_difference(wave, axis)]
-    # Built innermost axis first: index 4 wz + 2 wy + wx. Put x first.
-    return [waves[4 * (w & 1) + (w & 2) + (w >> 2)] for w in range(8)]
+def _parity_sums(field: jax.Array) -> jax.Array:
+    """Sums and differences over the corners of each cell, by parity class: (cases, 8, 3, cells...).
+
+    Along its own direction a component changes places: entry [p, c] is wave p xor e_c. One operation per
+    axis on all components and classes together: single waves would need four times as many programs.
+    """
+    classes = field[:, None]
+    for axis in range(3):
+        size = classes.shape[3 + axis]
+        near = jax.lax.slice_in_dim(classes, 0, size - 1, axis=3 + axis)
+        far = jax.lax.slice_in_dim(classes, 1, size, axis=3 + axis)
+        pair = far[:, :, None] + _signs(axis, field.dtype) * near[:, :, None]
+        classes = pair.reshape(field.shape[0], -1, 3, *near.shape[3:])
+    return classes
 
 
-def _barrier(arrays: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-    barrier: Callable[[tuple[jax.Array, ...]], tuple[jax.Array, ...]] = jax.lax.optimization_barrier
-    return barrier(arrays)
+def _parity_sums_transposed(classes: jax.Array) -> jax.Array:
+    """Transpose of `_parity_sums`: cells back to nodes."""
+    for axis in (2, 1, 0):
+        pair = classes.reshape(classes.shape[0], -1, 2, *classes.shape[2:])
+        first, second = pair[:, :, 0], pair[:, :, 1]
+        near = _signs(axis, classes.dtype)[0] * (first - second)
+        classes = _pad(near, 3 + axis, 0, 1) + _pad(first + second, 3 + axis, 1, 0)
+    return classes[:, 0]
 
 
-def _sum_and_difference(values: jax.Array, axis: int) -> tuple[jax.Array, jax.Array]:
-    size = values.shape[axis]
-    near = jax.lax.slice_in_dim(values, 0, size - 1, axis=values.ndim + axis)
-    far = jax.lax.slice_in_dim(values, 1, size, axis=values.ndim + axis)
-    return near + far, far - near
+def _signs(axis: int, dtype: jnp.dtype[Any]) -> jax.Array:
+    """Sign of the near corner along an axis, for both classes and every component: (2, 3, 1, 1, 1)."""
+    signs = np.ones((2, 3))
+    signs[0, axis] = -1
+    signs[1] = -signs[0]
+    return jnp.asarray(signs[..., None, None, None], dtype)
 
 
-def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, waves: Sequence[Sequence[jax.Array]]) -> Waves:
-    """The 3 x 3 block product of every parity class; `waves` is [component][wave]."""
-    blocks = jnp.asarray(blocks, moduli.dtype)
-    formed: dict[tuple[int, int], jax.Array] = {}
-    for parity in range(8):
-        for c in range(3):
-            terms = [
-                blocks[parity, c, d] * waves[d][wave_of(parity, d)]
-                for d in range(3)
-                if _COUPLED[parity, c, d]
-            ]
-            if terms:
-                formed[wave_of(parity, c), c] = moduli * sum(terms[1:], start=terms[0])
-    # Without a barrier XLA recomputes the block products once per corner.
-    formed = dict(zip(formed, _barrier(tuple(formed.values())), strict=True))
-    zero = jnp.zeros_like(waves[0][0])
-    return [[formed.get((wave, c), zero) for c in range(3)] for wave in range(8)]
-
-
-def _corner_sums_transposed(waves: Sequence[jax.Array]) -> jax.Array:
-    """Transpose of `_corner_sums` for one component: cells back to nodes."""
-    parts = list(waves)
-    for axis in (-1, -2, -3):
-        parts = [_scatter_pair(parts[2 * i], parts[2 * i + 1], axis) for i in range(len(parts) // 2)]
-    return parts[0]
-
-
-def _scatter_pair(total: jax.Array, difference: jax.Array, axis: int) -> jax.Array:
-    """Each cell gives (sum - difference) to its near node and (sum + difference) to its far node."""
-    return _pad(total - difference, axis, 0, 1) + _pad(total + difference, axis, 1, 0)
+def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, classes: jax.Array) -> jax.Array:
+    """The 3 x 3 block product of every parity class."""
+    columns = blocks.astype(classes.dtype)[:, :, :, None, None, :]
+    return moduli * sum(
+        (columns[:, :, d] * classes[:, :, d, None] for d in range(1, 3)),
+        start=columns[:, :, 0] * classes[:, :, 0, None],
+    )
 
 
 def _pad(values: jax.Array, axis: int, low: int, high: int) -> jax.Array:

@@ -1,0 +1,45 @@
+"""Coarse operators against P^T K P: interpolation and the fine product are the independent halves."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from cranktopo.fem.galerkin import (
+    apply_stencil,
+    assemble_dense,
+    assemble_stencil,
+    coarse_cells,
+    coarse_map,
+    stencil_diagonal,
+)
+from cranktopo.fem.lattice import Lattice, layer_blocks
+from cranktopo.fem.multigrid import prolong, restrict
+from cranktopo.fem.operator import apply_stiffness
+from cranktopo.fem.precision import double_precision
+
+LATTICE = Lattice((4, 6, 8), 1.0, 1.3, (0.7, 0.7, 1.0, 1.0, 1.0, 1.4, 1.4, 0.9), 0.3)
+COARSE_NODES = (3, 4, 5)
+
+
+@pytest.fixture
+def problem():
+    rng = np.random.default_rng(5)
+    with double_precision():
+        moduli = jnp.asarray(rng.random(LATTICE.cells) ** 3)
+        cells = coarse_cells(coarse_map(LATTICE, (2, 2, 2)), moduli)
+        yield moduli, cells, jnp.asarray(rng.standard_normal((2, 3, *COARSE_NODES)))
+
+
+def test_stencil_product_is_restricted_fine_product(problem):
+    moduli, cells, field = problem
+    fine = apply_stiffness(jnp.asarray(layer_blocks(LATTICE)), moduli, prolong(field, LATTICE.nodes))
+    expected = restrict(fine, COARSE_NODES)
+    np.testing.assert_allclose(apply_stencil(assemble_stencil(cells), field), expected, atol=1e-12)
+
+
+def test_stencil_and_dense_matrix_agree(problem):
+    _, cells, field = problem
+    dense, stencil = assemble_dense(cells), assemble_stencil(cells)
+    expected = (field.reshape(2, -1) @ dense.T).reshape(field.shape)
+    np.testing.assert_allclose(apply_stencil(stencil, field), expected, atol=1e-12)
+    np.testing.assert_allclose(stencil_diagonal(stencil).ravel(), jnp.diagonal(dense), rtol=1e-12)
