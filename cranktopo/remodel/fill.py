@@ -1,15 +1,11 @@
 """Fill of cells by a web of the family, with its gradient: signed distances through a smooth step.
 
 The step's width shrinks during the fit. It is odd about the surface, so that a flat surface is fitted
-without bias at any width. Bevel and each kind of pocket have their own compiled distance (JAX) with its
-derivative; the least of them and the outline's is taken outside, so that nothing is compiled anew for another
-combination of parts or another number of stations.
+without bias at any width. Nothing is compiled: the compiler may take minutes over one combination of parts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,6 +15,8 @@ from cranktopo.remodel.family import Bevel, Part, Pocket
 from cranktopo.scene.bevel import BevelArc
 
 _TINY = 1e-12
+_STEP = 1e-6
+"""Step of the derivatives by the parameters of a part, mm or degrees."""
 CHORDS = 48
 """Chords of the outline's right half in the distance field."""
 Array = NDArray[np.float64]
@@ -26,7 +24,7 @@ Axes = tuple[Array, Array, Array]
 
 
 class Fill:
-    """The fill of a grid by an outline and its parts; call in double precision.
+    """The fill of a grid by an outline and its parts.
 
     Args:
         parts: bevels and pockets.
@@ -48,7 +46,7 @@ class Fill:
         inside[:] = outline_distance(points, *self.axes[:2])[:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
         for k, (part, own) in enumerate(self._own(values)):
-            field = np.asarray(_part_field(part)[0](own, _ends(points), self.axes, self.web_z_mm))
+            field = _part_field(part, own, _ends(points), self.axes, self.web_z_mm)
             lower = field < inside
             np.copyto(inside, field, where=lower)
             which[lower] = k + 1
@@ -65,7 +63,7 @@ class Fill:
             chosen = np.where(which == k + 1, weight, 0.0)
             if isinstance(part, Bevel):
                 chosen = chosen.sum(axis=0, keepdims=True)
-            by_own, by_ends = _part_field(part)[1](own, _ends(points), self.axes, self.web_z_mm, chosen)
+            by_own, by_ends = _part_pulled_back(part, own, _ends(points), self.axes, self.web_z_mm, chosen)
             by_values.append(np.asarray(by_own))
             by_points[[0, -1], 1] += np.asarray(by_ends)
         return by_points, np.concatenate([np.zeros(0), *by_values])
@@ -81,23 +79,31 @@ def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
     return 0.5 + 0.75 * u - 0.25 * u**3, 0.75 * (1 - u**2) / width_mm
 
 
-@lru_cache(maxsize=32)
-def _part_field(part: Part) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Distance from what a part takes off, and its derivative by its values and the outline's ends."""
-    import jax
+def _part_field(part: Part, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+    """Signed distance from what a part takes off, broadcastable to the cells, mm."""
+    named = {name: values[i] for i, name in enumerate(part.names)}
+    if isinstance(part, Pocket):
+        return np.asarray(-_pocket_distance(part, named, axes, web_z_mm))
+    return np.asarray(_bevel_distance(part, named, ends, axes, web_z_mm))
 
-    def field(values: Any, ends: Any, axes: Any, web_z_mm: Any) -> Any:
-        named = {name: values[i] for i, name in enumerate(part.names)}
-        if isinstance(part, Pocket):
-            return -_pocket_distance(part, named, axes, web_z_mm)
-        return _bevel_distance(part, named, ends, axes, web_z_mm)
 
-    def pull(values: Any, ends: Any, axes: Any, web_z_mm: Any, weight: Any) -> Any:
-        found, back = jax.vjp(lambda v, e: field(v, e, axes, web_z_mm), values, ends)
-        narrow = [i for i, n in enumerate(found.shape) if n == 1 and weight.shape[i] > 1]
-        return back(weight.sum(axis=narrow, keepdims=True) if narrow else weight)
+def _part_pulled_back(
+    part: Part, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array
+) -> tuple[Array, Array]:
+    """Derivative of sum(weight * distance) by the values of a part and by the ends, by central differences.
 
-    return jax.jit(field), jax.jit(pull)
+    A compiled derivative would be exact, but the compiler may take minutes over one.
+    """
+    both = np.concatenate([values, ends])
+    count = len(both) if isinstance(part, Bevel) else len(values)
+    slopes = np.zeros(len(both))
+    for i, step in enumerate(_STEP * np.eye(len(both))[:count]):
+        above, below = (
+            _part_field(part, shifted[: len(values)], shifted[len(values) :], axes, web_z_mm)
+            for shifted in (both + step, both - step)
+        )
+        slopes[i] = float(((above - below) * weight).sum()) / (2 * _STEP)
+    return slopes[: len(values)], slopes[len(values) :]
 
 
 def _ends(points: Array) -> Array:
@@ -106,11 +112,9 @@ def _ends(points: Array) -> Array:
 
 def _bevel_distance(part: Bevel, named: dict[str, Any], ends: Any, axes: Any, web_z_mm: Any) -> Any:
     """Signed distance below a bevel, (1, ny, nz), mm."""
-    import jax.numpy as jnp
-
     arc = bevel_arc_of(part, named, ends)
     depth, reach = _depth(part.face, axes[2], web_z_mm), arc.outward * axes[1][:, None]
-    return arc.distance_mm(jnp, depth[None, :], reach)[None]
+    return arc.distance_mm(np, depth[None, :], reach)[None]
 
 
 def bevel_arc_of(part: Bevel, named: dict[str, Any], ends: Any) -> BevelArc:
@@ -157,27 +161,25 @@ def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np
 
 def _pocket_distance(part: Pocket, named: dict[str, Any], axes: Any, web_z_mm: Any) -> Any:
     """Signed distance of a pocket, positive in it, broadcastable to the cells, mm."""
-    import jax.numpy as jnp
-
     x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2]
-    along = jnp.abs(y - named.get("y", 0.0))
+    along = np.abs(y - named.get("y", 0.0))
     if part.face == "side":
-        angle = jnp.deg2rad(named["draft"])
+        angle = np.deg2rad(named["draft"])
         deep = x - named["floor"]
-        opening, lean = deep * jnp.tan(angle), jnp.cos(angle)
-        height = jnp.abs(z - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"])
+        opening, lean = deep * np.tan(angle), np.cos(angle)
+        height = np.abs(z - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"])
         walls = named["height"] / 2 + opening - height
         if part.shape == "side":
-            walls = jnp.minimum(walls, named["length"] / 2 + opening - along)
-        return jnp.minimum(deep, walls * lean)
+            walls = np.minimum(walls, named["length"] / 2 + opening - along)
+        return np.minimum(deep, walls * lean)
     across = x - named.get("x", 0.0)
     if part.shape == "cylinder":
-        result = named["diameter"] / 2 - jnp.sqrt(across**2 + along**2 + 1e-12)
+        result = named["diameter"] / 2 - np.sqrt(across**2 + along**2 + 1e-12)
     else:
-        result = jnp.minimum(named["size_x"] / 2 - jnp.abs(across), named["size_y"] / 2 - along)
+        result = np.minimum(named["size_x"] / 2 - np.abs(across), named["size_y"] / 2 - along)
     if part.face == "through":
         return result
-    return jnp.minimum(result, named["depth"] - _depth(part.face, z, web_z_mm))
+    return np.minimum(result, named["depth"] - _depth(part.face, z, web_z_mm))
 
 
 def _depth(face: str, z_mm: Any, web_z_mm: Any) -> Any:
