@@ -43,8 +43,8 @@ def write_envelope(folder: Path) -> Path:
         return path
     web = read_web(folder)
     body = solid_of(web.vertices_mm, web.faces, f"web of {folder.name}")
-    half = body.trim_by_plane(_X_AXIS, 0.0).warp_batch(_snap)
-    write_stl(path, mesh_of((half + half.mirror(_X_AXIS)).simplify(_SIMPLIFY_MM)))
+    half = body.trim_by_plane(_X_AXIS, 0.0).warp_batch(_snap).simplify(_SIMPLIFY_MM).warp_batch(_snap)
+    write_stl(path, mesh_of(half + half.mirror(_X_AXIS)))  # simplified before it is mirrored, else lopsided
     return path
 
 

@@ -134,7 +134,7 @@ def _check_pocket(scene: Scene, feature: Feature) -> None:
 
 
 def _check_wedge(scene: Scene, wedge: Wedge) -> None:
-    """Sloped walls stay inside the bevels and clear of other pockets."""
+    """Sloped walls stay inside the bevels, unless the slot runs through both ends; clear of other pockets."""
     web, radius, start = scene.web, scene.throw.radius_mm, scene.web_z_mm[0]
     y = np.linspace(*wedge.y_range_mm, 401)
     half = half_width_mm(web, radius, y)
@@ -142,7 +142,14 @@ def _check_wedge(scene: Scene, wedge: Wedge) -> None:
     low, high = height_range_mm(web, radius, y)
     middle = wedge.z_centre_mm - start
     cut = half > wedge.open_from_mm(y)
-    if (cut & ((middle - height < low) | (middle + height > high))).any():
+    ends = y_range_mm(web, radius)
+    through = abs(wedge.y_mm - sum(ends) / 2) + (ends[1] - ends[0]) / 2 <= wedge.half_length_mm
+    sunk = cut & ((middle + wedge.half_height_mm < low) | (middle - wedge.half_height_mm > high))
+    if through and sunk.any():
+        raise CranktopoError(
+            f"{wedge.key}: a bevel takes off its whole floor.", hint="Heighten the floor or move it inward."
+        )
+    if not through and (cut & ((middle - height < low) | (middle + height > high))).any():
         raise CranktopoError(
             f"{wedge.key}: its sloped walls run into a bevel.", hint="Shorten the pocket or the bevel."
         )

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 Array = NDArray[np.float64]
-_SAMPLES = 40_000
+_SAMPLES = 10_000
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,8 @@ ROUNDING_MM = 0.01
 _LEAST_MM = 3.0
 """Least size of a pocket."""
 _LARGEST_DRAFT_DEG = 45.0
+_BEYOND_MM = 1.0
+"""How far a groove reaches beyond both ends of the outline."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,12 @@ class Pocket:
     """A pocket of the family.
 
     Attributes:
-        shape: "side" (both lateral faces), "cylinder" or "box".
+        shape: "side" (both lateral faces), "groove" (the same, through both ends), "cylinder" or "box".
         face: the face it starts from, or "through" or "side".
         pair: two of them, at +x and -x; otherwise one at x = 0 (or the two slots of a side pocket).
     """
 
-    shape: Literal["side", "cylinder", "box"]
+    shape: Literal["side", "groove", "cylinder", "box"]
     face: Literal["journal", "pin", "through", "side"]
     pair: bool = False
 
@@ -53,6 +55,8 @@ class Pocket:
         """Names of its parameters: mm, draft in degrees."""
         if self.shape == "side":
             return ("y", "length", "height", "floor", "offset", "draft")
+        if self.shape == "groove":
+            return ("height", "floor", "offset", "draft")
         place = ("x", "y") if self.pair else ("y",)
         size = ("diameter",) if self.shape == "cylinder" else ("size_x", "size_y")
         return (*place, *size, *(() if self.face == "through" else ("depth",)))
@@ -81,18 +85,23 @@ class Layout:
 
     def split(self, values: Any) -> Iterator[tuple[Part, dict[str, Any]]]:
         """Each part with its parameters by name."""
-        first = self.stations
-        for part in self.parts:
-            count = len(part.names)
-            yield part, {name: values[first + i] for i, name in enumerate(part.names)}
-            first += count
+        return named_parts(self.parts, values[self.stations :])
+
+
+def named_parts(parts: tuple[Part, ...], values: Any) -> Iterator[tuple[Part, dict[str, Any]]]:
+    """Each part with its parameters by name; `values` are those of the parts only."""
+    first = 0
+    for part in parts:
+        count = len(part.names)
+        yield part, {name: values[first + i] for i, name in enumerate(part.names)}
+        first += count
 
 
 def label(part: Part) -> str:
     """Short name of a part, such as `bevel-journal` or `cylinder-through-pair`."""
     if isinstance(part, Bevel):
         return f"bevel-{part.face}"
-    shape = part.shape if part.shape == "side" else f"{part.shape}-{part.face}"
+    shape = part.shape if part.face == "side" else f"{part.shape}-{part.face}"
     return f"{shape}-pair" if part.pair else shape
 
 
@@ -138,7 +147,7 @@ def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     """The `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
     flank = flank_of(np, layout, np.asarray(values, dtype=np.float64))
     parts = list(layout.split(values))
-    half = _rounded(largest_half_width_mm(flank))
+    frame = (float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank))
     return {
         "thickness_mm": scene.web.thickness_mm,
         "outline": "profile",
@@ -149,7 +158,7 @@ def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
             table
             for part, values in parts
             if isinstance(part, Pocket)
-            for table in _tables(part, values, half)
+            for table in _tables(part, values, frame)
         ],
     }
 
@@ -158,11 +167,17 @@ def _bevel_table(part: Bevel, values: dict[str, Any]) -> dict[str, Any]:
     return {"face": part.face, **{f"{name}_mm": _rounded(value) for name, value in values.items()}}
 
 
-def _tables(part: Pocket, values: dict[str, Any], half_mm: float) -> list[dict[str, Any]]:
+def _tables(
+    part: Pocket, values: dict[str, Any], frame_mm: tuple[float, float, float]
+) -> list[dict[str, Any]]:
     rounded = {f"{name}_mm": _rounded(value) for name, value in values.items()}
-    if part.shape == "side":
+    low, high, half = frame_mm
+    if part.face == "side":
         draft, floor = rounded.pop("draft_mm"), rounded.pop("floor_mm")
-        return [{"shape": "side", **rounded, "depth_mm": _rounded(half_mm - floor), "draft_deg": draft}]
+        if part.shape == "groove":
+            through = high - low + 2 * _BEYOND_MM
+            rounded |= {"y_mm": _rounded((low + high) / 2), "length_mm": _rounded(through)}
+        return [{"shape": "side", **rounded, "depth_mm": _rounded(half - floor), "draft_deg": draft}]
     table = {"shape": part.shape, "face": part.face, **rounded}
     if not part.pair:
         return [{**table, "x_mm": 0.0}]

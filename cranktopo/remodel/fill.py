@@ -1,7 +1,7 @@
-"""Fill of cells by a web of the family, differentiable: signed distances through a smooth step (JAX).
+"""Fill of cells by a web of the family, with its gradient: signed distances through a smooth step.
 
 The step's width shrinks during the fit. It is odd about the surface, so that a flat surface is fitted
-without bias at any width.
+without bias at any width. Nothing is compiled: the compiler may take minutes over one combination of parts.
 """
 
 from __future__ import annotations
@@ -9,92 +9,179 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cranktopo.remodel.family import Bevel, Layout, Pocket, flank_of
-from cranktopo.remodel.occupancy import Occupancy
-from cranktopo.scene import Scene
+from cranktopo.remodel.family import Bevel, Part, Pocket
 from cranktopo.scene.bevel import BevelArc
-from cranktopo.scene.profile import Flank
 
-CHORDS = 6
-"""Chords per piece of the outline in the distance field."""
+_TINY = 1e-12
+_STEP = 1e-6
+"""Step of the derivatives by the parameters of a part, mm or degrees."""
+CHORDS = 48
+"""Chords of the outline's right half in the distance field."""
+Array = NDArray[np.float64]
+Axes = tuple[Array, Array, Array]
 
 
-def fill(layout: Layout, values: Any, cells: Occupancy, scene: Scene, width_mm: float) -> Any:
-    """Fill of every cell by the web of a parameter vector, bores not cut, (nx, ny, nz).
+class Fill:
+    """The fill of a grid by an outline and its parts.
 
     Args:
-        layout: the parameters.
-        values: their values.
-        cells: where.
-        scene: height of the web.
-        width_mm: half-width of the smooth step.
+        parts: bevels and pockets.
+        axes: x, y and z of the cell centres, mm.
+        web_z_mm: web faces.
     """
-    import jax.numpy as jnp
 
-    flank = flank_of(jnp, layout, values)
-    inside = outline_distance(flank, cells)[:, :, None]
-    for part, named in layout.split(values):
-        if isinstance(part, Bevel):
-            arc = bevel_arc_of(part, named, values)
-            depth, reach = _depth(part.face, cells.z_mm, scene), arc.outward * cells.y_mm[:, None]
-            inside = jnp.minimum(inside, arc.distance_mm(jnp, depth[None, :], reach)[None])
-        else:
-            inside = jnp.minimum(inside, -_pocket_distance(part, named, cells, scene))
-    u = jnp.clip(inside / width_mm, -1.0, 1.0)
-    return jnp.broadcast_to(0.5 + 0.75 * u - 0.25 * u**3, cells.filled.shape)
+    def __init__(self, parts: tuple[Part, ...], axes: Axes, web_z_mm: tuple[float, float]) -> None:
+        self.parts, self.axes, self.web_z_mm = parts, axes, web_z_mm
+
+    def inside_mm(self, points: Array, values: Array) -> tuple[Array, NDArray[np.int8]]:
+        """Signed distance of every cell, (nx, ny, nz), mm, and which field is the least there: 0 the outline.
+
+        Args:
+            points: (n, 2) points of the outline's right half, from end to end, mm.
+            values: parameters of the parts.
+        """
+        inside = np.empty(tuple(axis.size for axis in self.axes))
+        inside[:] = outline_distance(points, *self.axes[:2])[:, :, None]
+        which = np.zeros(inside.shape, dtype=np.int8)
+        for k, (part, own) in enumerate(self._own(values)):
+            field = _part_field(part, own, _ends(points), self.axes, self.web_z_mm)
+            lower = field < inside
+            np.copyto(inside, field, where=lower)
+            which[lower] = k + 1
+        return inside, which
+
+    def pulled_back(
+        self, points: Array, values: Array, which: NDArray[np.int8], weight: Array
+    ) -> tuple[Array, Array]:
+        """Derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts."""
+        chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
+        by_points = _outline_pulled_back(points, *self.axes[:2], chosen)
+        by_values = []
+        for k, (part, own) in enumerate(self._own(values)):
+            chosen = np.where(which == k + 1, weight, 0.0)
+            if isinstance(part, Bevel):
+                chosen = chosen.sum(axis=0, keepdims=True)
+            by_own, by_ends = _part_pulled_back(part, own, _ends(points), self.axes, self.web_z_mm, chosen)
+            by_values.append(np.asarray(by_own))
+            by_points[[0, -1], 1] += np.asarray(by_ends)
+        return by_points, np.concatenate([np.zeros(0), *by_values])
+
+    def _own(self, values: Array) -> list[tuple[Part, Array]]:
+        ends = np.cumsum([len(part.names) for part in self.parts])
+        return list(zip(self.parts, np.split(values, ends[:-1]), strict=True)) if self.parts else []
 
 
-def bevel_arc_of(part: Bevel, named: dict[str, Any], values: Any) -> BevelArc:
-    """The arc of a bevel of the family; `values` is the whole parameter vector."""
+def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
+    """Fill from signed distance, and its derivative by the distance, 1/mm; `width_mm` is the half-width."""
+    u = np.clip(inside_mm / width_mm, -1.0, 1.0)
+    return 0.5 + 0.75 * u - 0.25 * u**3, 0.75 * (1 - u**2) / width_mm
+
+
+def _part_field(part: Part, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+    """Signed distance from what a part takes off, broadcastable to the cells, mm."""
+    named = {name: values[i] for i, name in enumerate(part.names)}
+    if isinstance(part, Pocket):
+        return np.asarray(-_pocket_distance(part, named, axes, web_z_mm))
+    return np.asarray(_bevel_distance(part, named, ends, axes, web_z_mm))
+
+
+def _part_pulled_back(
+    part: Part, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array
+) -> tuple[Array, Array]:
+    """Derivative of sum(weight * distance) by the values of a part and by the ends, by central differences.
+
+    A compiled derivative would be exact, but the compiler may take minutes over one.
+    """
+    both = np.concatenate([values, ends])
+    count = len(both) if isinstance(part, Bevel) else len(values)
+    slopes = np.zeros(len(both))
+    for i, step in enumerate(_STEP * np.eye(len(both))[:count]):
+        above, below = (
+            _part_field(part, shifted[: len(values)], shifted[len(values) :], axes, web_z_mm)
+            for shifted in (both + step, both - step)
+        )
+        slopes[i] = float(((above - below) * weight).sum()) / (2 * _STEP)
+    return slopes[: len(values)], slopes[len(values) :]
+
+
+def _ends(points: Array) -> Array:
+    return points[[0, -1], 1]
+
+
+def _bevel_distance(part: Bevel, named: dict[str, Any], ends: Any, axes: Any, web_z_mm: Any) -> Any:
+    """Signed distance below a bevel, (1, ny, nz), mm."""
+    arc = bevel_arc_of(part, named, ends)
+    depth, reach = _depth(part.face, axes[2], web_z_mm), arc.outward * axes[1][:, None]
+    return arc.distance_mm(np, depth[None, :], reach)[None]
+
+
+def bevel_arc_of(part: Bevel, named: dict[str, Any], ends: Any) -> BevelArc:
+    """The arc of a bevel of the family; `ends` are the least and the largest y of the outline."""
     if part.face == "journal":
-        return BevelArc(named["y"], values[1], named["depth"], named["crown"], 1.0)
-    return BevelArc(-named["y"], -values[0], named["depth"], named["crown"], -1.0)
+        return BevelArc(named["y"], ends[1], named["depth"], named["crown"], 1.0)
+    return BevelArc(-named["y"], -ends[0], named["depth"], named["crown"], -1.0)
 
 
-def outline_distance(flank: Flank, cells: Occupancy) -> Any:
+def outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
     """Signed distance from the outline at x times y, (nx, ny), mm; positive inside."""
-    import jax.numpy as jnp
-
-    pieces = flank.at(jnp, np.linspace(0, 1, CHORDS + 1))
-    start, end = pieces[:, :-1].reshape(-1, 2), pieces[:, 1:].reshape(-1, 2)
-    x, y = jnp.asarray(cells.x_mm)[:, None, None], jnp.asarray(cells.y_mm)[None, :, None]
-    dx, dy = end[:, 0] - start[:, 0], end[:, 1] - start[:, 1]
-    px, py = x - start[:, 0], y - start[:, 1]
-    along = jnp.clip((px * dx + py * dy) / (dx**2 + dy**2), 0.0, 1.0)
-    square = (px - along * dx) ** 2 + (py - along * dy) ** 2
-    # By index: the derivative of min() finds its place by comparing numbers that a compiled program may
-    # round in two ways, and is then 0.
-    nearest = jnp.argmin(square, axis=-1, keepdims=True)
-    distance = jnp.sqrt(jnp.take_along_axis(square, nearest, axis=-1)[..., 0] + 1e-12)
-    across = (start[:, 1] <= y) & (y < end[:, 1])
-    edge = jnp.where(across, start[:, 0] + py / dy * dx, 0.0).sum(axis=-1)
-    return jnp.where(x[..., 0] < edge, distance, -distance)
+    return _nearest(points, x_mm, y_mm)[0]
 
 
-def _pocket_distance(part: Pocket, named: dict[str, Any], cells: Occupancy, scene: Scene) -> Any:
+def _outline_pulled_back(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
+    """Derivative of sum(weight * distance) by the points: a chord's ends move with the foot on it."""
+    _, chord, along, normal = _nearest(points, x_mm, y_mm)
+    result = np.zeros(points.shape)
+    for end, share in ((chord, 1 - along), (chord + 1, along)):
+        for axis in range(2):
+            pull = (-weight * share * normal[..., axis]).ravel()
+            result[:, axis] += np.bincount(end.ravel(), pull, len(points))
+    return result
+
+
+def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np.intp], Array, Array]:
+    """Signed distance, nearest chord, place on it (0 to 1) and unit vector of growing distance."""
+    start, step = points[:-1], np.diff(points, axis=0)
+    px, py = x_mm[:, None, None] - start[:, 0], y_mm[None, :, None] - start[:, 1]
+    along = np.clip((px * step[:, 0] + py * step[:, 1]) / (step**2).sum(axis=1), 0.0, 1.0)
+    square = (px - along * step[:, 0]) ** 2 + (py - along * step[:, 1]) ** 2
+    chord = square.argmin(axis=-1)
+    edge = np.interp(y_mm, points[:, 1], points[:, 0])
+    across = (y_mm > points[0, 1]) & (y_mm < points[-1, 1])
+    sign = np.where((x_mm[:, None] < edge) & across, 1.0, -1.0)
+
+    def at(field: Array) -> Array:
+        return np.take_along_axis(np.broadcast_to(field, square.shape), chord[..., None], -1)[..., 0]
+
+    distance, share = np.sqrt(at(square)), at(along)
+    away = np.stack([at(px) - share * step[chord, 0], at(py) - share * step[chord, 1]], axis=-1)
+    return sign * distance, chord, share, sign[..., None] * away / np.maximum(distance, _TINY)[..., None]
+
+
+def _pocket_distance(part: Pocket, named: dict[str, Any], axes: Any, web_z_mm: Any) -> Any:
     """Signed distance of a pocket, positive in it, broadcastable to the cells, mm."""
-    import jax.numpy as jnp
-
-    x, y = cells.x_mm[:, None, None], cells.y_mm[None, :, None]
-    along = jnp.abs(y - named["y"])
-    if part.shape == "side":
-        angle = jnp.deg2rad(named["draft"])
+    x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2]
+    along = np.abs(y - named.get("y", 0.0))
+    if part.face == "side":
+        angle = np.deg2rad(named["draft"])
         deep = x - named["floor"]
-        opening, lean = deep * jnp.tan(angle), jnp.cos(angle)
-        height = jnp.abs(cells.z_mm - sum(scene.web_z_mm) / 2 - named["offset"])
-        walls = jnp.minimum(named["length"] / 2 + opening - along, named["height"] / 2 + opening - height)
-        return jnp.minimum(deep, walls * lean)
+        opening, lean = deep * np.tan(angle), np.cos(angle)
+        height = np.abs(z - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"])
+        walls = named["height"] / 2 + opening - height
+        if part.shape == "side":
+            walls = np.minimum(walls, named["length"] / 2 + opening - along)
+        return np.minimum(deep, walls * lean)
     across = x - named.get("x", 0.0)
     if part.shape == "cylinder":
-        result = named["diameter"] / 2 - jnp.sqrt(across**2 + along**2 + 1e-12)
+        result = named["diameter"] / 2 - np.sqrt(across**2 + along**2 + 1e-12)
     else:
-        result = jnp.minimum(named["size_x"] / 2 - jnp.abs(across), named["size_y"] / 2 - along)
+        result = np.minimum(named["size_x"] / 2 - np.abs(across), named["size_y"] / 2 - along)
     if part.face == "through":
         return result
-    return jnp.minimum(result, named["depth"] - _depth(part.face, cells.z_mm, scene))
+    return np.minimum(result, named["depth"] - _depth(part.face, z, web_z_mm))
 
 
-def _depth(face: str, z_mm: Any, scene: Scene) -> Any:
-    start, end = scene.web_z_mm
+def _depth(face: str, z_mm: Any, web_z_mm: Any) -> Any:
+    start, end = web_z_mm
     return z_mm - start if face == "journal" else end - z_mm

@@ -92,7 +92,9 @@ def read_surface(path: Path, scene: Scene) -> Any:
         surface = trimesh.load_mesh(path)
     except Exception as error:
         raise CranktopoError(f"{path}: cannot be read as STL: {error}.", hint="Export it again.") from None
-    if len(surface.faces) == 0 or not surface.is_watertight:
+    if len(surface.faces) == 0:
+        raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
+    if not surface.is_watertight:
         raise CranktopoError(f"{path}: the surface is not watertight.", hint="Repair it, then try again.")
     if surface.volume < 0:
         surface.invert()

@@ -1,4 +1,4 @@
-"""Manufacturing constraints of the fit, each kept where it is <= 0 (JAX): walls, radii, access of a tool."""
+"""Manufacturing constraints of the fit, each kept where it is <= 0: walls, radii, access of a tool."""
 
 from __future__ import annotations
 
@@ -6,50 +6,62 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.remodel.checks import SHOULDER_MM
-from cranktopo.remodel.family import ROUNDING_MM, Bevel, Layout, Pocket, flank_of
+from cranktopo.remodel.family import ROUNDING_MM, Bevel, Part, Pocket, named_parts
 from cranktopo.remodel.fill import bevel_arc_of
 from cranktopo.remodel.rules import Rules
 from cranktopo.scene import Scene
 from cranktopo.scene.bevel import BevelArc
+from cranktopo.scene.profile import Flank
 
-_CHECKS = 12
+Array = NDArray[np.float64]
+_CHECKS, _POINTS = 8, 16
 _LEAST_RISE = 0.01
 """Least rise in y per mm along the outline, which keeps its half-width single-valued."""
 _CLEAR_MM = 2 * ROUNDING_MM
 _BEND_MARGIN = 0.99
 
 
-def violations(layout: Layout, values: Any, scene: Scene, rules: Rules) -> Any:
-    """All constraints of a parameter vector, kept where <= 0.
+def outline_limits(flank: Flank, scene: Scene, rules: Rules) -> Array:
+    """Constraints on the outline alone: curvature times the least radius less 1, rise, reach over journals.
 
-    Walls and shoulders (mm), curvature of the outline times the least radius less 1, rise of the outline.
+    Analytic in the flank, so that a complex step differentiates them.
     """
-    import jax.numpy as jnp
-
-    flank = flank_of(jnp, layout, values)
     u = (np.arange(_CHECKS) + 0.5) / _CHECKS
-    points = flank.at(jnp, u).reshape(-1, 2)
-    rise = flank.derivatives(jnp, u)[0][..., 1].ravel()
-    bend = flank.curvature_per_mm(jnp, np.linspace(0, 1, _CHECKS)).ravel() * rules.min_radius_mm
-    found = [bend - _BEND_MARGIN, -bend - _BEND_MARGIN, _LEAST_RISE - rise[1:-1]]
+    points = flank.at(np, (np.arange(_POINTS) + 0.5) / _POINTS).reshape(-1, 2)
+    rise = flank.derivatives(np, u)[0][..., 1].ravel()
+    bend = flank.curvature_per_mm(np, np.linspace(0, 1, _CHECKS)).ravel() * rules.min_radius_mm
     (main, main_reach), (pin, pin_reach) = reaches = reaches_mm(scene, rules)
-    found += [reach - jnp.hypot(points[:, 0], points[:, 1] - y) for y, reach in reaches]
-    terms = [main_reach - main + values[0], pin_reach + pin - values[1]]
+    low, high = flank.points_mm[0, 1], flank.points_mm[-1, 1]
+    found = [bend - _BEND_MARGIN, -bend - _BEND_MARGIN, _LEAST_RISE - rise[1:-1]]
+    found += [reach - np.sqrt(points[:, 0] ** 2 + (points[:, 1] - y) ** 2) for y, reach in reaches]
+    return np.concatenate([*found, [main_reach - main + low, pin_reach + pin - high]])
+
+
+def part_limits(parts: tuple[Part, ...], points: Array, values: Array, scene: Scene, rules: Rules) -> Array:
+    """Constraints on bevels and pockets: walls, shoulders, access, mm.
+
+    Args:
+        parts: bevels and pockets.
+        points: (n, 2) points of the outline's right half, mm.
+        values: parameters of the parts.
+        scene, rules: what is to be kept.
+    """
+    ends = points[[0, -1], 1]
     arcs = [
-        (part, bevel_arc_of(part, named, values))
-        for part, named in layout.split(values)
+        (part, bevel_arc_of(part, named, ends))
+        for part, named in named_parts(parts, values)
         if isinstance(part, Bevel)
     ]
-    for bevel, arc in arcs:
-        terms += _bevel(bevel, arc, scene, rules)
-    for part, named in layout.split(values):
-        if isinstance(part, Pocket) and part.shape == "side":
-            terms += _side(named, points[jnp.argmax(points[:, 0]), 0], arcs, scene, rules)
+    terms = [term for bevel, arc in arcs for term in _bevel(bevel, arc, scene, rules)]
+    for part, named in named_parts(parts, values):
+        if isinstance(part, Pocket) and part.face == "side":
+            terms += _side(named, points[:, 0].max(), arcs, scene, rules)
         elif isinstance(part, Pocket):
             terms += _pocket(part, named, points, scene, rules)
-    return jnp.concatenate([*found, jnp.stack(terms)])
+    return np.array(terms, dtype=np.float64)
 
 
 def reaches_mm(scene: Scene, rules: Rules) -> list[tuple[float, float]]:
@@ -62,8 +74,6 @@ def reaches_mm(scene: Scene, rules: Rules) -> list[tuple[float, float]]:
 
 def _bevel(part: Bevel, arc: BevelArc, scene: Scene, rules: Rules) -> Iterator[Any]:
     """Clear of the journal on its face, a wall under the other journal's edge, no turning back."""
-    import jax.numpy as jnp
-
     main, pin = scene.throw.main_journal, scene.throw.crankpin
     journal, other = (main, pin) if part.face == "journal" else (pin, main)
     offset = 0.0 if part.face == "journal" else -scene.throw.radius_mm
@@ -71,59 +81,54 @@ def _bevel(part: Bevel, arc: BevelArc, scene: Scene, rules: Rules) -> Iterator[A
     yield offset + journal.radius_mm + journal.fillet_mm + SHOULDER_MM + _CLEAR_MM - arc.start_mm
     yield rules.min_wall_mm + arc.start_mm - arc.end_mm
     wall = scene.web.thickness_mm - rules.min_wall_mm
-    yield -arc.distance_mm(jnp, wall, far + other.radius_mm)
+    yield -arc.distance_mm(np, wall, far + other.radius_mm)
     rise, run = arc.end_mm - arc.start_mm, arc.depth_mm
     yield 4 * arc.crown_mm - 0.95 * _twice_tangent(rise, run)
 
 
 def _twice_tangent(rise: Any, run: Any) -> Any:
     """2 L tan(min(slope, 90 deg - slope) / 2): four times a crown this large makes the arc turn back."""
-    import jax.numpy as jnp
-
-    chord = jnp.hypot(rise, run)
-    shorter, longer = jnp.minimum(rise, run), jnp.maximum(rise, run)
+    chord = np.hypot(rise, run)
+    shorter, longer = np.minimum(rise, run), np.maximum(rise, run)
     return 2 * chord * shorter / (chord + longer)
 
 
 def _side(
     named: dict[str, Any], widest: Any, arcs: list[tuple[Bevel, BevelArc]], scene: Scene, rules: Rules
 ) -> Iterator[Any]:
-    """Flanges on both sides, walls toward bores and bevels."""
-    import jax.numpy as jnp
-
-    slope = jnp.tan(jnp.deg2rad(named["draft"]))
+    """Flanges on both sides, walls toward bores and, unless it runs through them, bevels."""
+    slope = np.tan(np.deg2rad(named["draft"]))
     deep = widest - named["floor"]
     tall = named["height"] / 2 + slope * deep
     wall = rules.min_wall_mm + _CLEAR_MM
+    through = "length" not in named
     yield 1.0 - deep
     offset = named["offset"]
-    yield tall + jnp.abs(offset) + wall - scene.web.thickness_mm / 2
+    yield tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
     for journal, y in scene.throw.journals:
         if journal.bore_radius_mm:
-            beyond = jnp.maximum(jnp.abs(y - named["y"]) - named["length"] / 2, 0.0)
-            yield journal.bore_radius_mm + wall - jnp.hypot(named["floor"], beyond)
-    for part, arc in arcs:
+            beyond = 0.0 if through else np.maximum(np.abs(y - named["y"]) - named["length"] / 2, 0.0)
+            yield journal.bore_radius_mm + wall - np.hypot(named["floor"], beyond)
+    for part, arc in () if through else arcs:
         reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
         depth = scene.web.thickness_mm / 2 + offset * (1.0 if part.face == "journal" else -1.0)
-        yield wall - arc.distance_mm(jnp, depth - tall, reach)
+        yield wall - arc.distance_mm(np, depth - tall, reach)
 
 
 def _pocket(part: Pocket, named: dict[str, Any], points: Any, scene: Scene, rules: Rules) -> Iterator[Any]:
     """Walls toward bores and the outline, between twins, and journals out of the tool's way."""
-    import jax.numpy as jnp
-
     x, y = named.get("x", 0.0), named["y"]
     wall = rules.min_wall_mm + _CLEAR_MM
 
     def gap(px: Any, py: Any) -> Any:
         if part.shape == "cylinder":
-            return jnp.sqrt((px - x) ** 2 + (py - y) ** 2 + 1e-12) - named["diameter"] / 2
-        over_x, over_y = jnp.abs(px - x) - named["size_x"] / 2, jnp.abs(py - y) - named["size_y"] / 2
-        outside = jnp.sqrt(jnp.maximum(over_x, 0.0) ** 2 + jnp.maximum(over_y, 0.0) ** 2 + 1e-12)
-        return outside + jnp.minimum(jnp.maximum(over_x, over_y), 0.0)
+            return np.sqrt((px - x) ** 2 + (py - y) ** 2 + 1e-12) - named["diameter"] / 2
+        over_x, over_y = np.abs(px - x) - named["size_x"] / 2, np.abs(py - y) - named["size_y"] / 2
+        outside = np.sqrt(np.maximum(over_x, 0.0) ** 2 + np.maximum(over_y, 0.0) ** 2 + 1e-12)
+        return outside + np.minimum(np.maximum(over_x, over_y), 0.0)
 
     gaps = gap(points[:, 0], points[:, 1])
-    yield wall - gaps[jnp.argmin(gaps)]
+    yield wall - gaps[np.argmin(gaps)]
     if part.pair:
         yield wall / 2 + (named["diameter"] if part.shape == "cylinder" else named["size_x"]) / 2 - x
     for face, (journal, axis) in zip(("journal", "pin"), scene.throw.journals, strict=True):

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.family import Layout, bounds
-from cranktopo.remodel.fill import fill
-from cranktopo.remodel.limits import violations
+from cranktopo.remodel.family import Layout, bounds, flank_of
+from cranktopo.remodel.fill import CHORDS, Fill, smooth_step
+from cranktopo.remodel.limits import outline_limits, part_limits
 from cranktopo.remodel.occupancy import Occupancy
 from cranktopo.remodel.rules import Rules
 from cranktopo.scene import Scene
@@ -24,6 +24,9 @@ _FEASIBLE = 1e-6
 _KEPT = 5e-3
 """Violation that rounding of the parameters absorbs."""
 _EVALUATIONS = 200
+_COMPLEX = 1e-30
+_DIFFERENCE = 1e-6
+"""Steps of the derivatives of outline and walls, mm or degrees."""
 _REACH = 15.0
 """How far a parameter may move in one search, mm or degrees."""
 
@@ -44,42 +47,96 @@ class Problem:
     rules: Rules
 
 
-def compiled(problem: Problem, layout: Layout) -> Fit:
-    """The functions of a fit, compiled; call them in double precision."""
-    import jax
-    import jax.numpy as jnp
+def fit_functions(problem: Problem, layout: Layout) -> Fit:
+    """The functions of a fit; call them in double precision."""
+    n, cells = layout.stations, problem.target
+    grid = Fill(layout.parts, (cells.x_mm, cells.y_mm, cells.z_mm), problem.scene.web_z_mm)
+    free, target = problem.free[:, :, None], cells.filled
+    outline = _Outline(problem, n)
 
-    target, free = jnp.asarray(problem.target.filled), jnp.asarray(problem.free)[:, :, None]
+    def misfit(values: Array, width_mm: float) -> tuple[float, Array]:
+        points = outline.at(values).points
+        inside, which = grid.inside_mm(points, values[n:])
+        model, slope = smooth_step(inside, width_mm)
+        off = model * free - target
+        weight = 2 * off * free * slope / target.sum()
+        by_points, by_parts = grid.pulled_back(points, values[n:], which, weight)
+        by_outline = np.tensordot(by_points, outline.at(values).point_slopes, 2)
+        return float((off**2).sum() / target.sum()), np.concatenate([by_outline, by_parts])
 
-    def misfit(values: jax.Array, width_mm: float) -> jax.Array:
-        model = fill(layout, values, problem.target, problem.scene, width_mm) * free
-        return ((model - target) ** 2).sum() / target.sum()
+    def fill(values: Array, width_mm: float) -> Array:
+        inside, _ = grid.inside_mm(outline.at(values).points, values[n:])
+        return smooth_step(inside, width_mm)[0] * free
 
-    def overlap(values: jax.Array, width_mm: float) -> jax.Array:
-        model = fill(layout, values, problem.target, problem.scene, width_mm) * free
-        return jnp.minimum(model, target).sum() / jnp.maximum(model, target).sum()
+    def overlap(values: Array, width_mm: float) -> float:
+        model = fill(values, width_mm)
+        return float(np.minimum(model, target).sum() / np.maximum(model, target).sum())
 
-    def limits(values: jax.Array) -> jax.Array:
-        return violations(layout, values, problem.scene, problem.rules)
+    def limits(values: Array) -> Array:
+        shape = outline.at(values)
+        parts = part_limits(layout.parts, shape.points, values[n:], problem.scene, problem.rules)
+        return np.concatenate([shape.limits, parts])
 
-    return Fit(
-        layout,
-        jax.jit(jax.value_and_grad(misfit)),
-        jax.jit(overlap),
-        jax.jit(limits),
-        jax.jit(jax.jacfwd(limits)),
-        bounds(layout, problem.scene, problem.rules),
-    )
+    def slopes(values: Array) -> Array:
+        shape = outline.at(values)
+
+        def parts(step: Array) -> Array:
+            points = shape.points + shape.point_slopes @ step[:n]
+            return part_limits(layout.parts, points, (values + step)[n:], problem.scene, problem.rules)
+
+        steps = _DIFFERENCE * np.eye(len(values))
+        below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
+        above = np.hstack([shape.limit_slopes, np.zeros((len(shape.limits), len(values) - n))])
+        return np.vstack([above, below])
+
+    return Fit(layout, misfit, fill, overlap, limits, slopes, bounds(layout, problem.scene, problem.rules))
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Points of an outline and its constraints, with their derivatives by its parameters (last axis)."""
+
+    points: Array
+    limits: Array
+    point_slopes: Array
+    limit_slopes: Array
+
+
+class _Outline:
+    """The outline of a parameter vector, the last one kept; derivatives by complex steps."""
+
+    def __init__(self, problem: Problem, stations: int) -> None:
+        self._problem, self._layout = problem, Layout(stations)
+        self._last: tuple[bytes, _Shape] | None = None
+
+    def at(self, values: Array) -> _Shape:
+        own = np.asarray(values[: self._layout.stations], dtype=np.float64)
+        if self._last is None or self._last[0] != own.tobytes():
+            self._last = own.tobytes(), self._shape(own)
+        return self._last[1]
+
+    def _shape(self, own: Array) -> _Shape:
+        points, limits = self._raw(own)
+        sides = [self._raw(own + 1j * _COMPLEX * unit) for unit in np.eye(len(own))]
+        point_slopes = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
+        limit_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
+        return _Shape(points, limits, point_slopes, limit_slopes)
+
+    def _raw(self, own: Any) -> tuple[Any, Any]:
+        flank = flank_of(np, self._layout, own)
+        limits = outline_limits(flank, self._problem.scene, self._problem.rules)
+        return flank.along(np, CHORDS), limits
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Compiled functions of a parameter vector.
+    """Functions of a parameter vector.
 
     Attributes:
         layout: the parameters.
         misfit: (values, step half-width in mm) -> squared difference of the fills over the filled volume,
             with its gradient.
+        fill: (values, step half-width in mm) -> fill of the cells, bores cut out.
         overlap: (values, step half-width in mm) -> intersection over union of the fills.
         limits: values -> constraints, kept where <= 0.
         slopes: values -> their gradients.
@@ -87,10 +144,11 @@ class Fit:
     """
 
     layout: Layout
-    misfit: Callable[[Array, float], tuple[Any, Any]]
-    overlap: Callable[[Array, float], Any]
-    limits: Callable[[Array], Any]
-    slopes: Callable[[Array], Any]
+    misfit: Callable[[Array, float], tuple[float, Array]]
+    fill: Callable[[Array, float], Array]
+    overlap: Callable[[Array, float], float]
+    limits: Callable[[Array], Array]
+    slopes: Callable[[Array], Array]
     bounds: tuple[Array, Array]
 
 
@@ -98,7 +156,7 @@ def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array,
     """Fit the parameters from one start, with ever sharper steps; call in double precision.
 
     Args:
-        fit: the compiled functions.
+        fit: the functions.
         start: first values.
         widths_mm: half-widths of the smooth step, one search each.
 

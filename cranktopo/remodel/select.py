@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.family import Bevel, Layout, Part, Pocket, label
-from cranktopo.remodel.fill import fill
 from cranktopo.remodel.leftover import Leftover, leftovers
-from cranktopo.remodel.search import Problem, compiled, search
-from cranktopo.remodel.starts import bevel_start, outline_start, pocket_start, side_start, with_stations
+from cranktopo.remodel.search import Problem, fit_functions, search
+from cranktopo.remodel.starts import bevel_start, outline_start, pocket_start, side_starts, with_stations
 
 Array = NDArray[np.float64]
 _FIRST_STATIONS = 7
@@ -88,7 +87,7 @@ def select(problem: Problem) -> tuple[Candidate, tuple[Trial, ...]]:
 def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candidate | None:
     """One search from one start; None when it finds nothing that keeps the rules."""
     cell = float(problem.target.cell_mm[0])
-    fit = compiled(problem, layout)
+    fit = fit_functions(problem, layout)
     values, error = search(fit, start, (2 * cell, cell, cell / 2))
     if not np.isfinite(error):
         return None
@@ -96,17 +95,14 @@ def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candi
 
 
 def _features(problem: Problem, best: Candidate, trials: list[Trial]) -> Candidate:
-    parts: list[tuple[Part, Array]] = [
-        (part, bevel_start(problem, part)) for part in (Bevel("journal"), Bevel("pin"))
-    ]
-    side = side_start(problem)
-    parts += [(Pocket("side", "side"), side)] if side is not None else []
-    for part, start in parts:
-        best = _try(problem, best, part, start, trials)
+    for face in ("journal", "pin"):
+        part = Bevel(face)
+        best = _try(problem, best, [(part, bevel_start(problem, part))], trials)
+    best = _try(problem, best, side_starts(problem), trials)
     for _ in range(_MOST_POCKETS):
         before = best
-        for part, start in _pockets(problem, best):
-            best = _try(problem, best, part, start, trials)
+        for choice in _pockets(problem, best):
+            best = _try(problem, best, [choice], trials)
             if best is not before:
                 break
         if best is before:
@@ -114,15 +110,20 @@ def _features(problem: Problem, best: Candidate, trials: list[Trial]) -> Candida
     return best
 
 
-def _try(problem: Problem, best: Candidate, part: Part, start: Array, trials: list[Trial]) -> Candidate:
-    layout = replace(best.layout, parts=(*best.layout.parts, part))
-    found = fit_from(problem, layout, np.concatenate([best.values, start]), label(part))
-    if found is None:
-        return best
-    gain = found.overlap - best.overlap
-    kept = 100 * gain >= problem.rules.least_gain_percent
-    trials.append(_trial(found, gain, kept))
-    return found if kept else best
+def _try(
+    problem: Problem, best: Candidate, choices: Sequence[tuple[Part, Array]], trials: list[Trial]
+) -> Candidate:
+    """The web with the best one of several parts, if that one pays for itself."""
+    found = []
+    for part, start in choices:
+        layout = replace(best.layout, parts=(*best.layout.parts, part))
+        fitted = fit_from(problem, layout, np.concatenate([best.values, start]), label(part))
+        found += [] if fitted is None else [fitted]
+    chosen = max([best, *found], key=lambda candidate: candidate.overlap)
+    if 100 * (chosen.overlap - best.overlap) < problem.rules.least_gain_percent:
+        chosen = best
+    trials += [_trial(fitted, fitted.overlap - best.overlap, fitted is chosen) for fitted in found]
+    return chosen
 
 
 def _pockets(problem: Problem, best: Candidate) -> Iterator[tuple[Part, Array]]:
@@ -172,10 +173,8 @@ def _least(problem: Problem) -> float:
 
 def model_fill(problem: Problem, candidate: Candidate) -> Array:
     """Fill of the cells by a candidate, bores cut out."""
-    cells = problem.target
-    sharp = _SHARP * float(cells.cell_mm[0])
-    model = np.asarray(fill(candidate.layout, candidate.values, cells, problem.scene, sharp))
-    return np.asarray(model * problem.free[:, :, None])
+    sharp = _SHARP * float(problem.target.cell_mm[0])
+    return fit_functions(problem, candidate.layout).fill(candidate.values, sharp)
 
 
 def _trial(found: Candidate, gain: float, kept: bool) -> Trial:

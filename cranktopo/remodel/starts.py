@@ -58,6 +58,15 @@ def bevel_start(problem: Problem, part: Bevel) -> Array:
     return np.array([outward * reach[0], float(np.clip(depth, 1.0, deepest)), 0.0])
 
 
+def side_starts(problem: Problem) -> list[tuple[Pocket, Array]]:
+    """A side pocket and a groove, where the middle of the body is narrower than both faces."""
+    values = side_start(problem)
+    if values is None:
+        return []
+    side, groove = Pocket("side", "side"), Pocket("groove", "side")
+    return [(side, values), (groove, values[[side.names.index(name) for name in groove.names]])]
+
+
 def side_start(problem: Problem) -> Array | None:
     """Place and size of a side pocket from where the middle is narrower than both faces, or None."""
     cells = problem.target

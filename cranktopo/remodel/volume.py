@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +20,7 @@ from cranktopo.scene.outline import half_width_mm, outline_kinks_mm, y_range_mm
 Array = NDArray[np.float64]
 _POINTS = 200
 _SEARCH = 201
+_BISECTIONS = 45
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:
@@ -37,6 +39,7 @@ def half_throw_volume_mm3(scene: Scene) -> float:
     return total + _fillet_volume(scene, throw.crankpin, throw.radius_mm, end)
 
 
+@lru_cache(maxsize=16)
 def web_volume_mm3(scene: Scene) -> float:
     """Volume of the web between its two faces, mm3: layer by layer, each layer an area of constant shape.
 
@@ -68,16 +71,64 @@ def _layer_volume(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, flo
 
 
 def _wedge_volume(scene: Scene, wedge: Wedge) -> float:
-    """Volume that one slot with sloped walls takes from the web: trapezoids of x and z along the throw."""
+    """Volume that one slot with sloped walls takes from the web, from sections across the throw.
+
+    In a section the slot's depth falls off linearly beyond its floor, and the bevels bound its height.
+    """
+    web, radius, start = scene.web, scene.throw.radius_mm, scene.web_z_mm[0]
 
     def slice_area(y: Array) -> Array:
-        outer = half_width_mm(scene.web, scene.throw.radius_mm, y) - wedge.floor_mm
-        inner = wedge.open_from_mm(y) - wedge.floor_mm
-        area = 2 * wedge.half_height_mm * (outer - inner) + wedge.slope * (outer**2 - inner**2)
-        return np.asarray(np.where(outer > inner, area, 0.0))
+        low, high = (start + height for height in height_range_mm(web, radius, y))
+        deep = half_width_mm(web, radius, y) - wedge.open_from_mm(y)
+        flat = _flat_half_height(wedge, y)
+        upper = _slot_side(deep, high - wedge.z_centre_mm, flat, wedge.slope)
+        lower = _slot_side(deep, wedge.z_centre_mm - low, flat, wedge.slope)
+        return np.asarray(np.where(deep > 0, upper + lower, 0.0))
 
     corners = {wedge.y_mm - wedge.half_length_mm, wedge.y_mm + wedge.half_length_mm}
-    return _integrate(slice_area, sorted(corners | set(_breaks(scene, [wedge], scene.web_z_mm))))
+    places = sorted(corners | set(_breaks(scene, [wedge], scene.web_z_mm)))
+    edges = [_root_places(gap, a, b) for a, b in pairwise(places) for gap in _slot_edges(scene, wedge)]
+    return _integrate(slice_area, sorted({*places, *(y for found in edges for y in found)}))
+
+
+def _flat_half_height(wedge: Wedge, y_mm: Array) -> Array:
+    """Half-height over which a slot has its full depth: more in its end walls, which are less deep."""
+    return np.asarray(wedge.half_height_mm + wedge.slope * (wedge.open_from_mm(y_mm) - wedge.floor_mm))
+
+
+def _slot_side(deep: Array, height: Array, flat: Array, slope: float) -> Array:
+    """Area on one side of a slot's middle up to a height: full depth, then the sloped wall."""
+    wall = np.clip(height - flat, 0.0, np.maximum(slope * deep, 0.0))
+    return np.asarray(deep * (np.minimum(height, flat) + wall) - wall**2 / (2 * slope))
+
+
+def _slot_edges(scene: Scene, wedge: Wedge) -> list[Callable[[Array], Array]]:
+    """Functions of y that vanish where a bevel meets an edge of the slot's floor or of its opening."""
+    web, radius, start = scene.web, scene.throw.radius_mm, scene.web_z_mm[0]
+
+    def edge_of(side: int, opening: float) -> Callable[[Array], Array]:
+        def gap(y: Array) -> Array:
+            height = start + height_range_mm(web, radius, y)[side] - wedge.z_centre_mm
+            deep = np.maximum(half_width_mm(web, radius, y) - wedge.open_from_mm(y), 0.0)
+            return (height if side else -height) - _flat_half_height(wedge, y) - opening * wedge.slope * deep
+
+        return gap
+
+    return [edge_of(side, opening) for side in (0, 1) for opening in (0.0, 1.0)]
+
+
+def _root_places(gap: Callable[[Array], Array], start: float, end: float) -> list[float]:
+    """Places between two ends where a function changes its sign, by bisection."""
+    margin = 1e-9 * (end - start)
+    grid = np.linspace(start + margin, end - margin, _SEARCH)
+    signs = np.sign(gap(grid))
+    changes = np.flatnonzero(signs[:-1] * signs[1:] < 0)
+    low, high = grid[changes], grid[changes + 1]
+    for _ in range(_BISECTIONS if len(changes) else 0):
+        middle = (low + high) / 2
+        before = np.sign(gap(middle)) == signs[changes]
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return [float(y) for y in (low + high) / 2]
 
 
 def _breaks(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, float]) -> list[float]:
@@ -96,24 +147,12 @@ def _breaks(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, float]) -
 
 
 def _crossings(scene: Scene, cuts: Sequence[Feature], start: float, end: float) -> list[float]:
-    """Where the edge of a cut crosses the outline between two places, by bisection."""
-    from scipy.optimize import brentq
+    """Where the edge of a cut crosses the outline between two places."""
 
-    def gap(y: float, cut: Feature, edge: int) -> float:
-        at = np.array([y])
-        half = half_width_mm(scene.web, scene.throw.radius_mm, at)
-        return float(abs(cut.spans(at)[edge][0]) - half[0])
+    def gap_of(cut: Feature, edge: int) -> Callable[[Array], Array]:
+        return lambda y: np.abs(cut.spans(y)[edge]) - half_width_mm(scene.web, scene.throw.radius_mm, y)
 
-    margin = 1e-9 * (end - start)
-    grid = np.linspace(start + margin, end - margin, _SEARCH)
-    half = half_width_mm(scene.web, scene.throw.radius_mm, grid)
-    found = []
-    for cut in cuts:
-        for edge, x in enumerate(cut.spans(grid)):
-            signs = np.sign(np.abs(x) - half)
-            for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-                found.append(float(brentq(gap, grid[i], grid[i + 1], args=(cut, edge), xtol=1e-12)))
-    return found
+    return [y for cut in cuts for edge in (0, 1) for y in _root_places(gap_of(cut, edge), start, end)]
 
 
 def _integrate(function: Callable[[Array], Array], breaks: list[float]) -> float:

@@ -142,14 +142,14 @@ def _bevel_edges(axes: Any, sheet: Sheet) -> None:
 
 
 def _pocket_edges(axes: Any, web: ProfileWeb) -> None:
-    floor_line = largest_half_width_mm(web)
+    floor_line, ends = largest_half_width_mm(web), (web.stations_mm[0], web.stations_mm[-1])
     for pocket in web.pocket:
         if pocket.shape == "side":
             floor, half = floor_line - pocket.depth_mm, pocket.length_mm / 2
             more = pocket.slope * pocket.depth_mm
             for sign in (1, -1):
                 x = sign * np.array([floor_line, floor, floor, floor_line])
-                y = pocket.y_mm + np.array([-half - more, -half, half, half + more])
+                y = np.clip(pocket.y_mm + np.array([-half - more, -half, half, half + more]), *ends)
                 axes.plot(x, y, color=INK, lw=0.9, ls="--")
             continue
         style = "--" if pocket.face == "journal" else "-"

@@ -31,8 +31,9 @@ def remodel_text(data: dict[str, Any]) -> str:
 def _closeness(data: dict[str, Any]) -> list[str]:
     iou, distance, mass = data["iou"], data["distance_mm"], data["web_mass_kg"]
     place = ", ".join(f"{value:.1f}" for value in distance["max_at"])
+    half, web = 100 * iou["half_throw"], 100 * iou["web"]
     return [
-        f"overlap (IoU)       web {100 * iou['web']:.1f} %, half throw {100 * iou['half_throw']:.1f} %",
+        f"overlap (IoU)       half throw {half:.1f} %, web slab alone {web:.1f} %",
         f"surface distance    mean {distance['mean']:.2f} mm, largest {distance['max']:.2f} mm "
         f"at ({place}) mm",
         f"mass of the web     {mass['fitted']:.3f} kg, body {mass['body']:.3f} kg "

@@ -47,6 +47,20 @@ class Flank:
             + arrive * t**2 * (t - 1)
         )
 
+    def along(self, xp: ModuleType, chords: int) -> Any:
+        """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm."""
+        pieces = self.points_mm.shape[0] - 1
+        place = np.linspace(0, pieces, chords + 1)
+        piece = np.minimum(place.astype(int), pieces - 1)
+        t = xp.asarray(place - piece)[:, None]
+        start, end, leave, arrive = (part[piece, 0] for part in self._pieces())
+        return (
+            start * (1 + 2 * t) * (1 - t) ** 2
+            + end * t**2 * (3 - 2 * t)
+            + leave * t * (1 - t) ** 2
+            + arrive * t**2 * (t - 1)
+        )
+
     def derivatives(self, xp: ModuleType, u: Any) -> tuple[Any, Any]:
         """First and second derivative by the parameter at u of every piece, (pieces, u, 2) each."""
         start, end, leave, arrive = self._pieces()
@@ -119,12 +133,14 @@ def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
     inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
     y = np.clip(y_mm, stations[0], stations[-1]).ravel()
     piece = np.clip(np.searchsorted(stations, y, side="right") - 1, 0, len(stations) - 2)
-    low, high = np.zeros_like(y), np.ones_like(y)
+    start, first, second, third = _cubic(flank, piece, 1)
+    low, step = np.zeros_like(y), 1.0
     for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        below = _hermite(flank, piece, middle, 1) < y
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    half = _hermite(flank, piece, (low + high) / 2, 0).reshape(y_mm.shape)
+        step /= 2
+        middle = low + step
+        below = start + middle * (first + middle * (second + middle * third)) < y
+        low[below] = middle[below]
+    half = _hermite(flank, piece, low + step / 2, 0).reshape(y_mm.shape)
     return np.asarray(np.where(inside, np.maximum(half, 0.0), 0.0))
 
 
@@ -144,9 +160,14 @@ def largest_half_width_mm(flank: Flank) -> float:
 
 def _hermite(flank: Flank, piece: NDArray[np.int64], u: Array, axis: int) -> Array:
     """One coordinate at u in [0, 1] of chosen pieces."""
+    start, first, second, third = _cubic(flank, piece, axis)
+    return np.asarray(start + u * (first + u * (second + u * third)))
+
+
+def _cubic(flank: Flank, piece: NDArray[np.int64], axis: int) -> tuple[Array, Array, Array, Array]:
+    """Coefficients of one coordinate of chosen pieces by powers of u, the constant first."""
     points, slopes = flank.points_mm[:, axis], flank.slopes[:, axis]
     length = flank.lengths_mm[piece]
-    start, end = points[piece], points[piece + 1]
+    start, chord = points[piece], points[piece + 1] - points[piece]
     leave, arrive = slopes[piece] * length, slopes[piece + 1] * length
-    value = start * (1 + 2 * u) * (1 - u) ** 2 + end * u**2 * (3 - 2 * u)
-    return np.asarray(value + leave * u * (1 - u) ** 2 + arrive * u**2 * (u - 1))
+    return start, leave, 3 * chord - 2 * leave - arrive, leave + arrive - 2 * chord

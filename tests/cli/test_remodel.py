@@ -19,6 +19,8 @@ from cranktopo.remodel.fit import FittedWeb
 from cranktopo.remodel.select import Trial
 from cranktopo.remodel.volume import half_throw_volume_mm3
 from cranktopo.scene import Scene, load_scene
+from cranktopo.scene.loading import designs_folder
+from cranktopo.store import create_run
 from cranktopo.surface.mesh import mesh_of
 from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 
@@ -63,6 +65,91 @@ def test_what_is_no_run_is_refused(
     make(run)
     assert main(["remodel", str(run)]) == 3
     assert message in capsys.readouterr().err
+
+
+def block(*extra: tuple[float, float, float]) -> trimesh.Trimesh:
+    """A block over the half throw's height, with further blocks of the same size beside it."""
+    first = trimesh.creation.box(bounds=[[-30.0, -25.0, 0.0], [30.0, 75.0, 57.0]])
+    others = [first.copy().apply_translation(shift) for shift in extra]
+    return trimesh.util.concatenate([first, *others])
+
+
+def joined_at_an_edge() -> trimesh.Trimesh:
+    mesh = block((60.0, 100.0, 0.0))
+    mesh.merge_vertices()
+    return mesh
+
+
+def opened() -> trimesh.Trimesh:
+    mesh = block()
+    mesh.update_faces(np.arange(len(mesh.faces)) > 0)
+    return mesh
+
+
+BAD_SURFACES: dict[str, tuple[Callable[[], bytes], str]] = {
+    "open": (lambda: stl_of(opened()), "not watertight"),
+    "non-manifold": (lambda: stl_of(joined_at_an_edge()), "not watertight"),
+    "in metres": (lambda: stl_of(block().apply_scale(1e-3)), "in metres: export it in mm"),
+    "no triangles": (lambda: stl_of(trimesh.Trimesh()), "no triangles"),
+    "empty file": (lambda: b"", "no triangles"),
+    "text": (lambda: b"not a surface at all", "no triangles"),
+    "two bodies": (lambda: stl_of(block((200.0, 0.0, 0.0))), "2 separate bodies"),
+}
+
+
+def stl_of(mesh: trimesh.Trimesh) -> bytes:
+    """Binary STL: header, count, 50 bytes per triangle."""
+    records = np.zeros(len(mesh.faces), dtype=[("v", "<f4", (4, 3)), ("end", "<u2")])
+    if len(mesh.faces):
+        records["v"][:, 1:] = mesh.vertices[mesh.faces]
+    return bytes(80) + len(mesh.faces).to_bytes(4, "little") + records.tobytes()
+
+
+@pytest.mark.parametrize("name", BAD_SURFACES)
+def test_a_surface_that_is_no_solid_is_refused(
+    name: str, tmp_path: Path, mikron: Scene, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As the surface of a run, as a file to be judged: one clear line, exit code 3, nothing written."""
+    make, message = BAD_SURFACES[name]
+    design = (designs_folder() / "mikron-iiic.toml").read_text()
+    run = create_run(
+        design="mikron-iiic",
+        design_toml=design,
+        scene=mikron.model_dump(mode="json"),
+        options={},
+        command=["cranktopo", "optimise"],
+        inputs={},
+        out=tmp_path / "run",
+    ).path
+    (run / "web.stl").write_bytes(make())
+    for command in (["remodel", str(run)], ["evaluate", str(run / "web.stl"), "--design", "mikron-iiic"]):
+        before = sorted(tmp_path.rglob("*"))
+        assert main(command) == 3, command
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        errors = [line for line in captured.err.splitlines() if line.startswith("error: ")]
+        assert len(errors) == 1, captured.err
+        assert message in errors[0]
+        assert "Traceback" not in captured.err
+        assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_run_without_a_surface_is_refused(
+    tmp_path: Path, mikron: Scene, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = create_run(
+        design="mikron-iiic",
+        design_toml=(designs_folder() / "mikron-iiic.toml").read_text(),
+        scene=mikron.model_dump(mode="json"),
+        options={},
+        command=["cranktopo", "optimise"],
+        inputs={},
+        out=tmp_path / "run",
+    ).path
+    assert main(["remodel", str(run)]) == 3
+    error = capsys.readouterr().err
+    assert "web.stl is missing, so this is no finished run" in error
+    assert len(error.splitlines()) == 1
 
 
 @pytest.mark.slow

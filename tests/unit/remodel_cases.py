@@ -45,7 +45,7 @@ def known_scene(scene: Scene, layout: Layout) -> Scene:
     return scene_with_web(scene, web_of(layout, values_of(layout), scene))
 
 
-def body_of(scene: Scene, facet_mm: float = 0.5) -> Manifold:
+def body_of(scene: Scene, facet_mm: float = 1.0) -> Manifold:
     """The half throw as a solid of the boolean engine."""
     mesh = surface_of(scene, "half", facet_mm)
     return solid_of(mesh.vertices_mm, mesh.faces, "known body")

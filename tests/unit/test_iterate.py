@@ -17,6 +17,7 @@ from manifold3d import Manifold
 
 from cranktopo.cli.main import main
 from cranktopo.domain.build import build_domain
+from cranktopo.domain.stl import envelope_from_stl, mirror_difference
 from cranktopo.effects.beam import throw_compliance
 from cranktopo.errors import CranktopoError
 from cranktopo.iterate import loop, solids
@@ -28,6 +29,7 @@ from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
 from cranktopo.surface.mesh import SurfaceMesh, mesh_of
+from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
 
 Capture = pytest.CaptureFixture[str]
@@ -100,12 +102,21 @@ def test_a_lopsided_mesh_said_to_be_symmetric_is_refused(tmp_path: Path, mikron:
         build_domain(mikron.model_copy(update={"envelope": envelope}), 6.0)
 
 
+def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mikron: Scene) -> None:
+    """Bevels, slots and holes: what is simplified after it was mirrored is not."""
+    write_solids(known_scene(mikron, WHOLE), tmp_path)
+    path = write_envelope(tmp_path)
+    assert trimesh.load_mesh(path).is_watertight
+    assert mirror_difference(envelope_from_stl(path)) < 1e-9
+
+
 def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene) -> None:
     """Volume of the envelope on the grid against the closed form of the web."""
     write_solids(mikron, tmp_path)
     path = write_envelope(tmp_path)
     mesh = trimesh.load_mesh(path)
     assert mesh.is_watertight
+    assert mirror_difference(envelope_from_stl(path)) < 1e-9
     exact = web_volume_mm3(mikron)
     assert mesh.volume == pytest.approx(exact, rel=2e-3)
     envelope = StlEnvelope(shape="stl", file=str(path), symmetric=True)

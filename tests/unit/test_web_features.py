@@ -23,6 +23,8 @@ PLANE = {"face": "journal", "y_mm": 66.0, "depth_mm": 8.0}
 ARC = {"face": "pin", "y_mm": -6.0, "depth_mm": 12.0, "crown_mm": 2.5}
 SLOPED = {"shape": "side", "y_mm": 27.0, "length_mm": 16.0, "height_mm": 5.0, "depth_mm": 6.0}
 SLOPED |= {"offset_mm": -1.5, "draft_deg": 15.0}
+GROOVE = {**SLOPED, "y_mm": 24.5, "length_mm": 103.0, "height_mm": 4.0, "depth_mm": 11.0}
+"""Runs out through both ends and through the bevels there."""
 
 
 def removed_mm3(scene: Scene, **features: Any) -> float:
@@ -61,8 +63,9 @@ def test_sloped_pocket_takes_two_frusta(mikron: Scene) -> None:
         {"bevel": [ARC, {**PLANE, "y_mm": 52.0, "crown_mm": 1.0}]},
         {"pocket": [{**SLOPED, "draft_deg": 0.0, "depth_mm": 9.0}]},
         {"bevel": [ARC], "pocket": [SLOPED]},
+        {"bevel": [ARC, {**PLANE, "y_mm": 52.0}], "pocket": [GROOVE]},
     ],
-    ids=["plane", "two arcs", "straight slot", "arc and slopes"],
+    ids=["plane", "two arcs", "straight slot", "arc and slopes", "groove through arc and plane"],
 )
 def test_solid_cells_and_sections_agree(mikron: Scene, features: dict[str, Any], tmp_path: Any) -> None:
     """The CAD kernel and its STEP file to 1e-6, sections and cells to their steps."""

@@ -1,0 +1,66 @@
+"""Where the time of a re-model goes: python -m tests.benchmarks.remodel_time RUN [--judge].
+
+One line per search (what was tried, parameters, overlap, seconds), then one per stage. A second run shows
+what kept compiled programs save.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from cranktopo.effects.simulated import without
+from cranktopo.evaluate.evaluation import evaluate
+from cranktopo.evaluate.targets import Target
+from cranktopo.remodel import fit, select
+from cranktopo.remodel.closeness import closeness
+from cranktopo.remodel.imported import read_surface
+from cranktopo.remodel.rules import Rules
+from cranktopo.scene import load_scene
+from cranktopo.surface.mesh import SurfaceMesh
+
+
+def timed(name: str, work: Callable[[], Any]) -> Any:
+    """Result of a stage; prints its wall time."""
+    began = time.perf_counter()
+    result = work()
+    print(f"{name:24} {time.perf_counter() - began:7.1f} s", flush=True)
+    return result
+
+
+def show_searches() -> None:
+    """Print one line for every search of the fit."""
+    search = select.fit_from
+
+    def shown(problem: Any, layout: Any, start: Any, step: str) -> Any:
+        began = time.perf_counter()
+        found = search(problem, layout, start, step)
+        overlap = float("nan") if found is None else 100 * found.overlap
+        seconds = time.perf_counter() - began
+        print(f"  {step:22} {len(start):3d} parameters {overlap:6.2f} % {seconds:7.1f} s", flush=True)
+        return found
+
+    select.fit_from = fit.fit_from = shown  # type: ignore[attr-defined]
+
+
+def main(run: Path, judged: bool) -> None:
+    """Fit, compare and, if asked, judge the web of a run."""
+    scene = load_scene(str(run / "design.toml"))
+    mesh = read_surface(run / "web.stl", scene)
+    surface = SurfaceMesh(mesh.vertices, mesh.faces)
+    show_searches()
+    fitted = timed("fit", lambda: fit.fit_web(surface, scene, Rules()))
+    sharp = without(fitted.scene, "fillets")
+    near = timed("closeness", lambda: closeness(sharp, surface))
+    print(f"overlap (IoU): web {100 * near.web_iou:.1f} %, half throw {100 * near.iou:.1f} %")
+    if judged:
+        for name, target in (("body", run / "web.stl"), ("fitted, no fillets", None), ("fitted", None)):
+            what = Target(name, fitted.scene if name == "fitted" else sharp, target)
+            timed(f"judge: {name}", lambda what=what: evaluate(what))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), "--judge" in sys.argv[2:])
