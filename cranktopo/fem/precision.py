@@ -1,4 +1,4 @@
-"""The one place that touches JAX's settings for a `with` block: 64-bit numbers, stored compilations, cores."""
+"""The one place that touches JAX settings for a `with` block: 64-bit numbers, stored programs, cores."""
 
 from __future__ import annotations
 
