@@ -62,7 +62,7 @@ def run_figure(
         title: headline.
         web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
     """
-    figure = Figure(figsize=(15, 9.2), dpi=180, facecolor="white")
+    figure = Figure(figsize=(15, 9.2), dpi=140, facecolor="white")
     FigureCanvasAgg(figure)
     figure.suptitle(title, x=0.035, y=0.975, ha="left", fontsize=15, fontweight="bold")
     _draw_views(figure, mesh, web_z_mm, bottom=0.43, top=0.91)
