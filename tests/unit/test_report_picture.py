@@ -154,7 +154,7 @@ def test_png_is_written_for_any_history(throw: SurfaceMesh, tmp_path: Path, hist
     assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     assert dict(mpl.rcParams) == before
     image = mpl.image.imread(path)
-    assert image.shape[:2] == (1656, 2700)
+    assert image.shape[:2] == (1288, 2100)
     assert np.unique(image[:900:5, ::5, :3].reshape(-1, 3), axis=0).shape[0] > 50
 
 
