@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from scipy.optimize import brentq
+
 LEAST_ORDER, MOST_ORDER = 1.0, 2.2
 """Orders of convergence of a stiffness in the element size: 1.09 at a sharp ring (Williams, 1952), about 2
 with fillets, a little above on coarse meshes."""
@@ -53,10 +55,7 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
     low, high = _SEARCHED
     if excess(low) * excess(high) > 0:
         return None
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if excess(low) * excess(middle) > 0 else (low, middle)
-    return low
+    return float(brentq(excess, low, high))
 
 
 def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None:

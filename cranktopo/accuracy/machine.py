@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from cranktopo.report.metrics import peak_memory_MiB
+
 _SIDE, _PRODUCTS, _DENSE = 40, 20, 700
 _REPEATS = 3
 _STATUS, _RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
@@ -88,9 +90,7 @@ class PeakMemory:
         try:
             line = next(row for row in _STATUS.read_text().splitlines() if row.startswith("VmHWM"))
         except (OSError, StopIteration):
-            import resource
-
-            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / _KIB_PER_MIB
+            return peak_memory_MiB()
         return float(line.split()[1]) / _KIB_PER_MIB
 
 

@@ -53,7 +53,7 @@ def remember(result: Mapping[str, Any]) -> Path | None:
     if not result["rungs"]:
         return None
     machine = Machine(**result["machine"])
-    kept = _kept(machine)
+    kept = _of_kind(_stored(), machine)
     kept.pop(result["design"], None)  # the newest is the last
     data = {"schema_version": SCHEMA_VERSION, "designs": {**kept, result["design"]: dict(result)}}
     try:
@@ -73,10 +73,11 @@ def recall(design: str) -> Known | None:
     Returns:
         What was measured, or None where nothing was measured on a machine of this kind.
     """
-    if not memory_path().is_file():
+    stored = _stored()
+    if not stored:
         return None
-    machine = this_machine()
-    kept = _kept(machine)
+    machine = this_machine()  # timed only when there is something to compare
+    kept = _of_kind(stored, machine)
     if not kept:
         return None
     name = design if design in kept else list(kept)[-1]
@@ -84,15 +85,20 @@ def recall(design: str) -> Known | None:
     return Known(name, name == design, machine.reference_s / before.reference_s, kept[name])
 
 
-def _kept(machine: Machine) -> dict[str, Any]:
-    """Frontiers by design, of machines of this kind only; none where the file is of another version."""
+def _stored() -> dict[str, Any]:
+    """Frontiers by design; none where there is no file, or one of another version."""
     if not memory_path().is_file():
         return {}
     try:
         data = read_json(memory_path())
-        if data["schema_version"] != SCHEMA_VERSION:
-            return {}
-        kept = dict(data["designs"])
-        return {k: v for k, v in kept.items() if Machine(**v["machine"]).same_kind(machine)}
+        return dict(data["designs"]) if data["schema_version"] == SCHEMA_VERSION else {}
     except (CranktopoError, KeyError, TypeError):
+        return {}
+
+
+def _of_kind(stored: Mapping[str, Any], machine: Machine) -> dict[str, Any]:
+    """Those of machines of this kind; none where an entry cannot be read."""
+    try:
+        return {k: v for k, v in stored.items() if Machine(**v["machine"]).same_kind(machine)}
+    except (KeyError, TypeError):
         return {}

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from cranktopo import pipeline
 from cranktopo.accuracy.machine import PeakMemory
-from cranktopo.accuracy.rung import BENDING, TORSION, Rung
+from cranktopo.accuracy.rung import BENDING, NAME_OF_CASE, TORSION, Rung
 from cranktopo.domain.limits import WALL_CELLS, thinnest_wall_mm
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import RATIO, Evaluation, default_element_size_mm, evaluate
@@ -27,7 +27,6 @@ from cranktopo.surface import check_surface, extract_half_throw, slab_fields, wr
 _JUDGED_STEPS = 1
 """How many times 1.5 the elements are larger than by default on which shapes are judged, all alike."""
 _STEPS = 9
-_MODEL_NAMES = {"torsion": TORSION, "bending": BENDING}
 
 
 @dataclass(frozen=True)
@@ -183,9 +182,9 @@ def climb_optimiser(scene: Scene, model: OptimiserModel) -> Rung:
         band_percent=judged.error_percent if judged else 0.0,
         compile_seconds=found.compile_seconds,
         model={
-            _MODEL_NAMES[c.name]: c.stiffness
+            NAME_OF_CASE[c.name]: c.stiffness
             for c in found.own.cases
-            if c.name in _MODEL_NAMES and c.stiffness is not None
+            if c.name in NAME_OF_CASE and c.stiffness is not None
         },
         spent_seconds=time.perf_counter() - began,
     )

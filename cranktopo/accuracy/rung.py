@@ -7,6 +7,8 @@ from typing import Any, Literal
 
 LadderName = Literal["judge", "fillet stress", "optimiser"]
 TORSION, BENDING, STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
+NAME_OF_CASE = {"torsion": TORSION, "bending": BENDING}
+"""Name of the stiffness that a load case of the optimiser gives."""
 
 
 @dataclass(frozen=True)

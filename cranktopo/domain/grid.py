@@ -45,6 +45,11 @@ class Grid:
         return np.diff(self.x_mm), np.diff(self.y_mm), np.diff(self.z_mm)
 
     @property
+    def largest_edge_mm(self) -> float:
+        """Largest edge of a cell, mm."""
+        return max(float(step.max()) for step in self.steps_mm)
+
+    @property
     def cell_volume_mm3(self) -> NDArray[np.float64]:
         """Volume of the cells of each z layer, shape (nz,), mm3."""
         dx, dy, dz = self.steps_mm

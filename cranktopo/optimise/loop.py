@@ -138,7 +138,7 @@ def build_chain(scene: Scene, domain: Domain) -> Interpolation:
 
 def default_filter_radius_mm(domain: Domain) -> float:
     """Filter radius when the scene gives none: 2.5 cells, and never below 3 mm."""
-    return max(3.0, 2.5 * max(float(step.max()) for step in domain.grid.steps_mm))
+    return max(3.0, 2.5 * domain.grid.largest_edge_mm)
 
 
 def init(problem: Problem) -> State:

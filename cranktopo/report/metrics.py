@@ -104,7 +104,7 @@ def _grid(domain: Domain) -> dict[str, Any]:
     mirrors = (["x = 0"] if domain.mirrored_x else []) + (["mid-pin plane"] if domain.mirrored_z else [])
     return {
         "cells": list(domain.grid.cells),
-        "cell_mm": largest_edge_mm(domain),
+        "cell_mm": domain.grid.largest_edge_mm,
         "cell_size_mm": {
             "x": float(dx[0]),
             "y": float(dy[0]),
@@ -118,18 +118,13 @@ def _grid(domain: Domain) -> dict[str, Any]:
     }
 
 
-def largest_edge_mm(domain: Domain) -> float:
-    """Largest edge of a cell, mm."""
-    return max(float(step.max()) for step in domain.grid.steps_mm)
-
-
 def _stiffness_key(kind: str) -> str:
     return "stiffness_Nm_per_rad" if kind == "torsion" else "stiffness_N_per_mm"
 
 
 def _load_cases(scene: Scene, problem: Problem, result: Assessment, domain: Domain) -> dict[str, Any]:
     supports = scene.supports
-    errors = model_error_percent(scene, largest_edge_mm(domain))
+    errors = model_error_percent(scene, domain.grid.largest_edge_mm)
     return {
         case.name: {
             **({} if case.stiffness is None else {_stiffness_key(case.kind): case.stiffness}),

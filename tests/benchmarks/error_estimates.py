@@ -24,14 +24,17 @@ _ORDER = 1.3
 _RANDOM = "random-"
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """A stiffness of a design on one mesh, its bound, and its true error, %."""
+def limit(coarse: float, fine: float) -> float:
+    """What two meshes, the finer one by a factor of 1.5, converge to with order 1.3."""
+    return fine + (fine - coarse) / (RATIO**_ORDER - 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounded:
+    """A stiffness of a design, the bound of its error, and its true error, %."""
 
     design: str
     quantity: str
-    steps: int
-    size_mm: float
     bound_percent: float
     error_percent: float
 
@@ -39,6 +42,20 @@ class Judgement:
     def holds(self) -> bool:
         """Whether the bound is one."""
         return abs(self.error_percent) <= self.bound_percent
+
+
+def held_text(rows: Sequence[Bounded]) -> str:
+    """How many bounds hold."""
+    held = sum(row.holds for row in rows)
+    return f"\n{held} of {len(rows)} within their bound: {100 * held / len(rows):.1f} %"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement(Bounded):
+    """A stiffness on one mesh of the judge."""
+
+    steps: int
+    size_mm: float
 
 
 def target_of(name: str) -> Target:
@@ -66,16 +83,20 @@ def judgements(target: Target, steps: Sequence[int] = STEPS, finest: int = -2) -
     found = {step: judge(target, size * RATIO**step) for step in needed}
     known = {step: evaluation(found[min(step + 1, needed[0])], found[step], 0.0) for step in needed}
 
-    def limit(quantity: str) -> float:
-        fine, coarse = (float(getattr(known[step], quantity)) for step in (finest, finest + 1))
-        return fine + (fine - coarse) / (RATIO**_ORDER - 1)
-
     for quantity in ("torsion_Nm_per_rad", "bending_N_per_mm"):
-        name, true = quantity.split("_")[0], limit(quantity)
+        name = quantity.split("_")[0]
+        true = limit(*(float(getattr(known[step], quantity)) for step in (finest + 1, finest)))
         for step in steps:
             error = 100 * (getattr(known[step], quantity) / true - 1)
             bound = getattr(known[step], f"{name}_error_percent")
-            yield Judgement(target.name, name, step, size * RATIO**step, bound, error)
+            yield Judgement(
+                design=target.name,
+                quantity=name,
+                bound_percent=bound,
+                error_percent=error,
+                steps=step,
+                size_mm=size * RATIO**step,
+            )
 
 
 def main() -> None:
@@ -93,8 +114,7 @@ def main() -> None:
         every += rows
         cells = [f"{r.error_percent:+.2f} ({r.bound_percent:.2f}{'' if r.holds else ' NO'})" for r in rows]
         print(f"| {name} | {rows[-1].size_mm:.2f} | {' | '.join(cells)} |", flush=True)
-    held = sum(row.holds for row in every)
-    print(f"\n{held} of {len(every)} within their bound: {100 * held / len(every):.1f} %")
+    print(held_text(every))
     for step in STEPS:
         worst = [
             max(r.bound_percent for r in every if (r.design, r.steps) == (design, step))

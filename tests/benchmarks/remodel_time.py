@@ -1,16 +1,17 @@
 """Where the time of a re-model goes: python -m tests.benchmarks.remodel_time RUN [--judge].
 
-One line per search (what was tried, parameters, overlap, seconds), then one per stage. A second run shows
-what kept compiled programs save.
+One line per search (what was tried, parameters, overlap, seconds), then one per stage.
 """
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 from cranktopo.effects.simulated import without
 from cranktopo.evaluate.evaluation import evaluate
@@ -31,8 +32,9 @@ def timed(name: str, work: Callable[[], Any]) -> Any:
     return result
 
 
-def show_searches() -> None:
-    """Print one line for every search of the fit."""
+@contextmanager
+def searches_shown() -> Iterator[None]:
+    """Context in which every search of the fit prints one line."""
     search = select.fit_from
 
     def shown(problem: Any, layout: Any, start: Any, step: str) -> Any:
@@ -43,7 +45,8 @@ def show_searches() -> None:
         print(f"  {step:22} {len(start):3d} parameters {overlap:6.2f} % {seconds:7.1f} s", flush=True)
         return found
 
-    select.fit_from = fit.fit_from = shown  # type: ignore[attr-defined]
+    with patch.object(select, "fit_from", shown), patch.object(fit, "fit_from", shown):
+        yield
 
 
 def main(run: Path, judged: bool) -> None:
@@ -51,8 +54,8 @@ def main(run: Path, judged: bool) -> None:
     scene = load_scene(str(run / "design.toml"))
     mesh = read_surface(run / "web.stl", scene)
     surface = SurfaceMesh(mesh.vertices, mesh.faces)
-    show_searches()
-    fitted = timed("fit", lambda: fit.fit_web(surface, scene, Rules()))
+    with searches_shown():
+        fitted = timed("fit", lambda: fit.fit_web(surface, scene, Rules()))
     sharp = without(fitted.scene, "fillets")
     near = timed("closeness", lambda: closeness(sharp, surface))
     print(f"overlap (IoU): web {100 * near.web_iou:.1f} %, half throw {100 * near.iou:.1f} %")

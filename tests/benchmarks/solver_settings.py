@@ -15,7 +15,7 @@ from pathlib import Path
 
 from cranktopo.accuracy.judge_ladder import stiffnesses
 from cranktopo.accuracy.optimiser_ladder import OptimiserModel, optimise_once
-from cranktopo.accuracy.rung import BENDING, TORSION
+from cranktopo.accuracy.rung import BENDING, NAME_OF_CASE, TORSION
 from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, judge
 from cranktopo.optimise.loop import Solving
 from cranktopo.scene import load_scene
@@ -30,7 +30,6 @@ SETTINGS = {
     "1e-2 throughout": Solving(tolerance=1e-2),
 }
 CELL_MM = 3.0
-_NAMES = {"torsion": TORSION, "bending": BENDING}
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ def shapes(cell_mm: float, names: tuple[str, ...] = tuple(SETTINGS)) -> Iterator
         with tempfile.TemporaryDirectory() as folder:
             found = optimise_once(scene, OptimiserModel(cell_mm, name, SETTINGS[name]), Path(folder))
             assert found.target is not None
-            own = {_NAMES[case.name]: case.stiffness or 0.0 for case in found.own.cases}
+            own = {NAME_OF_CASE[case.name]: case.stiffness or 0.0 for case in found.own.cases}
             judged = judge(found.target, RATIO * default_element_size_mm(scene))
             yield Shape(name, found.iterations, own, stiffnesses(judged))
 

@@ -26,7 +26,7 @@ from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene, load_scene, scene_from_dict
-from tests.benchmarks.error_estimates import target_of
+from tests.benchmarks.error_estimates import Bounded, held_text, limit, target_of
 from tests.physics.judge_cases import mikron_with
 from tests.physics.throw_cases import BENDING, TORSION
 
@@ -36,7 +36,6 @@ CELLS_MM = (4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
 DESIGNS = ("opposed-piston", "opposed-piston-casting", "opposed-piston-forging")
 DESIGNS += tuple(f"random-{seed}" for seed in (0, 2, 4, 5, 7))
 CELLS_THROUGH_WEB = (4, 6, 9)
-_ORDER = 1.3
 
 
 @dataclass(frozen=True)
@@ -57,8 +56,8 @@ def own_model(scene: Scene, cell_mm: float, grid: Grid | None = None) -> Own:
     solution = solve(model, jnp.asarray(domain.fixed), tolerance=1e-8)
     work = [float(c) for c in compliances(model, solution.displacements)]
     found = {case.name: stiffness(model, c, case.name) for case, c in zip(model.cases, work, strict=True)}
-    edge = max(float(step.max()) for step in domain.grid.steps_mm)
-    return Own(found, model.forces[0].size, int(solution.iterations), edge, domain.grid)
+    grid = domain.grid
+    return Own(found, model.forces[0].size, int(solution.iterations), grid.largest_edge_mm, grid)
 
 
 def without_fillets(scene: Scene) -> Scene:
@@ -76,29 +75,15 @@ def judged(scene: Scene, steps: Sequence[int] = (1, 0)) -> dict[str, float]:
         "torsion": [row.torsion[supports.torsion] for row in rows],
         "bending": [row.bending[supports.bending] for row in rows],
     }
-    return {name: _limit(*values) for name, values in pairs.items()}
+    return {name: limit(*(v for v in values if v is not None)) for name, values in pairs.items()}
 
 
-def _limit(coarse: float | None, fine: float | None) -> float:
-    assert coarse is not None
-    assert fine is not None
-    return fine + (fine - coarse) / (RATIO**_ORDER - 1)
+@dataclass(frozen=True, kw_only=True)
+class ModelError(Bounded):
+    """A stiffness by the optimiser's model."""
 
-
-@dataclass(frozen=True)
-class ModelError:
-    """Error of a stiffness by the optimiser's model and its bound, %."""
-
-    design: str
-    quantity: str
     cell_mm: float
     cells_through_web: float
-    bound_percent: float
-    error_percent: float
-
-    @property
-    def holds(self) -> bool:
-        return abs(self.error_percent) <= self.bound_percent
 
 
 def model_errors(scene: Scene, through_web: Sequence[int] = CELLS_THROUGH_WEB) -> Iterator[ModelError]:
@@ -111,7 +96,14 @@ def model_errors(scene: Scene, through_web: Sequence[int] = CELLS_THROUGH_WEB) -
         bounds = model_error_percent(sharp, own.cell_mm)
         for name, value in own.stiffness.items():
             error = 100 * (value / true[name] - 1)
-            yield ModelError(scene.name, name, own.cell_mm, thickness / own.cell_mm, bounds[name], error)
+            yield ModelError(
+                design=scene.name,
+                quantity=name,
+                bound_percent=bounds[name],
+                error_percent=error,
+                cell_mm=own.cell_mm,
+                cells_through_web=thickness / own.cell_mm,
+            )
 
 
 def variants() -> dict[str, Scene]:
@@ -208,8 +200,7 @@ def print_throws(names: Sequence[str]) -> None:
             numbers = f"{row.bound_percent:.2f} | {row.error_percent:+.2f}"
             held = "yes" if row.holds else "NO"
             print(f"| {row.design} | {row.quantity} | {cell} | {numbers} | {held} |", flush=True)
-    held = sum(row.holds for row in rows)
-    print(f"\n{held} of {len(rows)} within their bound: {100 * held / len(rows):.1f} %")
+    print(held_text(rows))
 
 
 def print_ranking() -> None:

@@ -105,22 +105,26 @@ def stl_of(mesh: trimesh.Trimesh) -> bytes:
     return bytes(80) + len(mesh.faces).to_bytes(4, "little") + records.tobytes()
 
 
+def unfinished_run(folder: Path, scene: Scene) -> Path:
+    """A run of the Mikron that holds nothing but its inputs."""
+    return create_run(
+        design="mikron-iiic",
+        design_toml=(designs_folder() / "mikron-iiic.toml").read_text(),
+        scene=scene.model_dump(mode="json"),
+        options={},
+        command=["cranktopo", "optimise"],
+        inputs={},
+        out=folder / "run",
+    ).path
+
+
 @pytest.mark.parametrize("name", BAD_SURFACES)
 def test_a_surface_that_is_no_solid_is_refused(
     name: str, tmp_path: Path, mikron: Scene, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As the surface of a run, as a file to be judged: one clear line, exit code 3, nothing written."""
     make, message = BAD_SURFACES[name]
-    design = (designs_folder() / "mikron-iiic.toml").read_text()
-    run = create_run(
-        design="mikron-iiic",
-        design_toml=design,
-        scene=mikron.model_dump(mode="json"),
-        options={},
-        command=["cranktopo", "optimise"],
-        inputs={},
-        out=tmp_path / "run",
-    ).path
+    run = unfinished_run(tmp_path, mikron)
     (run / "web.stl").write_bytes(make())
     for command in (["remodel", str(run)], ["evaluate", str(run / "web.stl"), "--design", "mikron-iiic"]):
         before = sorted(tmp_path.rglob("*"))
@@ -137,15 +141,7 @@ def test_a_surface_that_is_no_solid_is_refused(
 def test_a_run_without_a_surface_is_refused(
     tmp_path: Path, mikron: Scene, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run = create_run(
-        design="mikron-iiic",
-        design_toml=(designs_folder() / "mikron-iiic.toml").read_text(),
-        scene=mikron.model_dump(mode="json"),
-        options={},
-        command=["cranktopo", "optimise"],
-        inputs={},
-        out=tmp_path / "run",
-    ).path
+    run = unfinished_run(tmp_path, mikron)
     assert main(["remodel", str(run)]) == 3
     error = capsys.readouterr().err
     assert "web.stl is missing, so this is no finished run" in error

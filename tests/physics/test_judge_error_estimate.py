@@ -6,6 +6,7 @@ import pytest
 
 from cranktopo.evaluate.evaluation import evaluate, judge
 from cranktopo.evaluate.targets import Target
+from tests.benchmarks.error_estimates import limit
 from tests.physics.judge_cases import mikron_with
 from tests.physics.test_judge_reference import BENDING, TORSION
 
@@ -17,7 +18,7 @@ def extrapolated(target: Target) -> tuple[float, float]:
         (coarse.torsion["free"], fine.torsion["free"]),
         (coarse.bending["pinned"], fine.bending["pinned"]),
     ]
-    torsion, bending = (f + (f - c) / (1.5**1.3 - 1) for c, f in pairs if c and f)
+    torsion, bending = (limit(c, f) for c, f in pairs if c and f)
     return torsion, bending
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import pytest
@@ -158,7 +159,7 @@ def tasks(rungs: list[Rung | Exception]) -> list[Task]:
             raise result
         return result
 
-    return [Task(f"task {n}", 2.0**n, lambda r=r: run(r)) for n, r in enumerate(rungs)]  # type: ignore[misc]
+    return [Task(f"task {n}", 2.0**n, partial(run, r)) for n, r in enumerate(rungs)]
 
 
 def test_a_ladder_ends_before_the_rung_that_would_not_fit() -> None:
