@@ -228,5 +228,5 @@ def _finish(
     )
     metrics["files"]["report"] = REPORT
     run.write_metrics(metrics)
-    write_run_report(run)
+    write_run_report(run, domain=domain)
     return metrics

@@ -40,11 +40,13 @@ class Picture:
         name: file name without ending.
         figure: the plot.
         alt: what a reader who cannot see it needs to know.
+        raster: drawn as pixels where it would otherwise be drawn as lines: thousands of faces.
     """
 
     name: str
     figure: Figure
     alt: str
+    raster: bool = False
 
 
 @dataclass(frozen=True)
