@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from cranktopo.report.viewer import Scenery
 
+_WIDE_INCHES = 9.0
 Mood = Literal["good", "bad", "neutral", "unknown"]
 
 
@@ -47,6 +48,11 @@ class Picture:
     figure: Figure
     alt: str
     raster: bool = False
+
+    @property
+    def wide(self) -> bool:
+        """Whether it takes the whole width of a page."""
+        return bool(self.figure.get_size_inches()[0] > _WIDE_INCHES)
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,8 @@ def gallery(bodies: Sequence[tuple[str, ShadedMesh, Direction]]) -> tuple[Figure
     """
     columns = min(len(bodies), _GALLERY_COLUMNS)
     rows = -(-len(bodies) // columns)
-    figure = Figure(figsize=(3.75 * columns, 4.6 * rows), dpi=110, facecolor="none")
+    figure = Figure(figsize=(3.75 * columns, 4.0 * rows), dpi=110, facecolor="none")
+    figure.subplots_adjust(left=0.01, right=0.99, bottom=0.01, top=1 - 0.08 / rows, wspace=0.03, hspace=0.1)
     FigureCanvasAgg(figure)
     views = [view_axes(side, _UP) for _, _, side in bodies]
     extents = [extent_mm(body, view) for (_, body, _), view in zip(bodies, views, strict=True)]

@@ -35,7 +35,7 @@ def test_journal_is_a_twisted_tube(found: CaseStress, radius_mm: float) -> None:
     """Shear T r / J on the journal away from the web, von Mises stress sqrt(3) times that."""
     polar_mm4 = math.pi / 32 * (42.0**4 - 24.0**4)
     expected = math.sqrt(3) * 700e3 * radius_mm / polar_mm4
-    assert found.at(ring(radius_mm, 4.0))[0].mean() == pytest.approx(expected, rel=0.03)
+    assert found.at(ring(radius_mm, 4.0))[0].mean() == pytest.approx(expected, rel=0.05)
 
 
 def test_stress_is_linear_in_the_load(found: CaseStress) -> None:
