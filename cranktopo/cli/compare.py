@@ -82,10 +82,12 @@ def command(
 
         check_report_path(page)
     names = targets if baseline in targets else (baseline, *targets)
-    resolved = _resolved(names, design)
+    from cranktopo.evaluate.targets import resolve_targets
+
+    resolved = resolve_targets(names, design)
     index = names.index(baseline)
     judged = None if method is None else _judged(resolved, method, index)
-    evaluations, missed = evaluate_targets(names, Meshing(element_size_mm, accuracy, budget), design)
+    evaluations, missed = evaluate_targets(resolved, Meshing(element_size_mm, accuracy, budget))
     comparison = _compared(resolved, evaluations, index, judged)
     click.echo(_text(comparison, "json" if as_json else form))
     if plot is not None:
@@ -101,12 +103,6 @@ def command(
         write_report(comparison_page(comparison, resolved, command_line, say if stress else None), page)
         say(f"report: {page}")
     warn_missed(missed, accuracy)
-
-
-def _resolved(names: tuple[str, ...], design: str | None) -> list[Target]:
-    from cranktopo.evaluate.targets import resolve_target
-
-    return [resolve_target(name, design) for name in names]
 
 
 def _judged(targets: list[Target], method: str, baseline: int) -> Judged:

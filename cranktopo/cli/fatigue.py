@@ -66,7 +66,7 @@ def command(
     """
     from cranktopo.evaluate.fatigue import check_inputs
     from cranktopo.evaluate.stress_model import RULE_FRACTION
-    from cranktopo.evaluate.targets import resolve_target
+    from cranktopo.evaluate.targets import resolve_targets
     from cranktopo.loads.histories import HistoryKind
 
     names = targets or (baseline or "mikron-iiic",)
@@ -79,7 +79,7 @@ def command(
             code=ExitCode.USAGE,
         )
     kind: HistoryKind = next(name for name in get_args(HistoryKind) if name == loads)
-    resolved = [resolve_target(name) for name in names]
+    resolved = resolve_targets(names)
     for target in resolved:
         check_inputs(target, method, kind)
     index = None if baseline is None else names.index(baseline)
