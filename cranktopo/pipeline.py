@@ -121,7 +121,9 @@ def reopen(reference: str, max_iterations: int | None, notice: Notice) -> tuple[
     return run, prepared
 
 
-def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress) -> dict[str, Any]:
+def optimise(
+    run: RunStore, prepared: Prepared, resume: bool, progress: Progress, began: float | None = None
+) -> dict[str, Any]:
     """Optimise the web of a prepared scene and write the run's files.
 
     Args:
@@ -129,6 +131,7 @@ def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress
         prepared: from `start` or `reopen`.
         resume: continue from the run's checkpoint, if it has one.
         progress: called after every iteration.
+        began: reading of `time.perf_counter` from which the total time counts; now by default.
 
     Returns:
         The metrics, as written to metrics.json.
@@ -137,6 +140,7 @@ def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress
         CranktopoError: solver failure, surface that fails its gates, interruption (exit code 130, the
             checkpoint is saved).
     """
+    began = time.perf_counter() if began is None else began
     with locked(run.path), double_precision():
         clock = CompileClock()
         if resume:
@@ -145,7 +149,7 @@ def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress
         state = _first_state(run, problem, resume)
         try:
             state = _iterate(run, problem, state, progress)
-            metrics = _finish(run, prepared, problem, state, clock)
+            metrics = _finish(run, prepared, problem, state, clock, began)
         except KeyboardInterrupt:
             run.set_status("interrupted")
             run.log("interrupted")
@@ -201,7 +205,7 @@ def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progr
 
 
 def _finish(
-    run: RunStore, prepared: Prepared, problem: loop.Problem, state: State, clock: CompileClock
+    run: RunStore, prepared: Prepared, problem: loop.Problem, state: State, clock: CompileClock, began: float
 ) -> dict[str, Any]:
     """Judge the final design in the optimiser's model at a tight tolerance and write every file."""
     optimised = time.perf_counter()
@@ -212,7 +216,7 @@ def _finish(
     rows = history_rows(state.history, problem.model.case_names)
     outputs = write_outputs(run, scene, domain, design, rows)
     now = time.perf_counter()
-    timing = Timing(now - clock.began, now - optimised, clock.compile_s)
+    timing = Timing(now - began, now - optimised, clock.compile_s)
     metrics = optimise_metrics(
         run.name,
         scene,
@@ -229,4 +233,7 @@ def _finish(
     metrics["files"]["report"] = REPORT
     run.write_metrics(metrics)
     write_run_report(run, domain=domain)
+    end = time.perf_counter()
+    metrics["seconds"] |= {"total": end - began, "report": end - now}
+    run.write_metrics(metrics)
     return metrics

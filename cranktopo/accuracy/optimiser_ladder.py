@@ -22,7 +22,7 @@ from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import Assessment, assess
 from cranktopo.scene import Scene
-from cranktopo.surface import check_surface, extract_half_throw, slab_fields, write_stl
+from cranktopo.surface import skin_of, write_stl
 
 _JUDGED_STEPS = 1
 """How many times 1.5 the elements are larger than by default on which shapes are judged, all alike."""
@@ -202,14 +202,12 @@ def _values(found: Evaluation) -> dict[str, float]:
 
 def _surface(ready: pipeline.Prepared, design: loop.Design, folder: Path) -> Target | None:
     """The surface on the disk, or None where the density is too grey for one."""
-    grid, usable, smooth = slab_fields(ready.domain, design)
     try:
-        surface = extract_half_throw(grid, ready.scene, usable, smooth)
-        check_surface(surface)
+        skin = skin_of(ready.scene, ready.domain, design)
     except CranktopoError as error:
         if error.code != ExitCode.CRITERION_NOT_MET:
             raise
         return None
     path = folder / "web.stl"
-    write_stl(path, surface.half_throw)
+    write_stl(path, skin.surface.half_throw)
     return Target(f"{ready.scene.name}, optimised", ready.scene, path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +69,7 @@ def command(
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
+    began = time.perf_counter()
     if resume and any((design, volume_fraction, resolution_mm, process, accuracy, budget, out)):
         raise click.UsageError(
             "--resume takes the design and its options from the run; only --max-iterations may be given"
@@ -92,7 +94,7 @@ def command(
             scene = _with_cells(scene, accuracy, budget)
         run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, say)
     with _Bar() as bar:
-        metrics = pipeline.optimise(run, prepared, bool(resume), bar)
+        metrics = pipeline.optimise(run, prepared, bool(resume), bar, began)
     click.echo(json.dumps(metrics) if as_json else summary(metrics, run.path))
     return _exit_code(metrics)
 
@@ -126,13 +128,18 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
     seconds = metrics["seconds"]
     lines += [
         "",
-        f"{seconds['total']:.1f} s (compiling {seconds['compile']:.1f} s, "
-        f"{seconds['per_iteration_median']:.2f} s per iteration), {metrics['peak_memory_MiB']:.0f} MiB",
+        f"{seconds['total']:.1f} s in all (compiling {seconds['compile']:.1f} s, "
+        f"{seconds['per_iteration_median']:.2f} s per iteration{_report_time(seconds)}), "
+        f"{metrics['peak_memory_MiB']:.0f} MiB",
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
         *_surface_warning(metrics["surface"]),
         *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
     ]
     return "\n".join(lines)
+
+
+def _report_time(seconds: dict[str, float]) -> str:
+    return f", report {seconds['report']:.1f} s" if "report" in seconds else ""
 
 
 def _surface_warning(surface: dict[str, Any]) -> list[str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -77,7 +76,6 @@ class CompileClock:
     def __init__(self) -> None:
         import jax
 
-        self.began = time.perf_counter()
         self.compile_s = 0.0
         jax.monitoring.register_event_duration_secs_listener(self._add)
 

@@ -117,7 +117,7 @@ def _provenance(record: RunRecord) -> Section:
         ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
         ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
         ("solver", metrics["solver"]["precision"]),
-        ("time", f"{metrics['seconds']['total']:.1f} s"),
+        ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
         ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
     ]
     versions = tuple((name, text or "not installed") for name, text in manifest["versions"].items())
