@@ -69,6 +69,42 @@ def prepare(scene: Scene) -> Prepared:
     return Prepared(scene, effects, cases, build_domain(scene, resolution))
 
 
+@dataclass(frozen=True)
+class Optimum:
+    """A finished density optimisation.
+
+    Attributes:
+        problem: what was solved.
+        state: its last state, with the history of all iterations.
+        design: the final densities.
+    """
+
+    problem: loop.Problem
+    state: State
+    design: loop.Design
+
+
+def optimise_density(
+    prepared: Prepared, solving: loop.Solving | None = None, progress: Progress = lambda *_: None
+) -> Optimum:
+    """Optimise the web of a prepared scene in memory; call inside `double_precision()`.
+
+    Args:
+        prepared: from `prepare`.
+        solving: how exactly the equations are solved; by default as in a run.
+        progress: called after every iteration.
+
+    Raises:
+        CranktopoError: solver failure.
+    """
+    problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases, solving or loop.Solving())
+    state = loop.init(problem)
+    while not state.done:
+        state = loop.step(problem, state)
+        progress(problem, state)
+    return Optimum(problem, state, loop.final_design(problem, state))
+
+
 def start(
     scene: Scene, design_toml: str, command: Sequence[str], out: Path | None, notice: Notice
 ) -> tuple[RunStore, Prepared]:
@@ -113,10 +149,7 @@ def reopen(reference: str, max_iterations: int | None, notice: Notice) -> tuple[
     run = open_run(reference)
     run.require_same_inputs()
     scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
-    if max_iterations is not None:
-        settings = scene.optimise.model_copy(update={"max_iterations": max_iterations})
-        scene = scene.model_copy(update={"optimise": settings})
-    prepared = prepare(scene)
+    prepared = prepare(scene.with_optimise(max_iterations=max_iterations))
     notice(describe(prepared))
     return run, prepared
 

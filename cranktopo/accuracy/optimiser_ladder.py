@@ -52,10 +52,9 @@ class OptimiserModel:
 
     def scene(self, scene: Scene) -> Scene:
         """A scene with this rung's cell size and limit."""
-        changes = {"resolution_mm": self.cell_mm}
-        if self.max_iterations is not None:
-            changes["max_iterations"] = min(self.max_iterations, scene.optimise.max_iterations)
-        return scene.model_copy(update={"optimise": scene.optimise.model_copy(update=changes)})
+        most = scene.optimise.max_iterations
+        limit = most if self.max_iterations is None else min(self.max_iterations, most)
+        return scene.with_optimise(resolution_mm=self.cell_mm, max_iterations=limit)
 
 
 def optimiser_ladder(scene: Scene) -> Sequence[OptimiserModel]:
@@ -135,16 +134,15 @@ def optimise_once(scene: Scene, model: OptimiserModel, folder: Path) -> Optimise
     with double_precision():
         clock = CompileClock()
         ready = pipeline.prepare(model.scene(scene))
-        problem = loop.build_problem(ready.scene, ready.domain, ready.cases, model.solving)
-        state = loop.init(problem)
-        while not state.done:
-            state = loop.step(problem, state)
-        design = loop.final_design(problem, state)
-        own = assess(problem, ready.scene, ready.domain, design.physical)
-        target = _surface(ready, design, folder)
+        found = pipeline.optimise_density(ready, model.solving)
+        problem = found.problem
+        own = assess(problem, ready.scene, ready.domain, found.design.physical)
+        target = _surface(ready, found.design, folder)
         unknowns, cases = problem.model.forces[0].size, len(problem.model.cases)
         nx, ny, nz = ready.domain.grid.cells
-        return Optimised(target, own, unknowns, nx * ny * nz, cases, len(state.history), clock.compile_s)
+        return Optimised(
+            target, own, unknowns, nx * ny * nz, cases, len(found.state.history), clock.compile_s
+        )
 
 
 def climb_optimiser(scene: Scene, model: OptimiserModel) -> Rung:

@@ -83,13 +83,16 @@ def command(
     if resume:
         run, prepared = pipeline.reopen(resume, max_iterations, say)
     else:
-        overrides = {
-            "volume_fraction": volume_fraction,
-            "resolution_mm": resolution_mm,
-            "process": process,
-            "max_iterations": max_iterations,
-        }
-        scene, text = _scene(design or DEFAULT_DESIGN, overrides)
+        from cranktopo.scene.loading import design_text, load_scene
+
+        name = design or DEFAULT_DESIGN
+        scene, text = load_scene(name), design_text(name)
+        scene = scene.with_optimise(
+            volume_fraction=volume_fraction,
+            resolution_mm=resolution_mm,
+            process=process,
+            max_iterations=max_iterations,
+        )
         if accuracy or budget:
             scene = _with_cells(scene, accuracy, budget)
         run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, say)
@@ -156,17 +159,6 @@ def _surface_warning(surface: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:
-    """The design's scene with the options in it, checked as a whole, and its text."""
-    from cranktopo.scene import load_scene
-    from cranktopo.scene.loading import resolve_design
-
-    scene = load_scene(design)
-    given = {key: value for key, value in overrides.items() if value is not None}
-    settings = scene.optimise.model_copy(update=given)
-    return scene.model_copy(update={"optimise": settings}), resolve_design(design).read_text(encoding="utf-8")
-
-
 def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) -> Scene:
     """The scene with the cell size that an accuracy or a time asks for, said on stderr."""
     from cranktopo.accuracy.memory import recall
@@ -174,8 +166,7 @@ def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) ->
 
     choice = choose_cells(scene, accuracy, budget_s, recall(scene.name))
     say(str(choice))
-    settings = scene.optimise.model_copy(update={"resolution_mm": choice.cell_mm})
-    return scene.model_copy(update={"optimise": settings})
+    return scene.with_optimise(resolution_mm=choice.cell_mm)
 
 
 class _Bar:

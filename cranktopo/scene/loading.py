@@ -57,12 +57,20 @@ def copy_of(design: str, name: str) -> str:
     Raises:
         CranktopoError: no such design, or none that can be read.
     """
-    text = _read(design, resolve_design(design))
-    text = re.sub(r'(?m)^name = ".*"$', lambda _: f"name = {json.dumps(name)}", text, count=1)
+    text = re.sub(r'(?m)^name = ".*"$', lambda _: f"name = {json.dumps(name)}", design_text(design), count=1)
     return re.sub(r"(?ms)^\[published\].*?(?=^\[|\Z)", "", text).rstrip() + "\n"
 
 
-def _read(design: str, path: Path) -> str:
+def design_text(design: str) -> str:
+    """Text of a design.
+
+    Args:
+        design: TOML path or name of a built-in design.
+
+    Raises:
+        CranktopoError: no such design, or none that can be read.
+    """
+    path = resolve_design(design)
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -127,4 +135,4 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene") -> Scene:
 def load_scene(design: str) -> Scene:
     """A validated scene from a TOML path or the name of a built-in design; raises CranktopoError."""
     path = resolve_design(design)
-    return parse_scene(_read(design, path), str(path), path.resolve().parent)
+    return parse_scene(design_text(design), str(path), path.resolve().parent)
