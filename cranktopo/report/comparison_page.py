@@ -18,7 +18,7 @@ from cranktopo.report.comparison import (
     published_table,
     value_table,
 )
-from cranktopo.report.page import Fact, Page, Picture, Section
+from cranktopo.report.page import Fact, Mood, Page, Picture, Section
 from cranktopo.report.picture import gallery_figure
 from cranktopo.report.scatter import scatter_points
 from cranktopo.report.sections import effects_section, loads_section, pairs, scatter_pictures
@@ -98,10 +98,22 @@ def _facts(comparison: Comparison) -> tuple[Fact, ...]:
     found = []
     for column, label in {**_VERDICT, **({_SAFETY: "Safest against fatigue"} if judged else {})}.items():
         row = best[column]
-        same = row == comparison.baseline
-        note = "the baseline itself" if same else f"{_change(comparison, row, column)} of the baseline"
-        found.append(Fact(label, _name(comparison, row), note, "neutral" if same else "good"))
+        note = f"{_change(comparison, row, column)} of the baseline"
+        mood: Mood = "good"
+        if row == comparison.baseline:
+            note, mood = "the baseline itself", "neutral"
+        elif abs(comparison.percent(row, column) - 100) < _error_percent(comparison, row, column):
+            note, mood = f"{note}, less than the error estimate", "neutral"
+        found.append(Fact(label, _name(comparison, row), note, mood))
     return tuple(found) if judged else (*found, fatigue_fact(None, "stiffness was compared, not life"))
+
+
+def _error_percent(comparison: Comparison, row: int, column: int) -> float:
+    """Larger error estimate of an entry and the baseline in a column, 0 where it has none."""
+    pair = (comparison.entries[i].evaluation for i in (row, comparison.baseline))
+    if column == _TORSION_PER_MASS:
+        return max(e.torsion_error_percent for e in pair)
+    return max(e.bending_error_percent for e in pair) if column == _BENDING_PER_MASS else 0.0
 
 
 def _variants(comparison: Comparison) -> Section:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -42,7 +43,19 @@ def test_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "opposed-piston-casting is the stiffest in torsion per kilogram: +20.0 % against" in text
     assert re.findall(r'data-value="([^"]*)"', text)[:3] == ["2.0", "100.0", "70.0"]
     assert text.count("<option") == 2
+    assert "less than the error estimate" not in text
     assert "SHA-256 of the scene" in text
+
+
+def test_gain_below_the_error_estimate_is_no_gain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def alike(target: Target, *_: object) -> Evaluation:
+        found = judged(target)
+        return replace(found, throw_kg=2.0, fine=replace(found.fine, torsion={"free": 100e3 + found.web_kg}))
+
+    monkeypatch.setattr("cranktopo.evaluate.evaluation.evaluate", alike)
+    path = tmp_path / "page.md"
+    assert main(["compare", *NAMES, "--baseline", NAMES[1], "--report", str(path), "--quiet"]) == 0
+    assert "+0.0 % of the baseline, less than the error estimate" in path.read_text(encoding="utf-8")
 
 
 def test_markdown(tmp_path: Path) -> None:

@@ -239,7 +239,7 @@
     const radius = Math.hypot(...size) / 2;
     const distance = radius / Math.sin(FIELD_OF_VIEW / 2) / state.zoom;
     const near = Math.max(distance - 1.2 * radius, 0.02 * distance), far = distance + 1.2 * radius;
-    const lens = (1.3 / Math.tan(FIELD_OF_VIEW / 2)) * Math.min(aspect, 1);
+    const lens = (1.1 / Math.tan(FIELD_OF_VIEW / 2)) * Math.min(aspect, 1);
     gl.uniformMatrix3fv(uniforms.turn, false, turn);
     gl.uniform3fv(uniforms.target, target);
     gl.uniform2f(uniforms.lens, lens / aspect, lens);
