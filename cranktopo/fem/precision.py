@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -78,14 +77,14 @@ class CompileClock:
     def __init__(self) -> None:
         import jax
 
-        self.began = time.perf_counter()
+        self._began = time.perf_counter()
         self._spans: list[tuple[float, float]] = []
         jax.monitoring.register_event_duration_secs_listener(self._add)
 
     @property
     def compile_s(self) -> float:
         """Seconds; what several threads compile at the same time counts once."""
-        total, until = 0.0, self.began
+        total, until = 0.0, self._began
         for start, end in sorted(self._spans):
             total += max(0.0, end - max(start, until))
             until = max(until, end)
