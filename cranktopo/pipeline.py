@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +19,6 @@ from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
-from cranktopo.report.metrics import Timing, optimise_metrics
-from cranktopo.report.outputs import history_rows, write_outputs
-from cranktopo.report.writing import REPORT, write_run_report
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import input_files
 from cranktopo.store import (
@@ -181,8 +180,11 @@ def optimise(
         problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
         state = _first_state(run, problem, resume)
         try:
-            state = _iterate(run, problem, state, progress)
-            metrics = _finish(run, prepared, problem, state, clock, began)
+            with ThreadPoolExecutor(1) as aside:
+                # What `_finish` imports takes a second, and while programs compile the interpreter is free.
+                aside.submit(import_module, "cranktopo.report.writing")
+                state = _iterate(run, problem, state, progress)
+                metrics = _finish(run, prepared, problem, state, clock, began, aside)
         except KeyboardInterrupt:
             run.set_status("interrupted")
             run.log("interrupted")
@@ -238,16 +240,27 @@ def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progr
 
 
 def _finish(
-    run: RunStore, prepared: Prepared, problem: loop.Problem, state: State, clock: CompileClock, began: float
+    run: RunStore,
+    prepared: Prepared,
+    problem: loop.Problem,
+    state: State,
+    clock: CompileClock,
+    began: float,
+    aside: Executor,
 ) -> dict[str, Any]:
     """Judge the final design in the optimiser's model at a tight tolerance and write every file."""
+    from cranktopo.report.metrics import Timing, optimise_metrics
+    from cranktopo.report.outputs import history_rows, write_outputs
+    from cranktopo.report.writing import REPORT, write_run_report
+
     optimised = time.perf_counter()
     scene, domain = prepared.scene, prepared.domain
     design = loop.final_design(problem, state)
+    rows = history_rows(state.history, problem.model.case_names)
+    writing = aside.submit(write_outputs, run, scene, domain, design, rows)
     result = assess(problem, scene, domain, design.physical)
     original = assess_original(problem, scene, domain)
-    rows = history_rows(state.history, problem.model.case_names)
-    outputs = write_outputs(run, scene, domain, design, rows)
+    outputs = writing.result()
     now = time.perf_counter()
     timing = Timing(now - began, now - optimised, clock.compile_s)
     metrics = optimise_metrics(
