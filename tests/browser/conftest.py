@@ -17,6 +17,9 @@ NAMES = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
+NEXT_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
 @dataclass
 class Visit:
     """A page that was opened, and what it said and asked for on the way."""
@@ -26,8 +29,8 @@ class Visit:
     requests: list[str] = field(default_factory=list)
 
     def picture(self) -> np.ndarray:
-        """Pixels of the canvas, rows from the top, (h, w, 4), after the next frame."""
-        self.page.wait_for_timeout(150)
+        """Pixels of the canvas, rows from the top, (h, w, 4), after the next frames."""
+        self.page.evaluate(NEXT_FRAMES)
         flat, width, height = self.page.evaluate(
             """() => {
                 const gl = document.querySelector("canvas").getContext("webgl2");

@@ -15,6 +15,7 @@ from cranktopo.report.sections import picture
 from cranktopo.report.steps import Step
 from cranktopo.report.viewer import Body, Scenery
 from cranktopo.surface import DensityGrid, SurfaceMesh
+from tests.browser.conftest import NEXT_FRAMES
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def triangles(page: Any) -> int:
-    page.wait_for_timeout(150)
+    page.evaluate(NEXT_FRAMES)
     return int(page.locator("#viewer").get_attribute("data-triangles"))
 
 
