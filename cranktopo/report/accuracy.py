@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import cycle
 from typing import Any
 
@@ -13,8 +13,54 @@ from cranktopo.report.tables import Table
 
 _MARKERS, _COLOURS = "osD^vP*X", ("C0", "C1", "C2")
 _TORSION, _BENDING, _STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
-_COST = ("rung", "unknowns", "time_s", "memory_MiB")
 _KILO = 1000.0
+# Name, decimals, and where a rung holds it.
+_Column = tuple[str, int, Callable[[Mapping[str, Any]], str | float | None]]
+
+
+def _scaled(name: str) -> Callable[[Mapping[str, Any]], float | None]:
+    """A stiffness in thousands of its unit."""
+    return lambda rung: None if rung.get(name) is None else rung[name] / _KILO
+
+
+def _of(table: str, name: str) -> Callable[[Mapping[str, Any]], float | None]:
+    return lambda rung: rung[table].get(name)
+
+
+_COST: tuple[_Column, ...] = (
+    ("rung", 0, lambda rung: rung["name"]),
+    ("unknowns", 0, lambda rung: float(rung["unknowns"])),
+    ("time_s", 1, lambda rung: rung["seconds"]),
+    ("memory_MiB", 0, lambda rung: rung["peak_memory_MiB"]),
+)
+_UNCERTAINTY: _Column = ("uncertainty_percent", 2, lambda rung: rung["uncertainty_percent"])
+_COLUMNS: dict[str, tuple[_Column, ...]] = {
+    "judge": (
+        ("torsion_kNm_per_rad", 2, _scaled(_TORSION)),
+        ("error_percent", 2, _of("errors_percent", _TORSION)),
+        ("bending_kN_per_mm", 2, _scaled(_BENDING)),
+        ("error_percent", 2, _of("errors_percent", _BENDING)),
+        _UNCERTAINTY,
+        ("order_in_torsion", 1, _of("orders", _TORSION)),
+        ("in_bending", 1, _of("orders", _BENDING)),
+    ),
+    "fillet stress": (
+        (_STRESS, 1, lambda rung: rung.get(_STRESS)),
+        ("error_percent", 2, _of("errors_percent", _STRESS)),
+        _UNCERTAINTY,
+        ("order", 1, _of("orders", _STRESS)),
+    ),
+    "optimiser": (
+        ("iterations", 0, lambda rung: float(rung["settings"]["iterations"])),
+        ("torsion_kNm_per_rad", 2, _scaled(_TORSION)),
+        ("shape_percent", 2, _of("errors_percent", _TORSION)),
+        ("own_value_percent", 2, _of("model_errors_percent", _TORSION)),
+        ("bending_kN_per_mm", 2, _scaled(_BENDING)),
+        ("shape_percent", 2, _of("errors_percent", _BENDING)),
+        ("own_value_percent", 2, _of("model_errors_percent", _BENDING)),
+        _UNCERTAINTY,
+    ),
+}
 
 
 def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | None) -> Section:
@@ -76,14 +122,10 @@ def rung_tables(result: Mapping[str, Any]) -> list[tuple[str, Table]]:
         result: what `cranktopo accuracy --json` prints.
     """
     found = []
-    for ladder, build in (
-        ("judge", _judge_table),
-        ("fillet stress", _stress_table),
-        ("optimiser", _optimiser_table),
-    ):
+    for ladder, columns in _COLUMNS.items():
         rungs = [rung for rung in result["rungs"] if rung["ladder"] == ladder]
         if rungs:
-            found.append((ladder.capitalize(), build(rungs)))
+            found.append((ladder.capitalize(), _rung_table(rungs, columns)))
     return found
 
 
@@ -120,81 +162,14 @@ def _limit_text(name: str, limit: Mapping[str, Any]) -> str:
     return f"{label} {limit['value'] / scale:.5g} {unit} +-{limit['uncertainty_percent']:.2g} %{order}"
 
 
-def _judge_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
-    columns = (
-        *_COST,
-        "torsion_kNm_per_rad",
-        "error_percent",
-        "bending_kN_per_mm",
-        "error_percent",
-        "uncertainty_percent",
-        "order_in_torsion",
-        "in_bending",
+def _rung_table(rungs: Sequence[Mapping[str, Any]], columns: Sequence[_Column]) -> Table:
+    every = (*_COST, *columns)
+    return Table(
+        tuple(name for name, _, _ in every),
+        tuple(tuple(read(rung) for _, _, read in every) for rung in rungs),
+        tuple(digits for _, digits, _ in every),
+        _stars(rungs),
     )
-    rows = tuple(
-        (
-            *_cost(rung),
-            *_valued(rung, _TORSION),
-            *_valued(rung, _BENDING),
-            rung["uncertainty_percent"],
-            rung["orders"].get(_TORSION),
-            rung["orders"].get(_BENDING),
-        )
-        for rung in rungs
-    )
-    return Table(columns, rows, (0, 0, 1, 0, 2, 2, 2, 2, 2, 1, 1), _stars(rungs))
-
-
-def _stress_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
-    columns = (*_COST, "fillet_stress_MPa", "error_percent", "uncertainty_percent", "order")
-    rows = tuple(
-        (
-            *_cost(rung),
-            rung.get(_STRESS),
-            rung["errors_percent"].get(_STRESS),
-            rung["uncertainty_percent"],
-            rung["orders"].get(_STRESS),
-        )
-        for rung in rungs
-    )
-    return Table(columns, rows, (0, 0, 1, 0, 1, 2, 2, 1), _stars(rungs))
-
-
-def _optimiser_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
-    columns = (
-        *_COST,
-        "iterations",
-        "torsion_kNm_per_rad",
-        "shape_percent",
-        "own_value_percent",
-        "bending_kN_per_mm",
-        "shape_percent",
-        "own_value_percent",
-        "uncertainty_percent",
-    )
-    rows = tuple(
-        (
-            *_cost(rung),
-            float(rung["settings"]["iterations"]),
-            *_valued(rung, _TORSION),
-            rung["model_errors_percent"].get(_TORSION),
-            *_valued(rung, _BENDING),
-            rung["model_errors_percent"].get(_BENDING),
-            rung["uncertainty_percent"],
-        )
-        for rung in rungs
-    )
-    return Table(columns, rows, (0, 0, 1, 0, 0, 2, 2, 2, 2, 2, 2, 2), _stars(rungs))
-
-
-def _cost(rung: Mapping[str, Any]) -> tuple[str, float, float, float]:
-    return rung["name"], float(rung["unknowns"]), rung["seconds"], rung["peak_memory_MiB"]
-
-
-def _valued(rung: Mapping[str, Any], name: str) -> tuple[float | None, float | None]:
-    """A stiffness in kN and its error."""
-    value = rung.get(name)
-    return None if value is None else value / _KILO, rung["errors_percent"].get(name)
 
 
 def _stars(rungs: Sequence[Mapping[str, Any]]) -> frozenset[tuple[int, int]]:

@@ -137,11 +137,16 @@ def test_the_report_of_a_run_shows_its_ladders(frontier: Frontier) -> None:
         "load_cases": {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}},
         "solver": {"final_relative_residual": 1e-9, "cg_iterations": {"mean": 8.0, "max": 12}},
         "surface": {},
+        "seconds": {"total": 12.0},
+        "run": "one",
     }
     plain, full = (accuracy_section(metrics, ladder) for ladder in (None, frontier.as_json()))
     assert ("error estimate, torsion", "1.3 %") in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == ["This run", "Judge", "Optimiser", "Cheapest rung"]
-    assert (len(plain.pictures), len(full.pictures)) == (0, 1)
+    assert [p.alt for p in plain.pictures] == ["Error against seconds. torsion: 1.3 % in 12 s"]
+    assert "'cranktopo accuracy one'" in plain.text
+    assert len(full.pictures) == 1
+    assert full.pictures[0].alt != plain.pictures[0].alt
 
 
 def test_one_rung_has_no_error_and_no_plot() -> None:

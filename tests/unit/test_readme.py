@@ -21,7 +21,7 @@ def anchor(title: str) -> str:
 
 def test_contents_name_every_section_in_order() -> None:
     listed = re.findall(r"(?m)^- \[(.*)\]\(#(.*)\)", PROSE)
-    assert listed == [(title, anchor(title)) for title in TITLES]
+    assert listed == [(title, anchor(title)) for title in TITLES if title != "Contents"]
 
 
 def test_links_lead_somewhere() -> None:
