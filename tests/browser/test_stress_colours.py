@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from cranktopo.cli.main import main
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.loads import LoadCase
 from cranktopo.report.html import html
@@ -81,3 +82,25 @@ def test_steps_show_densities(visit: Any, page: Path) -> None:
     seen.page.locator("[data-step]").press("End")
     assert colours.is_enabled()
     np.testing.assert_array_equal(seen.picture(), stressed)
+
+
+@pytest.mark.slow
+def test_run_gets_stresses_of_its_own_surface(visit: Any, run: Path) -> None:
+    """The judge solves the run's surface once; the next report finds the stresses in the run."""
+    assert main(["report", str(run), "--stress", "--quiet"]) == 0
+    kept = (run / "stress.npz").stat().st_mtime_ns
+    assert main(["report", str(run)]) == 0
+    assert (run / "stress.npz").stat().st_mtime_ns == kept
+    report = run / "report.html"
+    assert report.stat().st_size < 8_000_000
+    seen = visit(report)
+    rows = seen.page.locator("#stress tbody tr")
+    assert [name.split(",")[0] for name in rows.locator("td.text").all_inner_texts()] == [
+        "bending",
+        "torsion",
+    ]
+    plain = seen.picture()
+    seen.page.get_by_label("Colours").select_option(label="stress, torsion")
+    assert (seen.picture() != plain).any(axis=2).mean() > 0.05
+    assert seen.complaints == []
+    assert seen.requests == [report.resolve().as_uri()]
