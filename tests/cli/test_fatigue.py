@@ -113,6 +113,7 @@ def test_result_and_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) ->
     captured = capsys.readouterr()
     assert "the mesh misses the rule's checks" in captured.err
     result: dict[str, Any] = json.loads(captured.out)
+    assert json.loads((tmp_path / "fatigue.json").read_text(encoding="utf-8")) == result
     (entry,) = result["fatigue"]
     critical = entry["critical"]
     assert entry["safety"] == critical["safety"] == pytest.approx(min(entry["fillet_safety"].values()))
