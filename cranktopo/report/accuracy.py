@@ -63,12 +63,13 @@ _COLUMNS: dict[str, tuple[_Column, ...]] = {
 }
 
 
-def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | None) -> Section:
+def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | None, folder: str) -> Section:
     """Residuals and volume errors of a run, and error against seconds where the run has them.
 
     Args:
         metrics: content of metrics.json.
         ladder: what `cranktopo accuracy --json` prints; None without.
+        folder: the run directory.
     """
     solver, surface = metrics["solver"], metrics["surface"]
     rows = [
@@ -88,7 +89,7 @@ def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | Non
     tables = [("This run", pairs(rows))]
     pictures: tuple[Picture, ...] = _own_picture(metrics)
     if not ladder:
-        text += f" 'cranktopo accuracy {metrics['run']}' adds what each digit costs, from cheap to exact."
+        text += f" 'cranktopo accuracy {folder}' adds what each digit costs, from cheap to exact."
     if ladder and ladder.get("rungs"):
         tables += [*rung_tables(ladder), ("Cheapest rung", recommendation_table(ladder))]
         pictures = ladder_pictures(ladder)

@@ -27,6 +27,7 @@ class RunRecord:
     """A finished run.
 
     Attributes:
+        folder: the run directory, as it was named.
         metrics: content of metrics.json.
         manifest: content of manifest.json.
         history: rows of history.csv.
@@ -38,6 +39,7 @@ class RunRecord:
         stress: of its load cases on the judge's mesh, or None.
     """
 
+    folder: str
     metrics: dict[str, Any]
     manifest: dict[str, Any]
     history: list[dict[str, Any]]
@@ -70,6 +72,7 @@ def read_record(run: RunStore, domain: Domain | None = None, solve: Progress | N
     scene = planned_scene(scene)
     surface = metrics.get("files", {}).get("stl")
     return RunRecord(
+        folder=str(run.path),
         metrics=metrics,
         manifest=manifest,
         history=run.read_history(),

@@ -36,7 +36,7 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
     return (
         _mass(metrics),
         *_stiffness(metrics),
-        fatigue_fact(record.fatigue, _NO_FILLETS.format(run=metrics["run"])),
+        fatigue_fact(record.fatigue, _NO_FILLETS.format(run=record.folder)),
         release_fact(metrics),
         _end(metrics),
     )

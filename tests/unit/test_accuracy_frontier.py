@@ -138,9 +138,8 @@ def test_the_report_of_a_run_shows_its_ladders(frontier: Frontier) -> None:
         "solver": {"final_relative_residual": 1e-9, "cg_iterations": {"mean": 8.0, "max": 12}},
         "surface": {},
         "seconds": {"total": 12.0},
-        "run": "one",
     }
-    plain, full = (accuracy_section(metrics, ladder) for ladder in (None, frontier.as_json()))
+    plain, full = (accuracy_section(metrics, ladder, "one") for ladder in (None, frontier.as_json()))
     assert ("error estimate, torsion", "1.3 %") in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == ["This run", "Judge", "Optimiser", "Cheapest rung"]
     assert [p.alt for p in plain.pictures] == ["Error against seconds. torsion: 1.3 % in 12 s"]
