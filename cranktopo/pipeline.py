@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +19,6 @@ from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
-from cranktopo.report.metrics import Timing, optimise_metrics
-from cranktopo.report.outputs import history_rows, write_outputs
-from cranktopo.report.writing import REPORT, write_run_report
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import input_files
 from cranktopo.store import (
@@ -69,6 +68,42 @@ def prepare(scene: Scene) -> Prepared:
     return Prepared(scene, effects, cases, build_domain(scene, resolution))
 
 
+@dataclass(frozen=True)
+class Optimum:
+    """A finished density optimisation.
+
+    Attributes:
+        problem: what was solved.
+        state: its last state, with the history of all iterations.
+        design: the final densities.
+    """
+
+    problem: loop.Problem
+    state: State
+    design: loop.Design
+
+
+def optimise_density(
+    prepared: Prepared, solving: loop.Solving | None = None, progress: Progress = lambda *_: None
+) -> Optimum:
+    """Optimise the web of a prepared scene in memory; call inside `double_precision()`.
+
+    Args:
+        prepared: from `prepare`.
+        solving: how exactly the equations are solved; by default as in a run.
+        progress: called after every iteration.
+
+    Raises:
+        CranktopoError: solver failure.
+    """
+    problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases, solving or loop.Solving())
+    state = loop.init(problem)
+    while not state.done:
+        state = loop.step(problem, state)
+        progress(problem, state)
+    return Optimum(problem, state, loop.final_design(problem, state))
+
+
 def start(
     scene: Scene, design_toml: str, command: Sequence[str], out: Path | None, notice: Notice
 ) -> tuple[RunStore, Prepared]:
@@ -113,15 +148,14 @@ def reopen(reference: str, max_iterations: int | None, notice: Notice) -> tuple[
     run = open_run(reference)
     run.require_same_inputs()
     scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
-    if max_iterations is not None:
-        settings = scene.optimise.model_copy(update={"max_iterations": max_iterations})
-        scene = scene.model_copy(update={"optimise": settings})
-    prepared = prepare(scene)
+    prepared = prepare(scene.with_optimise(max_iterations=max_iterations))
     notice(describe(prepared))
     return run, prepared
 
 
-def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress) -> dict[str, Any]:
+def optimise(
+    run: RunStore, prepared: Prepared, resume: bool, progress: Progress, began: float | None = None
+) -> dict[str, Any]:
     """Optimise the web of a prepared scene and write the run's files.
 
     Args:
@@ -129,6 +163,7 @@ def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress
         prepared: from `start` or `reopen`.
         resume: continue from the run's checkpoint, if it has one.
         progress: called after every iteration.
+        began: reading of `time.perf_counter` from which the total time counts; now by default.
 
     Returns:
         The metrics, as written to metrics.json.
@@ -137,6 +172,7 @@ def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress
         CranktopoError: solver failure, surface that fails its gates, interruption (exit code 130, the
             checkpoint is saved).
     """
+    began = time.perf_counter() if began is None else began
     with locked(run.path), double_precision():
         clock = CompileClock()
         if resume:
@@ -144,8 +180,11 @@ def optimise(run: RunStore, prepared: Prepared, resume: bool, progress: Progress
         problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
         state = _first_state(run, problem, resume)
         try:
-            state = _iterate(run, problem, state, progress)
-            metrics = _finish(run, prepared, problem, state, clock)
+            with ThreadPoolExecutor(1) as aside:
+                # What `_finish` imports takes a second, and while programs compile the interpreter is free.
+                aside.submit(import_module, "cranktopo.report.writing")
+                state = _iterate(run, problem, state, progress)
+                metrics = _finish(run, prepared, problem, state, clock, began, aside)
         except KeyboardInterrupt:
             run.set_status("interrupted")
             run.log("interrupted")
@@ -201,18 +240,29 @@ def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progr
 
 
 def _finish(
-    run: RunStore, prepared: Prepared, problem: loop.Problem, state: State, clock: CompileClock
+    run: RunStore,
+    prepared: Prepared,
+    problem: loop.Problem,
+    state: State,
+    clock: CompileClock,
+    began: float,
+    aside: Executor,
 ) -> dict[str, Any]:
     """Judge the final design in the optimiser's model at a tight tolerance and write every file."""
+    from cranktopo.report.metrics import Timing, optimise_metrics
+    from cranktopo.report.outputs import history_rows, write_outputs
+    from cranktopo.report.writing import REPORT, write_run_report
+
     optimised = time.perf_counter()
     scene, domain = prepared.scene, prepared.domain
     design = loop.final_design(problem, state)
+    rows = history_rows(state.history, problem.model.case_names)
+    writing = aside.submit(write_outputs, run, scene, domain, design, rows)
     result = assess(problem, scene, domain, design.physical)
     original = assess_original(problem, scene, domain)
-    rows = history_rows(state.history, problem.model.case_names)
-    outputs = write_outputs(run, scene, domain, design, rows)
+    outputs = writing.result()
     now = time.perf_counter()
-    timing = Timing(now - clock.began, now - optimised, clock.compile_s)
+    timing = Timing(now - began, now - optimised, clock.compile_s)
     metrics = optimise_metrics(
         run.name,
         scene,
@@ -228,5 +278,8 @@ def _finish(
     )
     metrics["files"]["report"] = REPORT
     run.write_metrics(metrics)
-    write_run_report(run)
+    write_run_report(run, domain=domain)
+    end = time.perf_counter()
+    metrics["seconds"] |= {"total": end - began, "report": end - now}
+    run.write_metrics(metrics)
     return metrics

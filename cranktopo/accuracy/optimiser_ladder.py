@@ -22,7 +22,7 @@ from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import Assessment, assess
 from cranktopo.scene import Scene
-from cranktopo.surface import check_surface, extract_half_throw, slab_fields, write_stl
+from cranktopo.surface import skin_of, write_stl
 
 _JUDGED_STEPS = 1
 """How many times 1.5 the elements are larger than by default on which shapes are judged, all alike."""
@@ -52,10 +52,9 @@ class OptimiserModel:
 
     def scene(self, scene: Scene) -> Scene:
         """A scene with this rung's cell size and limit."""
-        changes = {"resolution_mm": self.cell_mm}
-        if self.max_iterations is not None:
-            changes["max_iterations"] = min(self.max_iterations, scene.optimise.max_iterations)
-        return scene.model_copy(update={"optimise": scene.optimise.model_copy(update=changes)})
+        most = scene.optimise.max_iterations
+        limit = most if self.max_iterations is None else min(self.max_iterations, most)
+        return scene.with_optimise(resolution_mm=self.cell_mm, max_iterations=limit)
 
 
 def optimiser_ladder(scene: Scene) -> Sequence[OptimiserModel]:
@@ -135,16 +134,15 @@ def optimise_once(scene: Scene, model: OptimiserModel, folder: Path) -> Optimise
     with double_precision():
         clock = CompileClock()
         ready = pipeline.prepare(model.scene(scene))
-        problem = loop.build_problem(ready.scene, ready.domain, ready.cases, model.solving)
-        state = loop.init(problem)
-        while not state.done:
-            state = loop.step(problem, state)
-        design = loop.final_design(problem, state)
-        own = assess(problem, ready.scene, ready.domain, design.physical)
-        target = _surface(ready, design, folder)
+        found = pipeline.optimise_density(ready, model.solving)
+        problem = found.problem
+        own = assess(problem, ready.scene, ready.domain, found.design.physical)
+        target = _surface(ready, found.design, folder)
         unknowns, cases = problem.model.forces[0].size, len(problem.model.cases)
         nx, ny, nz = ready.domain.grid.cells
-        return Optimised(target, own, unknowns, nx * ny * nz, cases, len(state.history), clock.compile_s)
+        return Optimised(
+            target, own, unknowns, nx * ny * nz, cases, len(found.state.history), clock.compile_s
+        )
 
 
 def climb_optimiser(scene: Scene, model: OptimiserModel) -> Rung:
@@ -202,14 +200,12 @@ def _values(found: Evaluation) -> dict[str, float]:
 
 def _surface(ready: pipeline.Prepared, design: loop.Design, folder: Path) -> Target | None:
     """The surface on the disk, or None where the density is too grey for one."""
-    grid, usable, smooth = slab_fields(ready.domain, design)
     try:
-        surface = extract_half_throw(grid, ready.scene, usable, smooth)
-        check_surface(surface)
+        skin = skin_of(ready.scene, ready.domain, design)
     except CranktopoError as error:
         if error.code != ExitCode.CRITERION_NOT_MET:
             raise
         return None
     path = folder / "web.stl"
-    write_stl(path, surface.half_throw)
+    write_stl(path, skin.surface.half_throw)
     return Target(f"{ready.scene.name}, optimised", ready.scene, path)

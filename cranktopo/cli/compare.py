@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path, dir_okay=False),
     help="Also write a page with 3D view (.html), or Markdown with PNGs (.md).",
 )
+@click.option("--stress", is_flag=True, help="Also colour the 3D view of --report by stress: one more solve.")
 @click.option(
     "--fatigue",
     "method",
@@ -58,6 +59,7 @@ def command(
     as_json: bool,
     plot: Path | None,
     page: Path | None,
+    stress: bool,
     method: str | None,
     element_size_mm: float | None,
     accuracy: float | None,
@@ -73,15 +75,19 @@ def command(
     """
     if plot is not None and not plot.parent.is_dir():
         raise CranktopoError(f"--plot '{plot}': its folder does not exist.", code=ExitCode.USAGE)
+    if stress and page is None:
+        raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
     if page is not None:
         from cranktopo.report.writing import check_report_path
 
         check_report_path(page)
     names = targets if baseline in targets else (baseline, *targets)
-    resolved = _resolved(names, design)
+    from cranktopo.evaluate.targets import resolve_targets
+
+    resolved = resolve_targets(names, design)
     index = names.index(baseline)
     judged = None if method is None else _judged(resolved, method, index)
-    evaluations, missed = evaluate_targets(names, Meshing(element_size_mm, accuracy, budget), design)
+    evaluations, missed = evaluate_targets(resolved, Meshing(element_size_mm, accuracy, budget))
     comparison = _compared(resolved, evaluations, index, judged)
     click.echo(_text(comparison, "json" if as_json else form))
     if plot is not None:
@@ -93,15 +99,10 @@ def command(
         from cranktopo.report.comparison_page import comparison_page
         from cranktopo.report.writing import write_report
 
-        write_report(comparison_page(comparison, resolved, ["cranktopo", *sys.argv[1:]]), page)
+        command_line = ["cranktopo", *sys.argv[1:]]
+        write_report(comparison_page(comparison, resolved, command_line, say if stress else None), page)
         say(f"report: {page}")
     warn_missed(missed, accuracy)
-
-
-def _resolved(names: tuple[str, ...], design: str | None) -> list[Target]:
-    from cranktopo.evaluate.targets import resolve_target
-
-    return [resolve_target(name, design) for name in names]
 
 
 def _judged(targets: list[Target], method: str, baseline: int) -> Judged:

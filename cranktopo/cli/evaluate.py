@@ -38,8 +38,10 @@ def command(
 
     Example: cranktopo evaluate mikron-iiic --accuracy 1%
     """
+    from cranktopo.evaluate.targets import resolve_targets
+
     wanted = Meshing(element_size_mm, accuracy, budget)
-    evaluations, missed = evaluate_targets(targets or ("mikron-iiic",), wanted, design)
+    evaluations, missed = evaluate_targets(resolve_targets(targets or ("mikron-iiic",), design), wanted)
     if as_json:
         from cranktopo.evaluate.evaluation import SCHEMA_VERSION
 
@@ -70,33 +72,27 @@ class Meshing:
     budget_s: float | None = None
 
 
-def evaluate_targets(
-    targets: tuple[str, ...], wanted: Meshing, design: str | None
-) -> tuple[list[Evaluation], list[str]]:
+def evaluate_targets(targets: list[Target], wanted: Meshing) -> tuple[list[Evaluation], list[str]]:
     """Evaluate targets one after the other, progress on stderr.
 
     Args:
-        targets: as typed.
+        targets: what to evaluate.
         wanted: how exactly.
-        design: design for geometry files.
 
     Returns:
         Evaluations in order, and the names of those that miss the accuracy.
 
     Raises:
-        CranktopoError: a bad target, both size and accuracy or time given, or a failed solve.
+        CranktopoError: both size and accuracy or time given, or a failed solve.
     """
-    from cranktopo.evaluate.targets import resolve_target
-
     if wanted.element_size_mm and (wanted.accuracy or wanted.budget_s):
         raise CranktopoError(
             "--element-size-mm excludes --accuracy and --budget.",
             hint="Give the size, or what it should do.",
             code=ExitCode.USAGE,
         )
-    resolved = [resolve_target(text, design) for text in targets]
     evaluations, missed = [], []
-    for target in resolved:
+    for target in targets:
         evaluation, reached = _evaluate(target, wanted)
         evaluations.append(evaluation)
         _detail(evaluation)

@@ -41,7 +41,11 @@ if TYPE_CHECKING:
     type=Number("--fillet-fraction", 0.0, 0.5),
     help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for VTU and picture of each target.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for fatigue.json, and VTU and picture of each target; a run shows it.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @talkative
 def command(
@@ -62,7 +66,7 @@ def command(
     """
     from cranktopo.evaluate.fatigue import check_inputs
     from cranktopo.evaluate.stress_model import RULE_FRACTION
-    from cranktopo.evaluate.targets import resolve_target
+    from cranktopo.evaluate.targets import resolve_targets
     from cranktopo.loads.histories import HistoryKind
 
     names = targets or (baseline or "mikron-iiic",)
@@ -75,7 +79,7 @@ def command(
             code=ExitCode.USAGE,
         )
     kind: HistoryKind = next(name for name in get_args(HistoryKind) if name == loads)
-    resolved = [resolve_target(name) for name in names]
+    resolved = resolve_targets(names)
     for target in resolved:
         check_inputs(target, method, kind)
     index = None if baseline is None else names.index(baseline)
@@ -117,6 +121,7 @@ def _field(
     from cranktopo.evaluate.fatigue import FieldMethod, assess
     from cranktopo.report import fatigue_tables as report
     from cranktopo.report.tables import terminal
+    from cranktopo.store import write_json
 
     chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
     fields = []
@@ -126,8 +131,11 @@ def _field(
         _warn(field)
         if out is not None:
             _write(out, field)
+    result = report.fields_json(fields, kind, baseline)
+    if out is not None:
+        write_json(out / "fatigue.json", result)
     if as_json:
-        click.echo(json.dumps(report.fields_json(fields, kind, baseline), indent=2))
+        click.echo(json.dumps(result, indent=2))
         return
     click.echo(terminal(report.field_table(fields, baseline)))
     _verdicts(report.verdicts(fields, baseline) if baseline is not None else [])

@@ -74,25 +74,20 @@ def command(
     if resume:
         outcome = continue_loop(resume, say)
     else:
-        overrides = {"volume_fraction": volume_fraction, "resolution_mm": resolution_mm, "process": process}
-        scene, text = _scene(design or DEFAULT_DESIGN, overrides)
+        from cranktopo.scene.loading import design_text, load_scene
+
+        name = design or DEFAULT_DESIGN
+        scene, text = load_scene(name), design_text(name)
+        if process is None and scene.optimise.process == "free":
+            process = "forged"
+        scene = scene.with_optimise(
+            volume_fraction=volume_fraction, resolution_mm=resolution_mm, process=process
+        )
         settings = _settings(scene, steps, least_transition_mm, element_size_mm)
         outcome = start_loop(scene, text, settings, ["cranktopo", *sys.argv[1:]], out, say)
     data = outcome.as_json()
     files = _write(outcome, data)
     click.echo(json.dumps({**data, "files": files}) if as_json else _text(outcome, data, files))
-
-
-def _scene(design: str, overrides: dict[str, Any]) -> tuple[Scene, str]:
-    from cranktopo.scene import load_scene
-    from cranktopo.scene.loading import resolve_design
-
-    scene = load_scene(design)
-    given = {key: value for key, value in overrides.items() if value is not None}
-    if "process" not in given and scene.optimise.process == "free":
-        given["process"] = "forged"
-    settings = scene.optimise.model_copy(update=given)
-    return scene.model_copy(update={"optimise": settings}), resolve_design(design).read_text(encoding="utf-8")
 
 
 def _settings(scene: Scene, steps: int, least_mm: float | None, element_size_mm: float | None) -> Settings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +69,7 @@ def command(
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
+    began = time.perf_counter()
     if resume and any((design, volume_fraction, resolution_mm, process, accuracy, budget, out)):
         raise click.UsageError(
             "--resume takes the design and its options from the run; only --max-iterations may be given"
@@ -81,18 +83,21 @@ def command(
     if resume:
         run, prepared = pipeline.reopen(resume, max_iterations, say)
     else:
-        overrides = {
-            "volume_fraction": volume_fraction,
-            "resolution_mm": resolution_mm,
-            "process": process,
-            "max_iterations": max_iterations,
-        }
-        scene, text = _scene(design or DEFAULT_DESIGN, overrides)
+        from cranktopo.scene.loading import design_text, load_scene
+
+        name = design or DEFAULT_DESIGN
+        scene, text = load_scene(name), design_text(name)
+        scene = scene.with_optimise(
+            volume_fraction=volume_fraction,
+            resolution_mm=resolution_mm,
+            process=process,
+            max_iterations=max_iterations,
+        )
         if accuracy or budget:
             scene = _with_cells(scene, accuracy, budget)
         run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, say)
     with _Bar() as bar:
-        metrics = pipeline.optimise(run, prepared, bool(resume), bar)
+        metrics = pipeline.optimise(run, prepared, bool(resume), bar, began)
     click.echo(json.dumps(metrics) if as_json else summary(metrics, run.path))
     return _exit_code(metrics)
 
@@ -126,13 +131,18 @@ def summary(metrics: dict[str, Any], folder: Path) -> str:
     seconds = metrics["seconds"]
     lines += [
         "",
-        f"{seconds['total']:.1f} s (compiling {seconds['compile']:.1f} s, "
-        f"{seconds['per_iteration_median']:.2f} s per iteration), {metrics['peak_memory_MiB']:.0f} MiB",
+        f"{seconds['total']:.1f} s in all (compiling {seconds['compile']:.1f} s, "
+        f"{seconds['per_iteration_median']:.2f} s per iteration{_report_time(seconds)}), "
+        f"{metrics['peak_memory_MiB']:.0f} MiB",
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
         *_surface_warning(metrics["surface"]),
         *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
     ]
     return "\n".join(lines)
+
+
+def _report_time(seconds: dict[str, float]) -> str:
+    return f", report {seconds['report']:.1f} s" if "report" in seconds else ""
 
 
 def _surface_warning(surface: dict[str, Any]) -> list[str]:
@@ -149,17 +159,6 @@ def _surface_warning(surface: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _scene(design: str, overrides: dict[str, Any]) -> tuple[Any, str]:
-    """The design's scene with the options in it, checked as a whole, and its text."""
-    from cranktopo.scene import load_scene
-    from cranktopo.scene.loading import resolve_design
-
-    scene = load_scene(design)
-    given = {key: value for key, value in overrides.items() if value is not None}
-    settings = scene.optimise.model_copy(update=given)
-    return scene.model_copy(update={"optimise": settings}), resolve_design(design).read_text(encoding="utf-8")
-
-
 def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) -> Scene:
     """The scene with the cell size that an accuracy or a time asks for, said on stderr."""
     from cranktopo.accuracy.memory import recall
@@ -167,8 +166,7 @@ def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) ->
 
     choice = choose_cells(scene, accuracy, budget_s, recall(scene.name))
     say(str(choice))
-    settings = scene.optimise.model_copy(update={"resolution_mm": choice.cell_mm})
-    return scene.model_copy(update={"optimise": settings})
+    return scene.with_optimise(resolution_mm=choice.cell_mm)
 
 
 class _Bar:

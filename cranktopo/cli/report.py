@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from cranktopo.cli.completion import runs
+from cranktopo.cli.talk import say, talkative
 
 
 @click.command(name="report")
@@ -16,14 +17,21 @@ from cranktopo.cli.completion import runs
     type=click.Path(path_type=Path, dir_okay=False),
     help="File, .html or .md; default: report.html in the run.",
 )
+@click.option(
+    "--stress",
+    is_flag=True,
+    help="Solve the surface for its load cases with the judge and show the stresses.",
+)
 @click.option("--markdown", "as_markdown", is_flag=True, help="Markdown with PNGs beside it.")
-def command(run: str, out: Path | None, as_markdown: bool) -> None:
+@talkative
+def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None:
     """Write the report of RUN: one HTML file that opens from disk, or Markdown with pictures.
 
     RUN is a run directory, its name under runs/, or the beginning of that name. `cranktopo optimise` writes
-    the page by itself; write it again to include what was added to the run since.
+    the page by itself; write it again to include what was added to the run since. Stresses are kept in the
+    run.
 
-    Example: cranktopo report runs/20250101-120000_mikron-iiic_0123abcd --markdown --out web.md
+    Example: cranktopo report runs/20250101-120000_mikron-iiic_0123abcd --stress
     """
     from cranktopo.report.writing import check_report_path, write_run_report
     from cranktopo.store import open_run
@@ -34,4 +42,4 @@ def command(run: str, out: Path | None, as_markdown: bool) -> None:
         check_report_path(out)
     store = open_run(run)
     target = out or (store.path / "report.md" if as_markdown else None)
-    click.echo(write_run_report(store, target))
+    click.echo(write_run_report(store, target, solve=say if stress else None))

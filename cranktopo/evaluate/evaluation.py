@@ -194,7 +194,7 @@ def judge(
     """
     progress(f"{target.name}: element size {element_size_mm:.3g} mm")
     start = time.perf_counter()
-    part = _mesh(target, element_size_mm, graded)
+    part = mesh_target(target, element_size_mm, graded)
     meshed = time.perf_counter() - start
     return Judged(
         target, part, condensed_stiffness(part, target.scene, element_size_mm, meshed, order), graded
@@ -246,12 +246,22 @@ def _check_volume(part: Part, meshed_mm3: float) -> None:
         )
 
 
-def _mesh(target: Target, size: float, graded: bool) -> Part:
+def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> Part:
+    """Mesh of a target's half throw.
+
+    Args:
+        target: what to mesh.
+        element_size_mm: general element size.
+        graded: refine at fillets and sharp rings; surface files are always graded.
+
+    Raises:
+        CranktopoError: impossible geometry, or no valid mesh.
+    """
     if target.file is None:
-        return mesh_throw(target.scene, size, graded=graded)
+        return mesh_throw(target.scene, element_size_mm, graded=graded)
     from cranktopo.remodel.imported import mesh_file
 
-    return mesh_file(target.file, target.scene, size)
+    return mesh_file(target.file, target.scene, element_size_mm)
 
 
 def evaluation(coarse: Judged, fine: Judged, seconds: float) -> Evaluation:

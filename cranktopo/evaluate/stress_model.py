@@ -176,7 +176,7 @@ def check_fillets(target: Target) -> None:
         raise CranktopoError(
             f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
             "singular.",
-            hint="Assess a design whose fillets have a radius.",
+            hint="Assess a design whose fillets have a radius; 'cranktopo remodel' makes one of a run.",
         )
     for key in ("main_journal", "crankpin"):
         if getattr(target.scene.throw, key).fillet_mm == 0:

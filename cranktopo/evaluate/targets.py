@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
+from cranktopo.scene.loading import builtin_designs
+from cranktopo.store import open_run, runs_named
 
 _GEOMETRY = (".stl", ".step", ".stp")
 _RUN_DESIGN, _RUN_SURFACE = "design.toml", "web.stl"
@@ -29,11 +33,31 @@ class Target:
     file: Path | None = None
 
 
+def resolve_targets(texts: Sequence[str], design: str | None = None) -> list[Target]:
+    """Targets from what the user typed, each with a name of its own.
+
+    Args:
+        texts: as `resolve_target` takes them.
+        design: design for the journals of STL and STEP files.
+
+    Raises:
+        CranktopoError: as `resolve_target`.
+    """
+    found = [resolve_target(text, design) for text in texts]
+    for name in (lambda text: Path(text).stem, str):
+        taken = Counter(target.name for target in found)
+        found = [
+            replace(target, name=name(text)) if taken[target.name] > 1 else target
+            for target, text in zip(found, texts, strict=True)
+        ]
+    return found
+
+
 def resolve_target(text: str, design: str | None = None) -> Target:
     """A target from what the user typed.
 
     Args:
-        text: design name, TOML path, run directory, STL or STEP path.
+        text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
         design: design for the journals of an STL or STEP file.
 
     Raises:
@@ -42,6 +66,8 @@ def resolve_target(text: str, design: str | None = None) -> Target:
     path = Path(text)
     if path.is_dir():
         return _run(path)
+    if not path.exists() and text not in builtin_designs() and runs_named(text):
+        return _run(open_run(text).path)
     if path.suffix.lower() not in _GEOMETRY:
         scene = load_simulated(text)
         return Target(scene.name, scene)

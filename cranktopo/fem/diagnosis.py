@@ -36,14 +36,22 @@ def void_energy_share(system: System, u: jax.Array) -> Array:
     Returns:
         Array (cases,), 0 for a case without work.
     """
+    energy, work = (np.asarray(values) for values in _void_energy_and_work(system, u))
+    return np.asarray(np.where(work > 0, energy / np.where(work > 0, work, 1.0), 0.0))
+
+
+@jax.jit
+def _void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
     moduli = system.moduli
     void = (moduli > 0) & (moduli < VOID * jnp.max(moduli))
-    if not bool(jnp.any(void)):
-        return np.zeros(len(u))
-    energy = strain_energy_densities(system.blocks, u) * jnp.where(void, moduli, 0.0)
-    work = np.asarray(jnp.sum(system.forces * u, axis=(1, 2, 3, 4)))
-    shares = np.asarray(jnp.sum(energy, axis=(1, 2, 3))) / np.where(work > 0, work, 1.0)
-    return np.asarray(np.where(work > 0, shares, 0.0))
+
+    def energy() -> jax.Array:
+        return jnp.sum(
+            strain_energy_densities(system.blocks, u) * jnp.where(void, moduli, 0.0), axis=(1, 2, 3)
+        )
+
+    work = jnp.sum(system.forces * u, axis=(1, 2, 3, 4))
+    return jax.lax.cond(jnp.any(void), energy, lambda: jnp.zeros_like(work)), work
 
 
 def unsupported_load(system: System, threshold: float, across: Across = "corners") -> tuple[int, str] | None:

@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.fem.compiling import compile_multigrid
 from cranktopo.fem.conjugate_gradients import Result, System, jacobi_cg, multigrid_cg
 from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
 from cranktopo.fem.multigrid import Precision, Tables, build_hierarchy
@@ -104,6 +105,7 @@ def _run(method: _Method, tables: Tables, system: System, guess: jax.Array, tole
     limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
+    compile_multigrid(tables, system, method.precision)
     with sized_for(system.moduli.size):
         hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
         return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
@@ -114,7 +116,8 @@ def _worst(result: Result) -> float:
 
 
 def _check_numbers(system: System, names: tuple[str, ...]) -> None:
-    least, largest = float(jnp.min(system.moduli)), float(jnp.max(system.moduli))
+    least, largest, finite = _vital_signs(system.moduli, system.forces)
+    least, largest = float(least), float(largest)
     if not (least >= 0 and 0 < largest < float("inf")):
         raise CranktopoError(
             f"solver: relative moduli from {least:.3g} to {largest:.3g}; all must be finite, none negative "
@@ -122,14 +125,18 @@ def _check_numbers(system: System, names: tuple[str, ...]) -> None:
             hint="Check the densities and the material.",
             code=ExitCode.SOLVER,
         )
-
-    finite = jnp.isfinite(jnp.sum(system.forces, axis=(1, 2, 3, 4)))
     if not bool(jnp.all(finite)):
         raise CranktopoError(
             f"solver: load case {names[int(jnp.argmin(finite))]} has forces that are not finite numbers.",
             hint="Check the loads.",
             code=ExitCode.SOLVER,
         )
+
+
+@jax.jit
+def _vital_signs(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Least and largest modulus, and whether the forces of each case are finite."""
+    return jnp.min(moduli), jnp.max(moduli), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
 
 
 def _check_meaning(system: System, result: Result, solved: bool, names: tuple[str, ...]) -> None:

@@ -7,7 +7,7 @@ moduli enter only through nine moments per layer: every level is one small matri
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import product
 from typing import NamedTuple
 
@@ -22,6 +22,9 @@ from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
 _OFFSETS = [offset for offset in product((-1, 0, 1), repeat=3) if offset >= (0, 0, 0)]
 # Empty planes before the first: one flat slice then finds the blocks of all earlier neighbours.
 _LEAD = 2
+# A matrix product has the layers first: with many cells turning its result around costs far more than
+# the sum of a few products, which is one program.
+_FEW_MOMENTS = 8
 
 
 class CoarseMap(NamedTuple):
@@ -73,8 +76,13 @@ def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
         jnp.asarray(a, moduli.dtype) for a in (coarse.weights_x, coarse.weights_y, coarse.matrices)
     )
     fine = moduli.reshape(nx, across, ny, along, nz, -1)
-    moments = jnp.einsum("pi,qj,xiyjzk->zpqkxy", weights_x, weights_y, fine).reshape(nz, -1, nx * ny)
-    cells = jnp.einsum("zmr,zmc->rcz", matrices, moments)
+    moments = jnp.einsum("pi,qj,xiyjzk->pqkxyz", weights_x, weights_y, fine).reshape(-1, nx * ny, nz)
+    if len(moments) <= _FEW_MOMENTS:
+        columns = jnp.moveaxis(matrices, 0, -1)[:, :, None]
+        terms = (column * moment for column, moment in zip(columns, moments, strict=True))
+        cells = reduce(jnp.add, terms)
+    else:
+        cells = jnp.einsum("zmr,mcz->rcz", matrices, moments)
     return cells.reshape(8, 3, 8, 3, nx, ny, nz)
 
 

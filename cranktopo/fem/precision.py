@@ -35,7 +35,7 @@ def double_precision() -> Iterator[None]:
 
 
 @contextmanager
-def sized_for(cells: int) -> Iterator[None]:
+def sized_for(cells: int, core: int = 0) -> Iterator[None]:
     """Context in which programs for small grids are compiled to run their loops on one core.
 
     XLA divides every loop among the cores that the compiling thread may use. Threads that exist already, and
@@ -43,13 +43,14 @@ def sized_for(cells: int) -> Iterator[None]:
 
     Args:
         cells: of the grid that the programs work on.
+        core: which of the allowed ones compiles, counted round.
     """
     if cells >= _CELLS_WORTH_DIVIDING or not hasattr(os, "sched_setaffinity"):
         yield
         return
     _start_threads()
     allowed = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {min(allowed)})
+    os.sched_setaffinity(0, {sorted(allowed)[core % len(allowed)]})
     try:
         yield
     finally:
@@ -72,18 +73,28 @@ def cache_folder() -> Path:
 
 
 class CompileClock:
-    """Adds up the time that JAX spends on tracing and compiling from now on, in this process."""
+    """The time during which JAX traces or compiles from now on, in any thread of this process."""
 
     def __init__(self) -> None:
         import jax
 
-        self.began = time.perf_counter()
-        self.compile_s = 0.0
+        self._began = time.perf_counter()
+        self._spans: list[tuple[float, float]] = []
         jax.monitoring.register_event_duration_secs_listener(self._add)
+
+    @property
+    def compile_s(self) -> float:
+        """Seconds; what several threads compile at the same time counts once."""
+        total, until = 0.0, self._began
+        for start, end in sorted(self._spans):
+            total += max(0.0, end - max(start, until))
+            until = max(until, end)
+        return total
 
     def _add(self, event: str, duration_secs: float, **kwargs: str | int) -> None:
         if event.startswith("/jax/core/compile/"):
-            self.compile_s += duration_secs
+            now = time.perf_counter()
+            self._spans.append((now - duration_secs, now))
 
 
 @contextmanager

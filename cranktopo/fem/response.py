@@ -78,7 +78,7 @@ def compliances(model: ThrowModel, u: jax.Array, forces: jax.Array | None = None
         forces: nodal forces over the modulus; the model's own, without body forces, by default.
     """
     load = model.forces if forces is None else forces
-    return jnp.sum(load * u, axis=(1, 2, 3, 4)) * model.modulus_MPa / model.share
+    return _works(load, u) * model.modulus_MPa / model.share
 
 
 def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
@@ -86,8 +86,7 @@ def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
 
     Body forces stay as they are: `compliance_gradients_by_solid` adds what changes with the mass.
     """
-    each = strain_energy_densities(jnp.asarray(layer_blocks(model.lattice)), u)
-    return -each * model.modulus_MPa / model.share
+    return _scaled_energies(layer_blocks(model.lattice), u, -model.modulus_MPa / model.share)
 
 
 def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Array) -> jax.Array:
@@ -152,6 +151,16 @@ def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: fl
 def section_motion(model: ThrowModel, u: jax.Array) -> jax.Array:
     """Coordinates (cases, m) of the rigid sections in the supports' orthonormal basis."""
     return section_coordinates(model.supports, u)
+
+
+@jax.jit
+def _works(forces: jax.Array, u: jax.Array) -> jax.Array:
+    return jnp.sum(forces * u, axis=(1, 2, 3, 4))
+
+
+@jax.jit
+def _scaled_energies(blocks: jax.Array, u: jax.Array, factor: jax.Array) -> jax.Array:
+    return factor * strain_energy_densities(blocks, u)
 
 
 _energy_density = jax.jit(strain_energy_density)

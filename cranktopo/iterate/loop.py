@@ -227,8 +227,7 @@ def _bounded(folder: Path, number: int, scenes: Sequence[Scene], settings: Setti
         envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
         scene = scene.model_copy(update={"envelope": envelope})
     fraction = min(target / volume, MOST_KEPT)
-    optimise = scene.optimise.model_copy(update={"volume_fraction": fraction})
-    return scene.model_copy(update={"optimise": optimise}), fraction
+    return scene.with_optimise(volume_fraction=fraction), fraction
 
 
 def _envelope_mm3(scene: Scene) -> float:

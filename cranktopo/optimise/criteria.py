@@ -93,6 +93,7 @@ def falling_root(function: Callable[[jax.Array], jax.Array], low: jax.Array, hig
     """Root of a function that falls from positive at `low` to negative at `high`; the end where it does not.
 
     Secants and halvings take turns: the bracket always shrinks, and quickly where the function is smooth.
+    The ends themselves are not evaluated, so that the function is compiled once.
 
     Args:
         function: of one number, continuous.
@@ -102,8 +103,9 @@ def falling_root(function: Callable[[jax.Array], jax.Array], low: jax.Array, hig
 
     def narrow(state: _Bracket) -> _Bracket:
         low, high, at_low, at_high, count = state
-        secant = low + (high - low) * at_low / (at_low - at_high)
-        middle = jnp.where(count % 2 == 0, (low + high) / 2, secant)
+        drop = at_low - at_high  # infinite while an end is unknown
+        share = jnp.where((count % 2 == 0) | jnp.isinf(drop), 0.5, at_low / drop)
+        middle = low + (high - low) * share
         value = function(middle)
         low, at_low = jnp.where(value > 0, middle, low), jnp.where(value > 0, value, at_low)
         high, at_high = jnp.where(value > 0, high, middle), jnp.where(value > 0, at_high, value)
@@ -114,6 +116,8 @@ def falling_root(function: Callable[[jax.Array], jax.Array], low: jax.Array, hig
         near = jnp.minimum(at_low, -at_high) <= _ROOT_ACCURACY
         return (count < _ROOT_STEPS) & (high - low > _ROOT_ACCURACY) & ~near
 
-    first = low, high, function(low), function(high), jnp.zeros((), jnp.int32)
+    unknown = jnp.full_like(low, jnp.inf)
+    first = low, high, unknown, -unknown, jnp.zeros((), jnp.int32)
     low, high, at_low, at_high, _ = jax.lax.while_loop(open_, narrow, first)
-    return jnp.where(at_low < -at_high, low, high)
+    nearer = jnp.where(at_low < -at_high, low, high)
+    return jnp.where(jnp.isinf(at_high), high, jnp.where(jnp.isinf(at_low), low, nearer))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.curving import straighten_folded
 from cranktopo.remodel.session import cad_session, tetrahedra
 from cranktopo.remodel.throw_solid import (
@@ -96,17 +97,17 @@ def mesh_throw(
         if mirrored:
             body = _positive_x(occ, body, scene.pitch_mm)
         _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full, fillet_fraction=fillet_fraction)
-        mesh = _generate(gmsh, mirrored, smooth=fillet_fraction is not None)
+        mesh = _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
     return Part(mesh, half, web_volume)
 
 
 def mesh_body(gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool) -> TetMesh:
     """Mesh of whatever body the open session holds; arguments as `mesh_throw`."""
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False)
-    return _generate(gmsh, mirrored)
+    return _generate(gmsh, element_size_mm, mirrored)
 
 
-def _generate(gmsh: Any, mirrored: bool, *, smooth: bool = False) -> TetMesh:
+def _generate(gmsh: Any, size: float, mirrored: bool, *, smooth: bool = False) -> TetMesh:
     """The mesh, smooth where stresses are wanted.
 
     Regular triangles on the surface and Netgen's optimiser each take a quarter to a third off the noise of
@@ -114,7 +115,17 @@ def _generate(gmsh: Any, mirrored: bool, *, smooth: bool = False) -> TetMesh:
     """
     gmsh.option.setNumber("Mesh.Algorithm", _FRONTAL_2D if smooth and mirrored else _DELAUNAY_2D)
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D)
-    gmsh.model.mesh.generate(3)
+    try:
+        gmsh.model.mesh.generate(3)
+    except Exception as error:  # gmsh raises the bare class, for elements that cut across a thin part
+        if type(error) is not Exception:
+            raise
+        raise CranktopoError(
+            f"{gmsh.model.getCurrent()}: no mesh with elements of {size:.3g} mm: they are too large for its "
+            "thinnest parts.",
+            hint="Choose a smaller element size; an error estimate takes one 1.5 times as large, too.",
+            code=ExitCode.SOLVER,
+        ) from None
     if smooth:
         gmsh.model.mesh.optimize("Netgen")
     gmsh.model.mesh.setOrder(2)

@@ -33,7 +33,7 @@ def cad_session(what: str) -> Iterator[Any]:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        gmsh.model.add("cranktopo")
+        gmsh.model.add(what)
         yield gmsh
     except CranktopoError:
         raise

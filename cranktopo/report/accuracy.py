@@ -40,11 +40,24 @@ def accuracy_section(metrics: Mapping[str, Any], ladder: Mapping[str, Any] | Non
         "estimate."
     )
     tables = [("This run", pairs(rows))]
-    pictures: tuple[Picture, ...] = ()
+    pictures: tuple[Picture, ...] = _own_picture(metrics)
+    if not ladder:
+        text += f" 'cranktopo accuracy {metrics['run']}' adds what each digit costs, from cheap to exact."
     if ladder and ladder.get("rungs"):
         tables += [*rung_tables(ladder), ("Cheapest rung", recommendation_table(ladder))]
         pictures = ladder_pictures(ladder)
     return Section("accuracy", "Accuracy and its price", text, tuple(tables), pictures)
+
+
+def _own_picture(metrics: Mapping[str, Any]) -> tuple[Picture, ...]:
+    """The run's own error estimates against its seconds, where it has estimates."""
+    seconds = metrics["seconds"]["total"]
+    rungs = [
+        {"name": name, "seconds": seconds, "error_percent": case["error_estimate_percent"]}
+        for name, case in metrics["load_cases"].items()
+        if "error_estimate_percent" in case
+    ]
+    return (error_picture(rungs),) if rungs else ()
 
 
 def _estimates(load_cases: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cranktopo.effects import plan
+from cranktopo.evaluate.case_stress import case_stress
+from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.targets import Target
-from cranktopo.loads import load_cases
+from cranktopo.loads import LoadCase, load_cases
 from cranktopo.remodel.export import surface_of
 from cranktopo.report.accuracy import error_picture
 from cranktopo.report.comparison import (
@@ -20,6 +22,8 @@ from cranktopo.report.page import Fact, Page, Picture, Section
 from cranktopo.report.picture import gallery_figure
 from cranktopo.report.scatter import scatter_points
 from cranktopo.report.sections import effects_section, loads_section, pairs, scatter_pictures
+from cranktopo.report.stress_scale import stress_scales
+from cranktopo.report.stress_section import stress_section
 from cranktopo.report.tables import Table
 from cranktopo.report.verdict import fatigue_fact
 from cranktopo.report.viewer import Body, Scenery
@@ -33,18 +37,24 @@ _VERDICT = {0: "Lightest", 3: "Stiffest in torsion per mass", 4: "Stiffest in be
 _TORSION_PER_MASS, _BENDING_PER_MASS, _SAFETY = 3, 4, 7
 
 
-def comparison_page(comparison: Comparison, targets: Sequence[Target], command: Sequence[str]) -> Page:
+def comparison_page(
+    comparison: Comparison, targets: Sequence[Target], command: Sequence[str], solve: Progress | None = None
+) -> Page:
     """The report of a comparison.
 
     Args:
         comparison: evaluated targets.
         targets: the same targets, in the same order.
         command: the command line that made it.
+        solve: solve all targets for the baseline's load cases too; called with lines of progress.
+
+    Raises:
+        CranktopoError: a failed solve of the stresses.
     """
     scene = targets[comparison.baseline].scene
     effects = plan(scene)
-    cases = [case.as_json() for case in load_cases(scene, effects.enabled)]
-    bodies = _bodies(targets)
+    cases = load_cases(scene, effects.enabled)
+    scenery = _scenery(targets, cases, solve)
     others = [target.name for row, target in enumerate(targets) if row != comparison.baseline]
     return Page(
         title=f"{', '.join(others)} against {_name(comparison, comparison.baseline)}",
@@ -54,12 +64,13 @@ def comparison_page(comparison: Comparison, targets: Sequence[Target], command: 
         sections=(
             _variants(comparison),
             _accuracy(comparison),
-            loads_section(scene, cases),
+            stress_section(scenery, f"{' '.join(command)} --stress"),
+            loads_section(scene, [case.as_json() for case in cases]),
             effects_section(effects.as_json()),
             _provenance(targets, command),
         ),
-        scenery=Scenery(bodies) if bodies else None,
-        picture=_gallery(bodies) if bodies else None,
+        scenery=scenery,
+        picture=_gallery(scenery.bodies) if scenery else None,
     )
 
 
@@ -161,13 +172,17 @@ def _provenance(targets: Sequence[Target], command: Sequence[str]) -> Section:
     )
 
 
-def _bodies(targets: Sequence[Target]) -> tuple[Body, ...]:
-    meshes = [(target, _surface(target)) for target in targets]
-    return tuple(
-        Body(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2)
-        for target, mesh in meshes
-        if mesh is not None
-    )
+def _scenery(targets: Sequence[Target], cases: Sequence[LoadCase], solve: Progress | None) -> Scenery | None:
+    """Every target that has facets, with the stresses of the load cases where they are asked for."""
+    bodies = []
+    for target in targets:
+        mesh = _surface(target)
+        if mesh is not None:
+            stress = case_stress(target, cases, progress=solve) if solve else None
+            scene = target.scene
+            bodies.append(Body(target.name, mesh, scene.web_z_mm, scene.pitch_mm / 2, stress))
+    stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
+    return Scenery(tuple(bodies), stress_scales=stress_scales(stressed)) if bodies else None
 
 
 def _surface(target: Target) -> SurfaceMesh | None:

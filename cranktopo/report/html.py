@@ -43,14 +43,23 @@ def html(page: Page) -> str:
         style=Markup(_part("report.css")),
         script=Markup(_part("viewer.js")),
         scenery=Markup(packed(page.scenery)) if page.scenery else "",
-        still=base64.b64encode(png(page.picture.figure)).decode("ascii") if page.picture else "",
-        drawings={p.name: Markup(_inline_svg(p)) for section in page.sections for p in section.pictures},
+        still=Markup(_inline_png(page.picture)) if page.picture else "",
+        drawings={p.name: Markup(_drawing(p)) for section in page.sections for p in section.pictures},
         version=metadata.version("cranktopo"),
     )
 
 
 def _part(name: str) -> str:
     return (_TEMPLATES / name).read_text(encoding="utf-8")
+
+
+def _drawing(picture: Picture) -> str:
+    return _inline_png(picture) if picture.raster else _inline_svg(picture)
+
+
+def _inline_png(picture: Picture) -> str:
+    data = base64.b64encode(png(picture.figure)).decode("ascii")
+    return f'<img src="data:image/png;base64,{data}" alt="{_attribute(picture.alt)}">'
 
 
 def _inline_svg(picture: Picture) -> str:

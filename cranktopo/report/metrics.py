@@ -31,7 +31,7 @@ class Timing:
     """Wall times of a run.
 
     Attributes:
-        total_s: this process from the first stage to the last file.
+        total_s: from the start to the last file; the report, written then, is added afterwards.
         outputs_s: assessment, surface and files.
         compile_s: JAX compilation.
     """
@@ -159,10 +159,10 @@ def _original(
 
 
 def _surface(outputs: Outputs) -> dict[str, Any]:
-    if outputs.skin is None:
+    if outputs.skin is None or outputs.undercuts is None:
         return {"refusal": outputs.refusal}
     known = surface_json(outputs.skin.surface, outputs.skin.gates)
-    return {**known, "undercuts": outputs.skin.undercuts.as_json()}
+    return {**known, "undercuts": outputs.undercuts.as_json()}
 
 
 def _solver(problem: Problem, state: State, result: Assessment) -> dict[str, Any]:

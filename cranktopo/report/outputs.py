@@ -16,32 +16,10 @@ from cranktopo.report.picture import save_run_picture
 from cranktopo.report.vtu import write_density_vtu
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
-from cranktopo.surface import (
-    GateReport,
-    WebSurface,
-    check_surface,
-    extract_half_throw,
-    slab_fields,
-    write_stl,
-)
-from cranktopo.surface.release import Undercuts, undercuts
+from cranktopo.surface import Skin, skin_of, write_stl
+from cranktopo.surface.release import Undercuts
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Skin:
-    """A surface that passed its gates.
-
-    Attributes:
-        surface: the extracted surface.
-        gates: its checked properties.
-        undercuts: what a die that parts in x = 0 could not release.
-    """
-
-    surface: WebSurface
-    gates: GateReport
-    undercuts: Undercuts
 
 
 @dataclass(frozen=True)
@@ -51,11 +29,13 @@ class Outputs:
     Attributes:
         files: name of each file in the run directory by what it holds.
         skin: the extracted surface, or None where the density has none worth writing.
+        undercuts: what a die that parts in x = 0 could not release; None without a surface.
         refusal: why there is none, one sentence; empty where there is one.
     """
 
     files: dict[str, str]
     skin: Skin | None
+    undercuts: Undercuts | None
     refusal: str = ""
 
 
@@ -104,22 +84,15 @@ def write_outputs(
     for name in ("web.stl", "result.png"):  # of an earlier end of a resumed run
         (run.path / name).unlink(missing_ok=True)
     try:
-        skin = _skin(scene, domain, design)
+        skin = skin_of(scene, domain, design)
     except CranktopoError as error:
         if error.code != ExitCode.CRITERION_NOT_MET:
             raise
-        return Outputs(files, None, str(error))
+        return Outputs(files, None, None, str(error))
     write_stl(run.path / "web.stl", skin.surface.half_throw)
     title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
     save_run_picture(run.path / "result.png", skin.surface.half_throw, rows, title, scene.web_z_mm)
-    return Outputs({"stl": "web.stl", **files, "picture": "result.png"}, skin)
-
-
-def _skin(scene: Scene, domain: Domain, design: Design) -> Skin:
-    grid, usable, smooth = slab_fields(domain, design)
-    surface = extract_half_throw(grid, scene, usable, smooth)
-    step = float(grid.cell_mm.min()) / 2
-    return Skin(surface, check_surface(surface), undercuts(surface.web, scene, step))
+    return Outputs({"stl": "web.stl", **files, "picture": "result.png"}, skin, skin.undercuts(scene))
 
 
 def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from cranktopo.report.viewer import Scenery
 
+_WIDE_INCHES = 9.0
 Mood = Literal["good", "bad", "neutral", "unknown"]
 
 
@@ -40,11 +41,18 @@ class Picture:
         name: file name without ending.
         figure: the plot.
         alt: what a reader who cannot see it needs to know.
+        raster: drawn as pixels where it would otherwise be drawn as lines: thousands of faces.
     """
 
     name: str
     figure: Figure
     alt: str
+    raster: bool = False
+
+    @property
+    def wide(self) -> bool:
+        """Whether it takes the whole width of a page."""
+        return bool(self.figure.get_size_inches()[0] > _WIDE_INCHES)
 
 
 @dataclass(frozen=True)

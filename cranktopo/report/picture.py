@@ -7,22 +7,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.report.axes_style import GREY, plain
 from cranktopo.report.convergence import PANELS
 from cranktopo.report.png import png
-from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
+from cranktopo.report.shading import ShadedMesh, draw, extent_mm, shaded, view_axes
 from cranktopo.store.files import write_bytes
 from cranktopo.surface.mesh import SurfaceMesh
 
 _GALLERY_COLUMNS = 4
 _UP = (0.0, 1.0, 0.0)
+Direction = tuple[float, float, float]
+JOURNAL_SIDE: Direction = (0.75, 0.45, -0.8)
+PIN_SIDE: Direction = (0.75, 0.45, 0.8)
 # Name, direction to the viewer, axis labels (none: not along the axes).
-_VIEWS: tuple[tuple[str, tuple[float, float, float], tuple[str, str] | None], ...] = (
-    ("from the journal side", (0.75, 0.45, -0.8), None),
-    ("from the crankpin side", (0.75, 0.45, 0.8), None),
+_VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
+    ("from the journal side", JOURNAL_SIDE, None),
+    ("from the crankpin side", PIN_SIDE, None),
     ("front, from the crankpin side", (0.0, 0.0, 1.0), ("x, lateral (mm)", "y, throw (mm)")),
     ("side", (-1.0, 0.0, 0.0), ("z, crank axis (mm)", "y, throw (mm)")),
 )
@@ -91,22 +95,39 @@ def gallery_figure(designs: Sequence[tuple[str, SurfaceMesh, tuple[float, float]
     Args:
         designs: name, closed surface of the half throw (mm) and axial range of the web of each.
     """
-    rows = -(-len(designs) // _GALLERY_COLUMNS)
-    figure = Figure(figsize=(15, 4.6 * rows), dpi=110, facecolor="none")
+    return gallery([(name, shaded(mesh, web_z_mm), PIN_SIDE) for name, mesh, web_z_mm in designs])[0]
+
+
+def gallery(bodies: Sequence[tuple[str, ShadedMesh, Direction]]) -> tuple[Figure, list[Axes]]:
+    """One view of each body beside the other, all to the same scale, on no background.
+
+    Args:
+        bodies: title, what to draw, and the direction to the viewer.
+
+    Returns:
+        The figure and the axes of each body.
+    """
+    columns = min(len(bodies), _GALLERY_COLUMNS)
+    rows = -(-len(bodies) // columns)
+    figure = Figure(figsize=(3.75 * columns, 4.0 * rows), dpi=110, facecolor="none")
+    figure.subplots_adjust(left=0.01, right=0.99, bottom=0.01, top=1 - 0.08 / rows, wspace=0.03, hspace=0.1)
     FigureCanvasAgg(figure)
-    view = view_axes(_VIEWS[1][1], _UP)
-    bodies = [shaded(mesh, web_z_mm) for _, mesh, web_z_mm in designs]
-    extents = [extent_mm(body, view) for body in bodies]
+    views = [view_axes(side, _UP) for _, _, side in bodies]
+    extents = [extent_mm(body, view) for (_, body, _), view in zip(bodies, views, strict=True)]
     half = 0.53 * max(np.ptp(extent, axis=0).max() for extent in extents)
-    for number, (body, extent, design) in enumerate(zip(bodies, extents, designs, strict=True), start=1):
-        axes = figure.add_subplot(rows, _GALLERY_COLUMNS, number)
+    found = []
+    for number, ((name, body, _), view, extent) in enumerate(
+        zip(bodies, views, extents, strict=True), start=1
+    ):
+        axes = figure.add_subplot(rows, columns, number)
         draw(axes, body, view)
         right, up = extent.mean(axis=0)
         axes.set_xlim(right - half, right + half)
         axes.set_ylim(up - half, up + half)
-        axes.set_title(design[0], fontsize=10, color=GREY)
+        axes.set_title(name, fontsize=10, color=GREY)
         axes.set_axis_off()
-    return figure
+        found.append(axes)
+    return figure, found
 
 
 def _draw_views(

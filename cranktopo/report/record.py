@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cranktopo.domain.build import Domain
 from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.case_stress import CaseStress
+from cranktopo.evaluate.evaluation import Progress
 from cranktopo.report.steps import Step, steps
+from cranktopo.report.stress_file import read_run_stress, solve_run_stress
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store import RunStore, read_json
 from cranktopo.surface import SurfaceMesh
@@ -31,6 +35,7 @@ class RunRecord:
         steps: its intermediate designs, as far as they were kept.
         fatigue: content of fatigue.json, or None.
         accuracy: content of accuracy.json, or None.
+        stress: of its load cases on the judge's mesh, or None.
     """
 
     metrics: dict[str, Any]
@@ -41,13 +46,16 @@ class RunRecord:
     steps: tuple[Step, ...]
     fatigue: dict[str, Any] | None
     accuracy: dict[str, Any] | None
+    stress: CaseStress | None
 
 
-def read_record(run: RunStore) -> RunRecord:
+def read_record(run: RunStore, domain: Domain | None = None, solve: Progress | None = None) -> RunRecord:
     """Read a finished run.
 
     Args:
         run: the run directory.
+        domain: its cells, where they are at hand; built again otherwise.
+        solve: solve for the stresses that the run does not keep yet; called with a line of progress.
 
     Raises:
         CranktopoError: the run has no metrics yet, or a file is damaged.
@@ -67,10 +75,18 @@ def read_record(run: RunStore) -> RunRecord:
         history=run.read_history(),
         scene=scene,
         mesh=read_stl(run.path / surface) if surface else None,
-        steps=steps(run, scene),
+        steps=steps(run, scene, domain),
         fatigue=_optional(run.path / _FATIGUE),
         accuracy=_optional(run.path / _ACCURACY),
+        stress=_stress(run, scene, surface, solve),
     )
+
+
+def _stress(run: RunStore, scene: Scene, surface: str | None, solve: Progress | None) -> CaseStress | None:
+    if surface is None:
+        return None
+    found = read_run_stress(run, surface)
+    return solve_run_stress(run, scene, surface, solve) if found is None and solve else found
 
 
 def _optional(path: Path) -> dict[str, Any] | None:

@@ -11,6 +11,8 @@ from cranktopo.report.picture import views_figure
 from cranktopo.report.record import RunRecord
 from cranktopo.report.scatter import BENDING_LABEL, TORSION_LABEL, Point
 from cranktopo.report.sections import effects_section, loads_section, pairs, picture, scatter_pictures
+from cranktopo.report.stress_scale import stress_scales
+from cranktopo.report.stress_section import stress_section
 from cranktopo.report.tables import Table
 from cranktopo.report.verdict import facts, headline
 from cranktopo.report.viewer import Body, Scenery
@@ -32,6 +34,7 @@ def run_page(record: RunRecord) -> Page:
         record: from `read_record`.
     """
     metrics, manifest = record.metrics, record.manifest
+    scenery = _scenery(record)
     return Page(
         title=f"Crank web of {metrics['design']}",
         subtitle=f"Run {metrics['run']}, {manifest['started'][:10]}",
@@ -41,11 +44,12 @@ def run_page(record: RunRecord) -> Page:
             _variants(metrics),
             _convergence(record),
             loads_section(record.scene, [case["load"] for case in metrics["load_cases"].values()]),
+            stress_section(scenery, f"cranktopo report {metrics['run']} --stress"),
             accuracy_section(metrics, record.accuracy),
             effects_section(metrics["effects"]),
             _provenance(record),
         ),
-        scenery=_scenery(record),
+        scenery=scenery,
         picture=_still(record),
     )
 
@@ -113,7 +117,7 @@ def _provenance(record: RunRecord) -> Section:
         ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
         ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
         ("solver", metrics["solver"]["precision"]),
-        ("time", f"{metrics['seconds']['total']:.1f} s"),
+        ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
         ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
     ]
     versions = tuple((name, text or "not installed") for name, text in manifest["versions"].items())
@@ -134,8 +138,10 @@ def _scenery(record: RunRecord) -> Scenery | None:
         return None
     rows = {row["iteration"]: row for row in record.history}
     notes = tuple(_note(rows.get(step.iteration, {})) for step in record.steps)
-    body = Body("optimised", record.mesh, record.scene.web_z_mm, record.scene.pitch_mm / 2)
-    return Scenery((body,), record.steps, notes)
+    scene, stress = record.scene, record.stress
+    body = Body("optimised", record.mesh, scene.web_z_mm, scene.pitch_mm / 2, stress)
+    scales = stress_scales([(record.mesh, stress)] if stress else [])
+    return Scenery((body,), record.steps, notes, scales)
 
 
 def _note(row: dict[str, Any]) -> str:

@@ -21,6 +21,16 @@ Array = NDArray[np.float64]
 Colour = tuple[float, float, float]
 WEB_COLOUR = (0.30, 0.52, 0.80)
 JOURNAL_COLOUR = (0.78, 0.79, 0.81)
+STRESS_COLOURS = (
+    (0.275, 0.196, 0.494),
+    (0.212, 0.361, 0.553),
+    (0.153, 0.498, 0.557),
+    (0.122, 0.631, 0.529),
+    (0.290, 0.757, 0.427),
+    (0.627, 0.855, 0.224),
+    (0.992, 0.906, 0.145),
+)
+"""Viridis without its darkest end: readable with any colour vision and on any page."""
 LARGEST_FACE_MM = 3.0
 _HAIR_MM = 1e-3
 _SHARP_DEGREES = 35.0

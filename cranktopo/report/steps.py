@@ -34,12 +34,13 @@ class Step:
     cells: DensityGrid
 
 
-def steps(run: RunStore, scene: Scene) -> tuple[Step, ...]:
+def steps(run: RunStore, scene: Scene, domain: Domain | None = None) -> tuple[Step, ...]:
     """The designs of a run's iterations, at most 60 of them, the first and the last included.
 
     Args:
         run: an optimise run.
         scene: its scene, as simulated.
+        domain: its cells; built again where they are not given.
 
     Returns:
         Steps in order; none where the run keeps none or its grid can no longer be built.
@@ -51,9 +52,9 @@ def steps(run: RunStore, scene: Scene) -> tuple[Step, ...]:
     if not numbers or scene.envelope is None:
         return ()
     with double_precision():
-        domain = build_domain(scene, scene.optimise.resolution_mm)
-        chain = build_chain(scene, domain)
-        return tuple(Step(n, _coarse(_cells(run, domain, chain, n), len(numbers))) for n in numbers)
+        cells = domain or build_domain(scene, scene.optimise.resolution_mm)
+        chain = build_chain(scene, cells)
+        return tuple(Step(n, _coarse(_cells(run, cells, chain, n), len(numbers))) for n in numbers)
 
 
 def _spread(numbers: Sequence[int], most: int) -> list[int]:

@@ -9,6 +9,10 @@ from cranktopo.report.record import RunRecord
 
 _NOTICEABLE_PERCENT = 0.05
 _ADJECTIVES = {"torsion": "Torsional"}
+_NO_FILLETS = (
+    "a density result has no fillets: 'cranktopo remodel {run}' gives it some, then "
+    "'cranktopo fatigue' with the re-modelled design and '--out' this run"
+)
 
 
 def headline(metrics: dict[str, Any]) -> str:
@@ -32,7 +36,7 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
     return (
         _mass(metrics),
         *_stiffness(metrics),
-        fatigue_fact(record.fatigue or metrics.get("fatigue"), "a density result has no fillets"),
+        fatigue_fact(record.fatigue, _NO_FILLETS.format(run=metrics["run"])),
         release_fact(metrics),
         _end(metrics),
     )
@@ -52,7 +56,8 @@ def fatigue_fact(fatigue: dict[str, Any] | None, otherwise: str) -> Fact:
     if judged is None or judged.get("safety") is None:
         return Fact("Fatigue", "not judged", otherwise, "unknown")
     original = next((entry["safety"] for entry in entries if entry["target"] == baseline), None)
-    note = "least safety" if original is None else f"least safety; {baseline} has {original:.2f}"
+    note = f"least safety of {judged['target']}"
+    note += "" if original is None else f"; {baseline} has {original:.2f}"
     return Fact("Fatigue", f"{judged['safety']:.2f}", note, "good" if judged["safety"] >= 1 else "bad")
 
 

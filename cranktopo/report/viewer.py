@@ -13,13 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.report.shading import JOURNAL_COLOUR, shaded
+from cranktopo.evaluate.case_stress import CaseStress
+from cranktopo.report.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
 from cranktopo.report.steps import Step
+from cranktopo.report.stress_scale import StressScale
 from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
 
 MOST_FACES = 120_000
 """Of all bodies together; finer surfaces are simplified."""
 _SIMPLER_MM = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
+_STRESS_FACE_MM = 2.5
+"""Longest edge of a face whose corners are coloured by stress."""
 _ALIGNMENT = 4
 
 
@@ -32,12 +36,14 @@ class Body:
         mesh: half throw, mm.
         web_z_mm: axial range of the web; what lies outside is journal.
         half_pitch_mm: the mid-pin plane, in which the whole throw is mirrored.
+        stress: stresses of the load cases, where they were solved.
     """
 
     name: str
     mesh: SurfaceMesh
     web_z_mm: tuple[float, float]
     half_pitch_mm: float
+    stress: CaseStress | None = None
 
 
 @dataclass(frozen=True)
@@ -48,11 +54,13 @@ class Scenery:
         bodies: surfaces, the first one at the start.
         steps: designs of the optimisation, on one grid.
         notes: line shown with each step.
+        stress_scales: what the colours of each load case mean, where every body has stresses.
     """
 
     bodies: tuple[Body, ...]
     steps: tuple[Step, ...] = ()
     notes: tuple[str, ...] = ()
+    stress_scales: tuple[StressScale, ...] = ()
 
 
 def packed(scenery: Scenery) -> str:
@@ -63,7 +71,8 @@ def packed(scenery: Scenery) -> str:
     arrays = _Arrays()
     most = MOST_FACES // len(scenery.bodies)
     header = {
-        "bodies": [_body(arrays, body, most) for body in scenery.bodies],
+        "bodies": [_body(arrays, body, most, scenery.stress_scales) for body in scenery.bodies],
+        "stress": _stress(scenery.stress_scales),
         "steps": _steps(arrays, scenery.steps, scenery.notes),
         "arrays": arrays.index,
     }
@@ -90,8 +99,15 @@ class _Arrays:
         return len(self.index) - 1
 
 
-def _body(arrays: _Arrays, body: Body, most: int) -> dict[str, Any]:
-    skin = shaded(_simplified(body.mesh, most), body.web_z_mm, None)
+def _stress(scales: Sequence[StressScale]) -> dict[str, Any] | None:
+    if not scales:
+        return None
+    cases = [{"label": scale.label, "top_MPa": scale.top_MPa} for scale in scales]
+    return {"ramp": STRESS_COLOURS, "cases": cases}
+
+
+def _body(arrays: _Arrays, body: Body, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
+    skin = shaded(_simplified(body.mesh, most), body.web_z_mm, _STRESS_FACE_MM if scales else None)
     low, high = skin.vertices_mm.min(axis=0), skin.vertices_mm.max(axis=0)
     journal = np.zeros(len(skin.vertices_mm), np.uint8)
     journal[skin.faces] = (skin.colours == JOURNAL_COLOUR).all(axis=1)[:, None]
@@ -104,7 +120,16 @@ def _body(arrays: _Arrays, body: Body, most: int) -> dict[str, Any]:
         "normals": arrays.add(_scaled(skin.normals, 127, np.int8)),
         "journal": arrays.add(journal),
         "faces": arrays.add(skin.faces.astype(np.uint32)),
+        "stress": [arrays.add(share) for share in _shares(skin, body.stress, scales)],
     }
+
+
+def _shares(skin: ShadedMesh, stress: CaseStress | None, scales: Sequence[StressScale]) -> list[NDArray[Any]]:
+    """Stress at the corners of a body over the top of its scale, one array per load case."""
+    if stress is None or not scales:
+        return []
+    found = zip(stress.at(skin.vertices_mm), scales, strict=True)
+    return [_scaled(np.minimum(values / scale.top_MPa, 1.0), 255, np.uint8) for values, scale in found]
 
 
 def _simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:

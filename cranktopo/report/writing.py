@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cranktopo.domain.build import Domain
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import Progress
 from cranktopo.report.html import html
 from cranktopo.report.markdown_page import write_markdown
 from cranktopo.report.page import Page
@@ -45,12 +47,16 @@ def write_report(page: Page, path: Path) -> None:
         write_text(path, html(page))
 
 
-def write_run_report(run: RunStore, path: Path | None = None) -> Path:
+def write_run_report(
+    run: RunStore, path: Path | None = None, domain: Domain | None = None, solve: Progress | None = None
+) -> Path:
     """Write the report of a finished run.
 
     Args:
         run: the run.
         path: the file; report.html in the run directory by default.
+        domain: the run's cells, where they are at hand; built again otherwise.
+        solve: solve for the judge's stresses where the run has none; called with a line of progress.
 
     Returns:
         The file.
@@ -59,5 +65,5 @@ def write_run_report(run: RunStore, path: Path | None = None) -> Path:
         CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
     """
     target = path or run.path / REPORT
-    write_report(run_page(read_record(run)), target)
+    write_report(run_page(read_record(run, domain, solve)), target)
     return target

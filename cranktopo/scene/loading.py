@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -43,6 +45,36 @@ def resolve_design(design: str) -> Path:
         return builtin
     what = "is a folder, not a TOML file" if path.is_dir() else "no such file or built-in design"
     raise CranktopoError(f"design '{design}': {what}.", hint=suggest(design, builtin_designs()))
+
+
+def copy_of(design: str, name: str) -> str:
+    """Text of a design under another name, without what was published about it.
+
+    Args:
+        design: TOML path or name of a built-in design.
+        name: of the copy.
+
+    Raises:
+        CranktopoError: no such design, or none that can be read.
+    """
+    text = re.sub(r'(?m)^name = ".*"$', lambda _: f"name = {json.dumps(name)}", design_text(design), count=1)
+    return re.sub(r"(?ms)^\[published\].*?(?=^\[|\Z)", "", text).rstrip() + "\n"
+
+
+def design_text(design: str) -> str:
+    """Text of a design.
+
+    Args:
+        design: TOML path or name of a built-in design.
+
+    Raises:
+        CranktopoError: no such design, or none that can be read.
+    """
+    path = resolve_design(design)
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CranktopoError(f"design '{design}': cannot be read: {error}.") from None
 
 
 def parse_scene(text: str, source: str = "scene", folder: Path | None = None) -> Scene:
@@ -103,8 +135,4 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene") -> Scene:
 def load_scene(design: str) -> Scene:
     """A validated scene from a TOML path or the name of a built-in design; raises CranktopoError."""
     path = resolve_design(design)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CranktopoError(f"design '{design}': cannot be read: {error}.") from None
-    return parse_scene(text, str(path), path.resolve().parent)
+    return parse_scene(design_text(design), str(path), path.resolve().parent)

@@ -134,6 +134,19 @@ class Scene(Table):
     fatigue: Fatigue = Fatigue()
     published: Published | None = None
 
+    def with_optimise(self, **changes: object) -> Scene:
+        """The scene with other settings of `[optimise]`.
+
+        Args:
+            changes: by name; None keeps the scene's own.
+
+        Raises:
+            ValidationError: an unknown setting, or a value outside its range.
+        """
+        given = {key: value for key, value in changes.items() if value is not None}
+        settings = Optimise.model_validate({**self.optimise.model_dump(), **given})
+        return self.model_copy(update={"optimise": settings})
+
     @property
     def pitch_mm(self) -> float:
         """Distance between neighbouring mid-main-journal planes, mm."""

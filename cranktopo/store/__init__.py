@@ -13,6 +13,7 @@ from cranktopo.store.runs import (
     list_runs,
     open_run,
     remove_run,
+    runs_named,
 )
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "read_json",
     "remove_run",
     "replacing",
+    "runs_named",
     "save_checkpoint",
     "save_iteration",
     "saved_iterations",

@@ -242,6 +242,12 @@ def open_run(reference: str, root: Path = RUNS) -> RunStore:
     return run
 
 
+def runs_named(reference: str, root: Path = RUNS) -> list[str]:
+    """Names of the runs under `root` that begin so."""
+    names = [run.path.name for run in list_runs(root)]
+    return [name for name in names if name.startswith(reference)] if reference else []
+
+
 def list_runs(root: Path = RUNS) -> list[RunStore]:
     """The runs under `root`, oldest first; directories without a manifest are left out."""
     return [RunStore(path.parent) for path in sorted(root.glob(f"*/{_MANIFEST}"))]
@@ -298,8 +304,7 @@ def _own(out: Path) -> Path:
 
 
 def _by_name(reference: str, root: Path) -> Path:
-    names = [run.path.name for run in list_runs(root)]
-    matches = [name for name in names if name.startswith(reference)] if reference else []
+    matches = runs_named(reference, root)
     if reference in matches or len(matches) == 1:
         return root / (reference if reference in matches else matches[0])
     if matches:
@@ -307,6 +312,7 @@ def _by_name(reference: str, root: Path) -> Path:
             f"run '{reference}': {len(matches)} runs begin so: {', '.join(matches[:4])}.",
             hint="Give more of the name.",
         )
+    names = [run.path.name for run in list_runs(root)]
     near = f"{suggest(reference, names)} " if get_close_matches(reference, names, n=1) else ""
     raise CranktopoError(
         f"run '{reference}': no such run under '{root}'.", hint=f"{near}List runs with 'cranktopo runs list'."

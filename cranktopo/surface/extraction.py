@@ -14,11 +14,11 @@ from cranktopo.optimise.loop import Design, build_chain, design_of
 from cranktopo.optimise.state import from_checkpoint
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store import RunStore, load_checkpoint, load_iteration
-from cranktopo.surface.extract import WebSurface, extract_half_throw
+from cranktopo.surface.extract import WebSurface
 from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
-from cranktopo.surface.gates import GateReport, check_surface, surface_json
-from cranktopo.surface.release import Undercuts, undercuts
-from cranktopo.surface.slab import slab_fields
+from cranktopo.surface.gates import GateReport, surface_json
+from cranktopo.surface.release import Undercuts
+from cranktopo.surface.skin import skin_of
 from cranktopo.units import density_kg_per_mm3
 
 LEAST_MEMBER_CELLS = 2.0
@@ -102,22 +102,20 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
     scene = planned_scene(scene)
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
-    grid, usable, smooth = slab_fields(domain, design)
-    surface = extract_half_throw(grid, scene, usable, smooth)
-    gates = check_surface(surface)
-    distances = iso_distance_mm(surface, grid, scene, usable, smooth)
-    cell = float(grid.cell_mm.min())
+    skin = skin_of(scene, domain, design)
+    surface = skin.surface
+    distances = iso_distance_mm(surface, skin.grid, scene, skin.usable, skin.smooth)
     return Extraction(
         run=run.name,
         scene=scene,
         iteration=number,
         surface=surface,
-        gates=gates,
+        gates=skin.gates,
         mean_distance_mm=float(distances.mean()),
         max_distance_mm=float(distances.max()),
-        minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, cell / 2),
-        undercuts=undercuts(surface.web, scene, cell / 2),
-        cell_mm=cell,
+        minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, skin.cell_mm / 2),
+        undercuts=skin.undercuts(scene),
+        cell_mm=skin.cell_mm,
     )
 
 

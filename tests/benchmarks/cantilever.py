@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from cranktopo.fem.lattice import Cells, Lattice
 from cranktopo.fem.model import ThrowModel
@@ -65,7 +66,7 @@ def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, Interpola
 
 def optimise(model: ThrowModel, chain: Interpolation, iterations: int) -> tuple[list[Iteration], jax.Array]:
     """So many design iterations from the uniform start, the first one with compilation, and the design."""
-    x = jnp.full(chain.design.shape, VOLUME_FRACTION)
+    x = jnp.asarray(np.full(chain.design.shape, VOLUME_FRACTION))
     guess, rows = jnp.zeros_like(model.forces), []
     for _ in range(iterations):
         began = time.perf_counter()

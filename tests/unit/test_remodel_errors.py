@@ -8,9 +8,10 @@ import pytest
 
 from cranktopo.errors import CranktopoError
 from cranktopo.remodel.checks import check_solid
+from cranktopo.remodel.meshing import mesh_throw
 from cranktopo.remodel.session import cad_session
 from cranktopo.remodel.throw_solid import add_half_throw, check_body
-from cranktopo.scene import Scene
+from cranktopo.scene import Scene, load_scene
 from tests.physics.judge_cases import mikron_with
 
 HOLE = {"shape": "cylinder", "x_mm": 0.0, "diameter_mm": 12.0}
@@ -55,3 +56,11 @@ def test_wrong_volume_and_loose_parts_are_noticed() -> None:
             check_body(occ, [near], 1.00001, "box")
         with pytest.raises(CranktopoError, match="2 bodies"):
             check_body(occ, [near, far], 2.0, "box")
+
+
+def test_elements_too_large_for_a_thin_part_are_named() -> None:
+    with pytest.raises(
+        CranktopoError, match=r"variant-1: no mesh with elements of 21 mm: .*too large"
+    ) as told:
+        mesh_throw(load_scene("opposed-piston-variant-1"), 21.0)
+    assert "smaller element size" in told.value.hint

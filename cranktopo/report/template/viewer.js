@@ -11,17 +11,23 @@
   const VERTEX = `#version 300 es
     in vec3 position; in vec3 normal; in float share;
     uniform mat3 turn; uniform vec3 low, size, flip, shift, target, colour0, colour1;
-    uniform vec2 lens; uniform vec3 depth;
+    uniform vec2 lens; uniform vec3 depth; uniform vec3 ramp[STOPS]; uniform bool ramped;
     out vec3 shade;
     const vec3 KEY = normalize(vec3(-0.45, 0.60, 0.65));
     const vec3 FRONT = normalize(vec3(0.10, 0.0, 1.0));
     const vec3 RIM = normalize(vec3(0.95, -0.10, 0.30));
+    vec3 colour() {
+      if (!ramped) return mix(colour0, colour1, share);
+      float place = share * float(STOPS - 1);
+      int below = min(int(place), STOPS - 2);
+      return mix(ramp[below], ramp[below + 1], place - float(below));
+    }
     void main() {
       vec3 p = turn * ((low + size * position) * flip + shift - target);
       vec3 n = turn * (normal * flip);
       float light = 0.42 + 0.42 * max(dot(n, KEY), 0.0) + 0.26 * max(dot(n, FRONT), 0.0)
         + 0.16 * max(dot(n, RIM), 0.0);
-      shade = min(mix(colour0, colour1, share) * light, 1.0);
+      shade = min(colour() * light, 1.0);
       float w = depth.x - p.z;
       gl_Position = vec4(lens * p.xy, depth.y * w + depth.z, w);
     }`;
@@ -33,14 +39,17 @@
   const FIELD_OF_VIEW = 0.5, START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
 
   const { header, arrays } = await unpack(packed.textContent);
+  const stress = header.stress;
   const program = link();
   const at = (name) => gl.getUniformLocation(program, name);
   const uniforms = Object.fromEntries(
-    ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "lens", "depth"].map((n) => [n, at(n)]),
+    ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "lens", "depth", "ramp",
+      "ramped"].map((n) => [n, at(n)]),
   );
   const bodies = header.bodies.map(bodyBuffers);
   const steps = header.steps;
-  const state = { ...START, body: 0, step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
+  const state = { ...START, body: 0, colour: -1,
+    step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
   let blocks = null, waiting = false;
 
   gl.enable(gl.DEPTH_TEST);
@@ -63,9 +72,10 @@
 
   function link() {
     const made = gl.createProgram();
+    const stops = String(stress ? stress.ramp.length : 2);
     for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
       const shader = gl.createShader(kind);
-      gl.shaderSource(shader, source);
+      gl.shaderSource(shader, source.replaceAll("STOPS", stops));
       gl.compileShader(shader);
       gl.attachShader(made, shader);
     }
@@ -112,6 +122,24 @@
       web: buffers(attributes, faces.filter((v, i) => !isJournal(v, i))),
       journals: buffers(attributes, faces.filter(isJournal)),
     };
+  }
+
+  // Gives the surfaces the stresses of a load case, or takes them away.
+  function colourBy(index) {
+    state.colour = index;
+    for (const body of bodies)
+      for (const shape of [body.web, body.journals]) {
+        gl.bindVertexArray(shape.vao);
+        if (index < 0) {
+          gl.disableVertexAttribArray(2);
+          continue;
+        }
+        shape.share ??= gl.createBuffer();
+        gl.bindBuffer(gl.ARRAY_BUFFER, shape.share);
+        gl.bufferData(gl.ARRAY_BUFFER, arrays[body.stress[index]], gl.STATIC_DRAW);
+        gl.enableVertexAttribArray(2);
+        gl.vertexAttribPointer(2, 1, gl.UNSIGNED_BYTE, true, 0, 0);
+      }
   }
 
   // Cells denser than the cut as blocks: the faces between kept cells and the rest.
@@ -173,6 +201,9 @@
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.useProgram(program);
+    const stressed = state.colour >= 0 && blocks === null;
+    if (stress) gl.uniform3fv(uniforms.ramp, stress.ramp.flat());
+    gl.uniform1i(uniforms.ramped, stressed ? 1 : 0);
     const body = bodies[state.body];
     aim(body, width / height);
     box.dataset.triangles = (body.journals.count + (blocks ?? body.web).count) / 3;
@@ -267,7 +298,28 @@
       state.body = Number(body.value);
       redraw();
     });
+    const colour = find("colour");
+    colour?.addEventListener("change", () => {
+      colourBy(Number(colour.value));
+      legend();
+      redraw();
+    });
     if (steps) stepControls(find("step"), find("step-text"), find("cut"), find("cut-row"), find("play"));
+  }
+
+  // Says what the colours mean: parts and densities, or stresses.
+  function legend() {
+    const stressed = state.colour >= 0 && blocks === null;
+    box.querySelectorAll("[data-parts]").forEach((entry) => (entry.hidden = stressed));
+    const select = box.querySelector("[data-colour]"), entry = box.querySelector("[data-stress]");
+    if (!stress) return;
+    select.disabled = blocks !== null;
+    entry.hidden = !stressed;
+    if (!stressed) return;
+    const [swatch, text] = entry.children, found = stress.cases[state.colour];
+    const stops = stress.ramp.map((rgb) => `rgb(${rgb.map((part) => Math.round(255 * part)).join()})`);
+    swatch.style.background = `linear-gradient(90deg, ${stops.join()})`;
+    text.textContent = `von Mises stress, ${found.label}: 0 to ${found.top_MPa.toPrecision(3)} MPa and more`;
   }
 
   function stepControls(slider, text, cut, cutRow, play) {
@@ -282,6 +334,7 @@
       text.textContent = line;
       slider.setAttribute("aria-valuetext", line);
       cutRow.hidden = !blocks;
+      legend();
       redraw();
     };
     const stop = () => {

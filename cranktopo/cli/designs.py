@@ -1,0 +1,66 @@
+"""`cranktopo designs`: the built-in designs, and a copy of one to edit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from cranktopo.cli.completion import designs as complete_designs
+from cranktopo.cli.group import SuggestingGroup
+from cranktopo.errors import CranktopoError, ExitCode
+
+
+@click.group("designs", cls=SuggestingGroup)
+def command() -> None:
+    """List the built-in designs, or copy one to edit.
+
+    Example: cranktopo designs copy mikron-iiic my-engine.toml
+    """
+
+
+@command.command("list")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def list_command(as_json: bool) -> None:
+    """List the built-in designs.
+
+    Example: cranktopo designs list
+    """
+    from cranktopo.scene import load_scene
+    from cranktopo.scene.loading import builtin_designs
+
+    found = {name: load_scene(name).description for name in builtin_designs()}
+    if as_json:
+        entries = [{"name": name, "description": text} for name, text in found.items()]
+        click.echo(json.dumps({"schema_version": 1, "designs": entries}, indent=2))
+        return
+    width = max(len(name) for name in found)
+    for name, text in found.items():
+        click.echo(f"{name:{width}}  {text}")
+
+
+@command.command("copy")
+@click.argument("design", shell_complete=complete_designs)
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def copy_command(design: str, file: Path, force: bool) -> None:
+    """Copy DESIGN to FILE (.toml), named after the file: edit it, then give it to any command.
+
+    What was published about the original stays behind, because it does not hold for the copy.
+
+    Example: cranktopo designs copy mikron-iiic my-engine.toml
+    """
+    from cranktopo.scene.loading import copy_of
+    from cranktopo.store import write_text
+
+    if file.suffix.lower() != ".toml":
+        raise CranktopoError(
+            f"'{file}': must end in .toml.", hint=f"Name it {file.stem}.toml.", code=ExitCode.USAGE
+        )
+    if not file.parent.is_dir():
+        raise CranktopoError(f"'{file}': its folder does not exist.", code=ExitCode.USAGE)
+    if file.exists() and not force:
+        raise CranktopoError(f"'{file}' exists.", hint="Give --force to replace it.", code=ExitCode.USAGE)
+    write_text(file, copy_of(design, file.stem))
+    click.echo(f"{file}: edit it, then for example: cranktopo compare {file} --baseline {design}")

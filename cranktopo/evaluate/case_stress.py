@@ -1,0 +1,102 @@
+"""Von Mises stress of a target under its load cases, on the judge's mesh: to look at, not for fatigue."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.equivalent import von_mises
+from cranktopo.evaluate.evaluation import Progress, default_element_size_mm, mesh_target
+from cranktopo.evaluate.stress import nodal_stress
+from cranktopo.evaluate.targets import Target
+from cranktopo.evaluate.unit_fields import FieldKind, unit_fields
+from cranktopo.loads.load_case import LoadCase
+from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
+
+Array = NDArray[np.float64]
+
+_NEIGHBOURS = 4
+_HAIR_MM = 1e-6
+_FACTORS: dict[FieldKind, Callable[[LoadCase], float]] = {
+    "bending": lambda case: case.radial_N,
+    "tangential": lambda case: case.tangential_N,
+    "torsion": lambda case: case.torque_Nm * NMM_PER_NM,
+    "centrifugal": lambda case: (case.speed_rpm * math.pi / 30) ** 2,
+}
+"""What a load case holds of each unit field."""
+
+
+@dataclass(frozen=True)
+class CaseStress:
+    """Von Mises stress of load cases at the nodes of a half throw.
+
+    Attributes:
+        cases: the load cases.
+        points_mm: nodes, shape (n, 3).
+        von_mises_MPa: shape (cases, n).
+        mirrored: the nodes are those of the half x >= 0.
+        element_size_mm: general element size of the mesh.
+    """
+
+    cases: tuple[LoadCase, ...]
+    points_mm: Array
+    von_mises_MPa: Array
+    mirrored: bool
+    element_size_mm: float
+
+    def at(self, points_mm: Array) -> Array:
+        """Stress at points of the surface, MPa, shape (cases, points).
+
+        Mean of the nearest four nodes by the inverse of their distance: a node gives its own value.
+
+        Args:
+            points_mm: shape (points, 3).
+        """
+        from scipy.spatial import cKDTree
+
+        where = np.array(points_mm, dtype=np.float64)
+        if self.mirrored:
+            where[:, 0] = np.abs(where[:, 0])
+        distance, near = cKDTree(self.points_mm).query(where, k=_NEIGHBOURS)
+        weight = 1 / np.maximum(distance, _HAIR_MM)
+        weight /= weight.sum(axis=1, keepdims=True)
+        return np.einsum("cpk,pk->cp", self.von_mises_MPa[:, near], weight)
+
+
+def case_stress(
+    target: Target,
+    cases: Sequence[LoadCase],
+    element_size_mm: float | None = None,
+    progress: Progress = lambda _: None,
+) -> CaseStress:
+    """Von Mises stress of a target under load cases, one condensation per symmetry that they need.
+
+    At sharp re-entrant edges it has no limit, and in fillets it needs the finer mesh of
+    `stress_model.solve_stresses`: the largest value depends on the mesh, all but the neighbourhood of such
+    edges does not.
+
+    Args:
+        target: a design, a run or a surface file.
+        cases: load cases; each holds loads of one symmetry.
+        element_size_mm: general element size; by default that of an evaluation.
+        progress: called with one line.
+
+    Raises:
+        CranktopoError: impossible geometry or a failed solve.
+    """
+    size = element_size_mm or default_element_size_mm(target.scene)
+    progress(f"{target.name}: stresses, element size {size:.3g} mm")
+    part = mesh_target(target, size)
+    youngs, poisson = target.scene.material.E_GPa * MPA_PER_GPA, target.scene.material.poisson
+    model = assemble(part.mesh, youngs, poisson)
+    wanted = [kind for kind, factor in _FACTORS.items() if any(factor(case) for case in cases)]
+    fields = unit_fields(model, target.scene, part.mesh.mirrored, wanted)
+    share = np.array([[_FACTORS[kind](case) for kind in (f.kind for f in fields)] for case in cases])
+    found = nodal_stress(model, share @ np.stack([f.displacement_mm for f in fields]), youngs, poisson)
+    stress = von_mises(found.nodal_MPa)
+    return CaseStress(tuple(cases), model.nodes_mm.T, stress, part.mesh.mirrored, size)

@@ -1,0 +1,83 @@
+"""Stress colours of the 3D view: a box whose stress rises along x, seen from the front."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from cranktopo.evaluate.case_stress import CaseStress
+from cranktopo.loads import LoadCase
+from cranktopo.report.html import html
+from cranktopo.report.page import Page
+from cranktopo.report.sections import picture
+from cranktopo.report.steps import Step
+from cranktopo.report.stress_scale import stress_scales
+from cranktopo.report.viewer import Body, Scenery
+from cranktopo.surface import DensityGrid, SurfaceMesh
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    box = trimesh.creation.box(bounds=[[-10, -15, 0], [10, 15, 30]])
+    mesh = SurfaceMesh(np.asarray(box.vertices, np.float64), np.asarray(box.faces, np.int64))
+    axes = [np.linspace(-10, 10, 21), np.linspace(-15, 15, 16), np.linspace(0, 30, 16)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    rising = 5 * (points[:, 0] + 10)
+    cases = tuple(LoadCase(name, "bending", radial_N=1000.0) for name in ("rising", "falling"))
+    stress = CaseStress(cases, points, np.stack([rising, 100 - rising]), False, 1.0)
+    grid = DensityGrid(np.array([-10.0, -15.0, 10.0]), np.array([10.0, 15.0, 10.0]), np.ones((2, 2, 1)))
+    body = Body("box", mesh, (10.0, 20.0), 30.0, stress)
+    scenery = Scenery((body,), (Step(7, grid),), ("by hand",), stress_scales([(mesh, stress)]))
+    still = picture("still", "a box without any meaning", lambda axes: axes.plot([0, 1]))
+    path = tmp_path_factory.mktemp("page") / "stress.html"
+    path.write_text(html(Page("Stress", "by hand", "None.", (), (), scenery, still)), encoding="utf-8")
+    return path
+
+
+def sides(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean colour of the left and the right tenth of the box, red, green, blue."""
+    columns = np.nonzero((picture[:, :, 3] == 255).any(axis=0))[0]
+    tenth = len(columns) // 10
+    parts = (picture[:, columns[:tenth]], picture[:, columns[-tenth:]])
+    left, right = (part[part[:, :, 3] == 255][:, :3].mean(axis=0) for part in parts)
+    return left, right
+
+
+def test_colours_follow_the_stress(visit: Any, page: Path) -> None:
+    seen = visit(page)
+    seen.page.get_by_role("button", name="Front").click()
+    plain = seen.picture()
+    colours, legend = seen.page.get_by_label("Colours"), seen.page.locator(".legend")
+    assert "journals" in legend.inner_text()
+    colours.focus()
+    seen.page.keyboard.press("ArrowDown")  # by keyboard: the first load case
+    low, high = sides(seen.picture())
+    assert low[2] > 1.5 * low[1], "violet where there is no stress"
+    assert min(high[0], high[1]) > 2 * high[2], "yellow at the top"
+    assert "von Mises stress, rising, 1,000 N: 0 to 99.2 MPa and more" in legend.inner_text()
+    assert "journals" not in legend.inner_text()
+    colours.select_option(label="stress, falling")
+    low, high = sides(seen.picture())
+    assert high[2] > 1.5 * high[1]
+    assert min(low[0], low[1]) > 2 * low[2]
+    colours.select_option(label="journals and web")
+    np.testing.assert_array_equal(seen.picture(), plain)
+    assert seen.complaints == []
+
+
+def test_steps_show_densities(visit: Any, page: Path) -> None:
+    """Only the final surface has stresses: a step takes the choice away, the end gives it back."""
+    seen = visit(page)
+    colours = seen.page.get_by_label("Colours")
+    colours.select_option(label="stress, rising")
+    stressed = seen.picture()
+    seen.page.locator("[data-step]").press("Home")
+    assert colours.is_disabled()
+    assert "density" in seen.page.locator(".legend").inner_text()
+    seen.page.locator("[data-step]").press("End")
+    assert colours.is_enabled()
+    np.testing.assert_array_equal(seen.picture(), stressed)

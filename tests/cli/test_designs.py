@@ -1,0 +1,76 @@
+"""`cranktopo designs`, and targets that a copied design makes alike."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cranktopo.cli.main import main
+from cranktopo.evaluate.targets import resolve_target, resolve_targets
+from cranktopo.scene import load_scene
+from cranktopo.scene.loading import builtin_designs
+from cranktopo.store import create_run
+
+
+def test_list_names_every_built_in_design(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["designs", "list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == builtin_designs()
+    assert main(["designs", "list", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["designs"]
+    assert found[0] == {
+        "name": builtin_designs()[0],
+        "description": load_scene(builtin_designs()[0]).description,
+    }
+
+
+@pytest.mark.parametrize("name", builtin_designs())
+def test_copy_is_the_design_under_its_own_name(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "my-engine.toml"
+    assert main(["designs", "copy", name, str(path)]) == 0
+    original, copy = load_scene(name), load_scene(str(path))
+    assert copy == original.model_copy(update={"name": "my-engine", "published": None})
+
+
+def test_copy_refuses_what_it_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("mine", encoding="utf-8")
+    for arguments, words in (
+        (["mikron-iiic", str(path)], "exists. Give --force"),
+        (["mikron-iic", str(tmp_path / "other.toml")], "Did you mean 'mikron-iiic'?"),
+        (["mikron-iiic", str(tmp_path / "other.txt")], "must end in .toml"),
+        (["mikron-iiic", str(tmp_path / "none" / "other.toml")], "its folder does not exist"),
+    ):
+        assert main(["designs", "copy", *arguments]) in (2, 3)
+        assert words in capsys.readouterr().err
+    assert path.read_text() == "mine"
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.toml"]
+
+
+def test_targets_of_one_name_are_told_apart(tmp_path: Path) -> None:
+    """A design copied by hand keeps its name: the file's name tells it from the original."""
+    path = tmp_path / "wider.toml"
+    main(["designs", "copy", "mikron-iiic", str(path)])
+    path.write_text(path.read_text().replace('name = "wider"', 'name = "mikron-iiic"'), encoding="utf-8")
+    assert [target.name for target in resolve_targets(["mikron-iiic", str(path)])] == ["mikron-iiic", "wider"]
+
+
+def test_run_is_a_target_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    scene = load_scene("mikron-iiic")
+    main(["designs", "copy", "mikron-iiic", "own.toml"])
+    run = create_run(
+        design="own",
+        design_toml=Path("own.toml").read_text(),
+        scene=scene.model_dump(mode="json"),
+        options={},
+        command=["cranktopo"],
+        inputs={},
+        out=None,
+    )
+    (run.path / "web.stl").write_bytes(b"solid")
+    found = resolve_target(run.name[:12])
+    assert found.file is not None
+    assert found.file.resolve() == (run.path / "web.stl").resolve()
