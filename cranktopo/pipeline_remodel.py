@@ -181,7 +181,10 @@ def _as_json(
         "stiffness": None if stiffness is None else _stiffness_json(stiffness),
         "trials": [asdict(trial) for trial in fitted.trials],
         "overlap_by_start": list(fitted.overlaps),
-        "not_represented": [asdict(leftover) for leftover in fitted.leftovers],
+        "not_represented": [
+            {**asdict(leftover), "share_percent": 100 * leftover.volume_mm3 / near.body_web_volume_mm3}
+            for leftover in fitted.leftovers
+        ],
         "rules": asdict(rules),
         "files": files,
     }

@@ -31,6 +31,13 @@ from cranktopo.cli.talk import say, talkative
     show_default=True,
     help="Least draft of a side pocket's walls.",
 )
+@click.option(
+    "--cell-mm",
+    type=click.FloatRange(min=0.25, max=4),
+    default=1.0,
+    show_default=True,
+    help="Cells of the final fit: half the size is nearer to the body and eight times dearer.",
+)
 @click.option("--no-judge", is_flag=True, help="Leave out the stiffness comparison.")
 @click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")
 @talkative
@@ -40,6 +47,7 @@ def command(
     min_wall_mm: float,
     min_radius_mm: float,
     draft_deg: float,
+    cell_mm: float,
     no_judge: bool,
     as_json: bool,
 ) -> None:
@@ -54,6 +62,8 @@ def command(
     from cranktopo.remodel.rules import Rules
     from cranktopo.report.remodel_text import remodel_text
 
-    rules = Rules(min_wall_mm=min_wall_mm, min_radius_mm=min_radius_mm, min_draft_deg=draft_deg)
+    rules = Rules(
+        min_wall_mm=min_wall_mm, min_radius_mm=min_radius_mm, min_draft_deg=draft_deg, cell_mm=cell_mm
+    )
     data = remodel(run, out, rules, not no_judge, say)
     click.echo(json.dumps(data) if as_json else remodel_text(data))

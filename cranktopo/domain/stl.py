@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _KEY = "envelope.file"
 _ALIKE = 1e-6
+_LEAST_MM = 2.0
+"""No web is smaller, in metres every one is."""
 
 
 def envelope_from_stl(path: Path) -> Manifold:
@@ -31,6 +33,9 @@ def envelope_from_stl(path: Path) -> Manifold:
     body = Manifold(Mesh64(vertices.copy(), faces.copy()))
     if body.status().name != "NoError" or body.volume() <= 0:
         raise invalid(_KEY, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
+    bodies = sum(piece.volume() > 0 for piece in body.decompose())
+    if bodies > 1:
+        raise invalid(_KEY, str(path), f"holds {bodies} separate bodies", "Remove the loose parts.")
     return body
 
 
@@ -78,6 +83,11 @@ def _closed_mesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.uint64]]:
         raise CranktopoError(
             f"{_KEY} = '{path}': cannot be read: {error}.", hint="Give a closed STL in mm."
         ) from None
+    if len(mesh.faces) == 0:
+        raise invalid(_KEY, str(path), "holds no triangles", "Export the surface again as STL, mm.")
+    largest = float(mesh.extents.max())
+    if largest < _LEAST_MM:
+        raise invalid(_KEY, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
     if not mesh.is_watertight:
         raise invalid(_KEY, str(path), "must be a closed surface", "Close its holes.")
     vertices = np.array(mesh.vertices, np.float64, order="C")

@@ -245,6 +245,13 @@ def _optimised(folder: Path, scene: Scene, say: Say) -> SurfaceMesh:
     elif open_run(str(folder)).manifest()["status"] != "done":
         run, prepared = pipeline.reopen(str(folder), None, say)
         pipeline.optimise(run, prepared, True, lambda *_: None)
+    refusal = read_json(folder / "metrics.json")["surface"].get("refusal")
+    if refusal:
+        raise CranktopoError(
+            f"{folder}: the optimised web has no sound surface. {refusal}",
+            hint="Run the loop on other cells: --resolution-mm.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
     mesh = read_surface(folder / "web.stl", scene)
     return SurfaceMesh(mesh.vertices, mesh.faces)
 

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from cranktopo.surface.mesh import SurfaceMesh
 
 Array = NDArray[np.float64]
-_COARSE = 2.0
-"""Cells of the search for features and stations over those of the final fit."""
+_SEARCH_CELL_MM = 2.0
+"""Cells of the search for features and stations."""
 _SPREAD = 1.0
 """Standard deviation of the further starts about the first, mm or degrees."""
 _DEFAULT = Rules()
@@ -68,7 +68,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = _DEFAULT) -> Fitt
 
     body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
     with double_precision():
-        chosen, trials = select(_problem(body, scene, rules, _COARSE * rules.cell_mm))
+        chosen, trials = select(_problem(body, scene, rules, _SEARCH_CELL_MM))
         fine = _problem(body, scene, rules, rules.cell_mm)
         fits = _final_fits(fine, chosen)
         best = fits[0]

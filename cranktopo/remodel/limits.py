@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ _LEAST_RISE = 0.01
 """Least rise in y per mm along the outline, which keeps its half-width single-valued."""
 _CLEAR_MM = 2 * ROUNDING_MM
 _BEND_MARGIN = 0.99
+_ENDLESS_MM = 1e4
 
 
 def outline_limits(flank: Flank, scene: Scene, rules: Rules) -> Array:
@@ -31,13 +33,25 @@ def outline_limits(flank: Flank, scene: Scene, rules: Rules) -> Array:
     """
     u = (np.arange(_CHECKS) + 0.5) / _CHECKS
     points = flank.at(np, (np.arange(_POINTS) + 0.5) / _POINTS).reshape(-1, 2)
-    rise = flank.derivatives(np, u)[0][..., 1].ravel()
     bend = flank.curvature_per_mm(np, np.linspace(0, 1, _CHECKS)).ravel() * rules.min_radius_mm
     (main, main_reach), (pin, pin_reach) = reaches = reaches_mm(scene, rules)
     low, high = flank.points_mm[0, 1], flank.points_mm[-1, 1]
-    found = [bend - _BEND_MARGIN, -bend - _BEND_MARGIN, _LEAST_RISE - rise[1:-1]]
+    found = [bend - _BEND_MARGIN, -bend - _BEND_MARGIN, _LEAST_RISE - _rises(flank, u)]
     found += [reach - np.sqrt(points[:, 0] ** 2 + (points[:, 1] - y) ** 2) for y, reach in reaches]
     return np.concatenate([*found, [main_reach - main + low, pin_reach + pin - high]])
+
+
+def _rises(flank: Flank, u: Array) -> Any:
+    """Rise in y per mm along the outline, which must not turn: at u of the inner pieces, at both ends.
+
+    At a round end the rise starts from 0 and is quadratic, so its first slope and its value at the piece's
+    other end bound it.
+    """
+    inner = flank.derivatives(np, u)[0][1:-1, :, 1].ravel()
+    first, second = flank.derivatives(np, np.array([0.0, 1.0]))
+    lengths = flank.lengths_mm
+    ends = [second[0, 0, 1] * lengths[0], first[0, 1, 1], -second[-1, 1, 1] * lengths[-1], first[-1, 0, 1]]
+    return np.concatenate([inner, np.stack(ends)])
 
 
 def part_limits(parts: tuple[Part, ...], points: Array, values: Array, scene: Scene, rules: Rules) -> Array:
@@ -61,6 +75,12 @@ def part_limits(parts: tuple[Part, ...], points: Array, values: Array, scene: Sc
             terms += _side(named, points[:, 0].max(), arcs, scene, rules)
         elif isinstance(part, Pocket):
             terms += _pocket(part, named, points, scene, rules)
+    boxes = [
+        _box(part, named, points[:, 0].max(), scene)
+        for part, named in named_parts(parts, values)
+        if isinstance(part, Pocket)
+    ]
+    terms += [rules.min_wall_mm + _CLEAR_MM - _apart(*pair) for pair in combinations(boxes, 2)]
     return np.array(terms, dtype=np.float64)
 
 
@@ -113,6 +133,27 @@ def _side(
         reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
         depth = scene.web.thickness_mm / 2 + offset * (1.0 if part.face == "journal" else -1.0)
         yield wall - arc.distance_mm(np, depth - tall, reach)
+
+
+def _box(part: Pocket, named: dict[str, Any], widest: Any, scene: Scene) -> Array:
+    """Corners of the box around a pocket on the side x > 0, (2, 3), mm; z from the web's journal face."""
+    thickness = scene.web.thickness_mm
+    if part.face == "side":
+        opening = np.tan(np.deg2rad(named["draft"])) * (widest - named["floor"])
+        length, height = named.get("length", _ENDLESS_MM) / 2 + opening, named["height"] / 2 + opening
+        y, z = named.get("y", 0.0), thickness / 2 + named["offset"]
+        return np.array([[named["floor"], y - length, z - height], [_ENDLESS_MM, y + length, z + height]])
+    x, y = named.get("x", 0.0), named["y"]
+    sizes = ("diameter", "diameter") if part.shape == "cylinder" else ("size_x", "size_y")
+    half_x, half_y = (named[size] / 2 for size in sizes)
+    depth = named.get("depth", thickness)
+    low = thickness - depth if part.face == "pin" else 0.0
+    return np.array([[x - half_x, y - half_y, low], [x + half_x, y + half_y, low + depth]])
+
+
+def _apart(one: Array, other: Array) -> Any:
+    """Distance of two boxes along the axis that parts them most, mm; negative where they meet."""
+    return np.maximum(one[0] - other[1], other[0] - one[1]).max()
 
 
 def _pocket(part: Pocket, named: dict[str, Any], points: Any, scene: Scene, rules: Rules) -> Iterator[Any]:

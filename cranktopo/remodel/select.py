@@ -146,7 +146,10 @@ def _kinds(leftover: Leftover) -> list[Pocket]:
 
 
 def _stations(problem: Problem, best: Candidate, trials: list[Trial]) -> Candidate:
-    """The fewest stations beyond which another two gain less than the rule."""
+    """The fewest stations that come within the least gain of the most that any number tried reaches.
+
+    Numbers are tried upwards until another two bring less than the least gain.
+    """
     ladder = []
     for stations in range(_LEAST_STATIONS, problem.rules.max_stations + 1):
         layout = replace(best.layout, stations=stations)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -78,7 +79,7 @@ def _tables(axes: Any, sheet: Sheet) -> None:
     for bevel in web.bevel:
         lines += _bevel_lines(sheet.scene, bevel)
     for pocket in web.pocket:
-        lines += _pocket_lines(pocket)
+        lines += _pocket_lines(pocket, web.stations_mm)
     axes.text(0, 1, "\n".join(lines), va="top", family="monospace", fontsize=9, transform=axes.transAxes)
     axes.axis("off")
 
@@ -95,9 +96,11 @@ def _bevel_lines(scene: Scene, bevel: EndBevel) -> list[str]:
     ]
 
 
-def _pocket_lines(pocket: Pocket) -> list[str]:
+def _pocket_lines(pocket: Pocket, stations_mm: Sequence[float]) -> list[str]:
     values = pocket.model_dump(exclude={"shape", "face"}, exclude_none=True)
     title = "POCKET side" if pocket.shape == "side" else f"POCKET {pocket.shape}, {pocket.face}"
+    if pocket.shape == "side" and pocket.length_mm > stations_mm[-1] - stations_mm[0]:
+        title = "GROOVE on both sides, through both ends"
     lines = ["", title]
     for name, value in values.items():
         word, unit = name.rsplit("_", 1)

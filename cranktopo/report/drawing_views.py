@@ -131,7 +131,8 @@ def _journals(axes: Any, scene: Scene) -> None:
         bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ""
         fillet = f"\nfillet R{journal.fillet_mm:g}" if journal.fillet_mm else ""
         text = f"{name}\n⌀{journal.outer_diameter_mm:g}{bore}{fillet}"
-        axes.text(0, y, text, ha="center", va="center", fontsize=TEXT_SIZE, color=INK)
+        clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+        axes.text(0, y, text, ha="center", va="center", fontsize=TEXT_SIZE, color=INK, bbox=clear)
 
 
 def _bevel_edges(axes: Any, sheet: Sheet) -> None:

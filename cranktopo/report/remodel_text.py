@@ -23,7 +23,14 @@ def remodel_text(data: dict[str, Any]) -> str:
         ),
         digits=(0, 0, 2, 2, 0),
     )
-    lines = [terminal(trials), "", *_closeness(data), *_stiffness(data["stiffness"]), *_rest(data)]
+    lines = [
+        terminal(trials),
+        *_fits(data),
+        "",
+        *_closeness(data),
+        *_stiffness(data["stiffness"]),
+        *_rest(data),
+    ]
     names = (data["files"][kind] for kind in ("design", "step", "stl", "drawing", "drawing_svg", "json"))
     return "\n".join([*lines, "", *(f"{data['folder']}/{name}" for name in names)])
 
@@ -67,7 +74,10 @@ def _rest(data: dict[str, Any]) -> list[str]:
     """One line per region that the family cannot represent."""
     if not data["not_represented"]:
         return ["the family represents the whole body to within a skin of two cells"]
-    lines = ["not represented by the family:"]
+    lines = [
+        "not represented by the family (mm; x across, y along the throw from the crank axis, "
+        "z along the crank from the middle of the journal):"
+    ]
     for item in data["not_represented"]:
         x, y, z = item["centre_mm"]
         place = f"(±{x:.1f}, {y:.1f}, {z:.1f})" if item["pair"] else f"(0, {y:.1f}, {z:.1f})"
@@ -75,5 +85,26 @@ def _rest(data: dict[str, Any]) -> list[str]:
             f"{axis} {low:.0f} to {high:.0f}"
             for axis, low, high in zip(("|x|", "y", "z"), item["low_mm"], item["high_mm"], strict=True)
         )
-        lines.append(f"  {item['kind']} of {item['volume_mm3']:.0f} mm3 around {place} mm: {ranges}")
+        size = f"{item['volume_mm3']:.0f} mm3 = {item['share_percent']:.1f} % of the web"
+        lines.append(f"  {_kind(item)} of {size} around {place}: {ranges}")
     return lines
+
+
+def _kind(item: dict[str, Any]) -> str:
+    if item["kind"] == "recess":
+        return f"recess in the {item['face']} face" if item["face"] else "recess in the side"
+    return {"window": "window", "hollow": "hollow", "material": "missing material"}[item["kind"]]
+
+
+def _fits(data: dict[str, Any]) -> list[str]:
+    """Why so many stations, and what each start of the final fit reached."""
+    ladder = [trial for trial in data["trials"] if trial["step"].endswith("stations")]
+    kept = [trial["step"] for trial in ladder if trial["kept"]]
+    least = data["rules"]["least_gain_percent"]
+    lines = [
+        f"{step}: the fewest within {least:g} points of the most that any number tried reaches "
+        f"({max(trial['iou_percent'] for trial in ladder):.2f} %)"
+        for step in kept
+    ]
+    starts = ", ".join(f"{100 * overlap:.2f}" for overlap in data["overlap_by_start"])
+    return [*lines, f"final fit on finer cells, from {len(data['overlap_by_start'])} starts: {starts} %"]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
+from cranktopo.surface.crossings import crossings_mm
 from cranktopo.surface.grid import DensityGrid, is_x_symmetric
 from cranktopo.surface.isosurface import FineField, iso_solid, resample
 from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
@@ -27,6 +28,7 @@ from cranktopo.surface.solids import (
 Array = NDArray[np.float64]
 SIMPLIFY_MM = 0.02
 _SLIVER_MM = 1e-3
+_ATTEMPTS = 4
 _VOLUME_TOLERANCE = 1e-4
 _ISO_RANGE = (0.05, 0.95)
 _ISO_RESOLUTION = 1e-5
@@ -69,9 +71,9 @@ class Cutter:
     stubs: Manifold
     symmetric: bool
 
-    def web(self, field: FineField, iso: float) -> Manifold:
-        """The web at an iso-value."""
-        body = (iso_solid(field, iso, SIMPLIFY_MM) ^ self.envelope) + self.stubs - self.bores
+    def web(self, field: FineField, iso: float, rough_mm: Array | None = None) -> Manifold:
+        """The web at an iso-value, not smoothed around the places `rough_mm`, (n, 3)."""
+        body = (iso_solid(field, iso, SIMPLIFY_MM, rough_mm) ^ self.envelope) + self.stubs - self.bores
         if not self.symmetric:
             return body
         half = body.warp_batch(_snap_to_mirror_plane).trim_by_plane(_X_AXIS, 0.0)
@@ -122,10 +124,10 @@ def extract_half_throw(
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
     field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target)
-    body, dropped = _keep_throw(cutter.web(field, iso), scene)
+    body, mesh, dropped = _throw(cutter, field, iso, scene)
     web = web_slab(body, scene)
     return WebSurface(
-        half_throw=sound_mesh_of(body, _SLIVER_MM),
+        half_throw=mesh,
         web=mesh_of(web),
         iso_value=iso,
         target_volume_mm3=target,
@@ -135,6 +137,20 @@ def extract_half_throw(
         cavities=len(body.decompose()) - 1,
         x_symmetric=cutter.symmetric,
     )
+
+
+def _throw(
+    cutter: Cutter, field: FineField, iso: float, scene: Scene
+) -> tuple[Manifold, SurfaceMesh, list[Manifold]]:
+    """Half throw, its mesh and its islands; less smoothed wherever smoothing makes it pass through itself."""
+    rough = np.zeros((0, 3))
+    for attempt in range(_ATTEMPTS):
+        body, dropped = _keep_throw(cutter.web(field, iso, rough), scene)
+        mesh = sound_mesh_of(body, _SLIVER_MM)
+        if attempt == _ATTEMPTS - 1 or not len(places := crossings_mm(mesh)):
+            break
+        rough = np.concatenate([rough, places])
+    return body, mesh, dropped
 
 
 def fine_field(

@@ -12,8 +12,9 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.surface.crossings import crossings_mm
 from cranktopo.surface.extract import WebSurface
-from cranktopo.surface.mesh import DEGENERATE_MM2, SurfaceMesh, solid_of
+from cranktopo.surface.mesh import DEGENERATE_MM2, SurfaceMesh
 
 VOLUME_TOLERANCE_PERCENT = 0.5
 
@@ -124,24 +125,13 @@ def check_manifold(mesh: SurfaceMesh) -> None:
 def check_self_intersection(mesh: SurfaceMesh) -> None:
     """Check that no edge of a closed mesh pierces a face that it does not touch.
 
-    Two faces that intersect without sharing a vertex have such an edge.
-
     Raises:
         CranktopoError: the surface intersects itself, with code CRITERION_NOT_MET.
     """
-    solid = solid_of(mesh.vertices_mm, mesh.faces, "surface")
-    kept = solid.to_mesh64()
-    points, faces = np.asarray(kept.vert_properties)[:, :3], np.asarray(kept.tri_verts).astype(np.int64)
-    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    edges = pairs[pairs[:, 0] < pairs[:, 1]]  # each edge of a closed oriented mesh once
-    places, corners = points.tolist(), faces.tolist()  # lists: a cast ray costs less than an array's index
-    for start, end in edges.tolist():
-        for hit in solid.ray_cast(tuple(places[start]), tuple(places[end])):
-            if start not in (face := corners[hit.face_id]) and end not in face:
-                where = ", ".join(f"{value:.2f}" for value in places[start])
-                raise _failed(
-                    f"it intersects itself near ({where}) mm", "Extract again at another resolution."
-                )
+    places = crossings_mm(mesh)
+    if len(places):
+        where = ", ".join(f"{value:.2f}" for value in places[0])
+        raise _failed(f"it intersects itself near ({where}) mm", "Extract again at another resolution.")
 
 
 def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:

@@ -4,7 +4,8 @@ Cells that cannot hold material are filled from their nearest neighbours and the
 grid's faces, so that the surface meets envelope, bores and web faces squarely before these cut it exactly.
 Tricubic resampling (B-spline) removes the terraces of the cells, marching cubes (Lorensen and Cline, 1987;
 in the variant whose output is always a closed 2-manifold) gives triangles, Taubin's lambda-mu filter (1995)
-smooths them without shrinking.
+smooths them without shrinking. Where two sheets lie so near each other that smoothing would push one through
+the other they stay as marching cubes found them.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from cranktopo.surface.mesh import Faces, solid_of
 Array = NDArray[np.float64]
 _PAD_CELLS = 3
 _REFINE = 2
+_ROUGH_STEPS = 3.0
+"""How far around a rough place the surface stays as it is, in steps of the lattice."""
 _TAUBIN_LAMBDA, _TAUBIN_MU, _TAUBIN_STEPS = 0.5, 0.52, 10
 
 
@@ -62,18 +65,22 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], drawn: bool = False) 
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
 
 
-def iso_solid(field: FineField, iso: float, tolerance_mm: float) -> Manifold:
+def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array | None = None) -> Manifold:
     """Smooth solid where the field exceeds an iso-value; empty when it does so nowhere.
 
     Args:
         field: resampled density.
         iso: iso-value, 0 < iso < 1.
         tolerance_mm: how far simplification may move the surface.
+        rough_mm: places (n, 3) around which the surface is not smoothed.
     """
     if not field.values.min() < iso < field.values.max():
         return Manifold()
     vertices, faces = _marching_cubes(field, iso)
-    return solid_of(_taubin(vertices, faces), faces, "iso-surface of the density").simplify(tolerance_mm)
+    smooth = _taubin(vertices, faces)
+    if rough_mm is not None and len(rough_mm):
+        smooth = vertices + _smoothed_share(vertices, rough_mm, field.spacing_mm) * (smooth - vertices)
+    return solid_of(smooth, faces, "iso-surface of the density").simplify(tolerance_mm)
 
 
 def unsmoothed_solid(field: FineField, iso: float) -> Manifold:
@@ -108,6 +115,14 @@ def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:
     )
     filled: Array = density[tuple(nearest)]
     return filled
+
+
+def _smoothed_share(vertices: Array, rough_mm: Array, spacing_mm: Array) -> Array:
+    """How much of the smoothing each vertex keeps, (n, 1): nothing near a rough place, all further away."""
+    from scipy.spatial import KDTree
+
+    distance, _ = KDTree(rough_mm / spacing_mm).query(vertices / spacing_mm)
+    return np.asarray(np.clip(distance / _ROUGH_STEPS - 1, 0.0, 1.0))[:, None]
 
 
 def _taubin(vertices: Array, faces: Faces) -> Array:

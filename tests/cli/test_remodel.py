@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -136,6 +137,26 @@ def test_a_surface_that_is_no_solid_is_refused(
         assert message in errors[0]
         assert "Traceback" not in captured.err
         assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("name", BAD_SURFACES)
+def test_an_envelope_that_is_no_solid_is_refused(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As the design space of the loop: one line that names the file, exit code 3, nothing written."""
+    make, _ = BAD_SURFACES[name]
+    (tmp_path / "space.stl").write_bytes(make())
+    text = (designs_folder() / "mikron-iiic.toml").read_text().split("[envelope]")[0]
+    (tmp_path / "web.toml").write_text(f'{text}[envelope]\nshape = "stl"\nfile = "space.stl"\n')
+    out = tmp_path / "loop"
+    assert main(["iterate", str(tmp_path / "web.toml"), "--resolution-mm", COARSE_MM, "--out", str(out)]) == 3
+    (error,) = capsys.readouterr().err.splitlines()
+    assert re.search(ENVELOPE_MESSAGES.get(name, "closed surface|no triangles"), error)
+    assert "space.stl" in error
+    assert not out.exists()
+
+
+ENVELOPE_MESSAGES = {"in metres": "in metres: export it in mm", "two bodies": "holds 2 separate bodies"}
 
 
 def test_a_run_without_a_surface_is_refused(

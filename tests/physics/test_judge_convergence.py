@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, MeshTet
 
 from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.evaluation import condensed_stiffness
-from cranktopo.evaluate.linear import solve
+from cranktopo.evaluate.linear import _largest_eigenvalue, solve
 from cranktopo.remodel.meshing import TetMesh, mesh_throw
 from cranktopo.remodel.remesh import quadratic
 from tests.physics.judge_cases import mikron_with
@@ -155,3 +156,17 @@ def test_linear_elements_are_the_quadratic_ones_held_to_linear_fields() -> None:
     projected = (p.T @ quadratic_.stiffness @ p).toarray()
     np.testing.assert_allclose(linear.stiffness.toarray(), projected, atol=1e-12 * np.abs(projected).max())
     np.testing.assert_array_equal(linear.nodes_mm, quadratic_.nodes_mm[:, : linear.nodes_mm.shape[1]])
+
+
+def test_largest_eigenvalue_of_one_bad_element_is_found() -> None:
+    """Three stiffly tied unknowns in a long chain: 1 + 2 * 0.8 = 2.6 with the chain's own 2 almost nothing.
+
+    A smoother scaled by less than the largest eigenvalue diverges.
+    """
+    count = 100_000
+    chain = sp.diags([-np.ones(count - 1), 2 * np.ones(count), -np.ones(count - 1)], [-1, 0, 1])
+    tied = sp.lil_matrix((count, count))
+    tied[5000:5003, 5000:5003] = 1e6 * (0.2 * np.eye(3) + 0.8)
+    matrix = (chain + tied).tocsr()
+    found = _largest_eigenvalue(matrix, 1 / matrix.diagonal()[:, None])
+    assert found == pytest.approx(2.6, rel=1e-3)

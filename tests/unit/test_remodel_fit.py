@@ -13,12 +13,14 @@ from cranktopo.remodel.closeness import closeness, surface_distance_mm
 from cranktopo.remodel.family import Bevel, Layout, Pocket, web_of
 from cranktopo.remodel.fit import _problem, fit_web, scene_with_web
 from cranktopo.remodel.leftover import leftovers
+from cranktopo.remodel.limits import part_limits
 from cranktopo.remodel.occupancy import occupancy
 from cranktopo.remodel.rules import Rules
 from cranktopo.remodel.search import fit_functions, search
-from cranktopo.remodel.select import Candidate, model_fill
+from cranktopo.remodel.select import Candidate, fit_from, model_fill
 from cranktopo.remodel.starts import bevel_start, outline_start, side_start
 from cranktopo.scene import Scene
+from cranktopo.scene.geometry import ProfileWeb
 from cranktopo.scene.profile import profile_flank
 from cranktopo.surface.mesh import mesh_of
 from tests.unit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, values_of
@@ -123,6 +125,47 @@ def test_each_parameter_is_recovered_within_half_a_percent(mikron: Scene) -> Non
         found, _ = search(fit, start, (2.0, 0.5, 0.25))
     for name, value, known in zip(WHOLE.names, found, true, strict=True):
         assert value == pytest.approx(known, rel=5e-3), name
+
+
+@pytest.mark.parametrize(("half_width", "stations"), [(36.0, 8), (44.0, 6), (44.0, 8)])
+def test_the_outline_of_a_square_body_does_not_fold_back(
+    mikron: Scene, half_width: float, stations: int
+) -> None:
+    """Flat ends invite the first piece of the curve to dip below its own end; the scene refuses that."""
+    start, end = mikron.web_z_mm
+    square = Manifold.cube((2 * half_width, 106.0, end - start)).translate((-half_width, -29.0, start))
+    with double_precision():
+        problem = _problem(square, mikron, COARSE, 2.0)
+        found = fit_from(problem, Layout(stations), outline_start(problem, stations), "outline")
+    assert found is not None
+    assert found.overlap > 0.8
+    web = scene_with_web(mikron, web_of(found.layout, found.values, mikron)).web
+    assert web.outline == "profile"
+    assert profile_flank(web).derivatives(np, np.linspace(0, 1, 501))[0][..., 1].min() > -1e-9
+
+
+def test_pockets_keep_a_wall_between_each_other(mikron: Scene) -> None:
+    """A slot over the middle of the thickness and a pocket from a face: apart in depth, or across, or not."""
+    layout = Layout(7, (Pocket("side", "side"), Pocket("box", "journal", True)))
+    slot = [24.0, 24.0, 5.0, 31.0, 0.0, 3.0]
+
+    def wall_mm(x: float, y: float, depth: float) -> float:
+        values = np.array([*values_of(PLAIN), *slot, x, y, 6.0, 6.0, depth])
+        points = profile_flank(_profile(mikron)).along(np, 48)
+        limits = part_limits(layout.parts, points, values[7:], mikron, Rules())
+        return Rules().min_wall_mm - float(limits[-1])
+
+    opening = (profile_flank(_profile(mikron)).along(np, 48)[:, 0].max() - 31.0) * np.tan(np.deg2rad(3.0))
+    assert wall_mm(24.0, 24.0, 12.0) == pytest.approx(31.0 - 27.0, abs=0.03)  # further in
+    assert wall_mm(32.0, 24.0, 3.0) == pytest.approx(9.5 - 2.5 - opening - 3.0, abs=0.03)  # above
+    assert wall_mm(32.0, 45.0, 12.0) == pytest.approx(21.0 - 3.0 - 12.0 - opening, abs=0.03)  # beyond its end
+    assert wall_mm(32.0, 24.0, 12.0) < 0  # into it
+
+
+def _profile(mikron: Scene) -> ProfileWeb:
+    web = known_scene(mikron, PLAIN).web
+    assert isinstance(web, ProfileWeb)
+    return web
 
 
 @pytest.mark.slow

@@ -1,0 +1,46 @@
+"""How well a known web comes back from its exact solid: python -m tests.benchmarks.remodel_recovery [MM...].
+
+Starts are scattered by 1 mm (or degree) about the known parameters. One row per parameter, one column per
+cell size: the difference in percent, the absolute one in brackets.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from cranktopo.fem.precision import double_precision
+from cranktopo.remodel.fit import _problem
+from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.search import fit_functions, search
+from cranktopo.scene import load_scene
+from tests.unit.remodel_cases import WHOLE, body_of, known_scene, values_of
+
+FACET_MM = 0.3
+
+
+def recovered(cell_mm: float) -> np.ndarray:
+    """Parameters fitted to the known web on cells of one size."""
+    scene, true = load_scene("mikron-iiic"), values_of(WHOLE)
+    body = body_of(known_scene(scene, WHOLE), FACET_MM)
+    with double_precision():
+        fit = fit_functions(_problem(body, scene, Rules(), cell_mm), WHOLE)
+        start = np.clip(true + np.random.default_rng(1).normal(0, 1.0, len(true)), *fit.bounds)
+        return search(fit, start, (2 * cell_mm, cell_mm, cell_mm / 2))[0]
+
+
+def main(cells_mm: list[float]) -> None:
+    """Print the table."""
+    found, true = [recovered(cell) for cell in cells_mm], values_of(WHOLE)
+    print("| parameter | known | " + " | ".join(f"{cell:g} mm cells" for cell in cells_mm) + " |")
+    print("|---|---|" + "---|" * len(cells_mm))
+    for i, name in enumerate(WHOLE.names):
+        cells = [f"{100 * (v[i] / true[i] - 1):+.2f} % ({v[i] - true[i]:+.3f})" for v in found]
+        print(f"| {name} | {true[i]:g} | " + " | ".join(cells) + " |")
+    worst = [f"{100 * np.abs(v / true - 1).max():.2f} %" for v in found]
+    print("| largest | | " + " | ".join(worst) + " |")
+
+
+if __name__ == "__main__":
+    main([float(text) for text in sys.argv[1:]] or [1.0, 0.5])
