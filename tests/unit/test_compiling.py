@@ -38,10 +38,10 @@ def test_a_solve_compiles_nothing_more(float64: None) -> None:
 
 
 def test_the_clock_counts_what_overlaps_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    times = iter((100.0, 105.0, 106.0, 110.0, 109.9))
-    monkeypatch.setattr("time.perf_counter", lambda: next(times))
+    now = [100.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
     clock = CompileClock()
-    for seconds in (4.0, 3.0, 1.0, 0.2):
+    for now[0], seconds in ((105.0, 4.0), (106.0, 3.0), (110.0, 1.0), (109.9, 0.2)):
         jax.monitoring.record_event_duration_secs(EVENT, seconds)
     jax.monitoring.record_event_duration_secs("/jax/other", 50.0)
     assert clock.compile_s == pytest.approx(5.0 + 1.0)
