@@ -16,7 +16,6 @@ from cranktopo.fem.lattice import layer_blocks
 from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
 from cranktopo.fem.multigrid import Precision, build_tables
 from cranktopo.fem.operator import strain_energy_densities, strain_energy_density
-from cranktopo.fem.supports import section_coordinates
 from cranktopo.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 
 
@@ -146,11 +145,6 @@ def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: fl
         raise ValueError("a model without arms_mm has no unbalance")
     y = model.arms_mm[1]
     return throw_mass_kg(model, solid * (y[:, :-1] + y[:, 1:]) / 2, density_kg_m3)
-
-
-def section_motion(model: ThrowModel, u: jax.Array) -> jax.Array:
-    """Coordinates (cases, m) of the rigid sections in the supports' orthonormal basis."""
-    return section_coordinates(model.supports, u)
 
 
 @jax.jit

@@ -15,7 +15,6 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError, suggest
 from cranktopo.store.files import (
-    json_text,
     read_json,
     sweep_temporaries,
     unwritable,
@@ -78,27 +77,6 @@ class RunStore:
         resumed = [*manifest.get("resumed", []), timestamp()]
         write_json(
             self.path / _MANIFEST, {**manifest, "status": "running", "ended": None, "resumed": resumed}
-        )
-
-    def require_same_settings(self, scene: Mapping[str, Any], options: Mapping[str, Any]) -> None:
-        """Check that a run to be continued was started with the same scene and options.
-
-        Args:
-            scene: the resolved scene, plain values.
-            options: what the command line added to it.
-
-        Raises:
-            CranktopoError: they differ; the first difference is named.
-        """
-        manifest = self.manifest()
-        if settings_hash(scene, options) == manifest["settings_sha256"]:
-            return
-        before = {"scene": manifest["scene"], "options": manifest["options"]}
-        now = {"scene": _round_trip(scene), "options": _round_trip(options)}
-        where = _first_difference(before, now) or "settings"
-        raise CranktopoError(
-            f"run '{self.path}': the design changed since it was started ({where}).",
-            hint="Start a new run, or resume without naming a design.",
         )
 
     def require_same_inputs(self) -> None:
@@ -317,23 +295,6 @@ def _by_name(reference: str, root: Path) -> Path:
     raise CranktopoError(
         f"run '{reference}': no such run under '{root}'.", hint=f"{near}List runs with 'cranktopo runs list'."
     )
-
-
-def _round_trip(data: Mapping[str, Any]) -> Any:
-    import json
-
-    return json.loads(json_text(data, "settings"))
-
-
-def _first_difference(before: Any, now: Any, key: str = "") -> str | None:
-    if isinstance(before, dict) and isinstance(now, dict):
-        for name in {**before, **now}:
-            child = f"{key}.{name}" if key else str(name)
-            found = _first_difference(before.get(name), now.get(name), child)
-            if found:
-                return found
-        return None
-    return None if before == now else f"{key}: {before!r} then, {now!r} now"
 
 
 def _number(text: str) -> int | float | str:

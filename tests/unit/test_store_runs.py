@@ -190,15 +190,6 @@ def test_open_refuses_a_broken_manifest(tmp_path: Path, content: str, message: s
         open_run(str(run.path))
 
 
-def test_changed_design_is_named(tmp_path: Path) -> None:
-    run = _create(tmp_path)
-    run.require_same_settings(SCENE, {"max_iterations": 5})
-    with pytest.raises(CranktopoError, match=r"scene.throw.radius_mm: 48.0 then, 50.0 now"):
-        run.require_same_settings({**SCENE, "throw": {"radius_mm": 50.0}}, {"max_iterations": 5})
-    with pytest.raises(CranktopoError, match=r"options.max_iterations: 5 then, None now"):
-        run.require_same_settings(SCENE, {})
-
-
 def test_changed_input_file_is_named(tmp_path: Path) -> None:
     envelope = tmp_path / "envelope.stl"
     envelope.write_bytes(b"solid")
