@@ -14,9 +14,12 @@ from tests.random_throws import random_throw
 
 @pytest.mark.slow
 def test_the_judges_bounds_hold_in_95_percent_of_cases() -> None:
-    """Coarse meshes of every built-in design and five random throws, against much finer ones."""
+    """The default mesh of every built-in design and five random throws and a coarser one, against finer ones.
+
+    Still coarser meshes do not exist where a web is thin.
+    """
     targets = [target_of(name) for name in every_name(range(5))]
-    rows = [row for target in targets for row in judgements(target, steps=(2, 1), finest=-1)]
+    rows = [row for target in targets for row in judgements(target, steps=(1, 0), finest=-1)]
     missed = [row for row in rows if not row.holds]
     assert len(rows) == 13 * 4
     assert len(missed) <= 0.05 * len(rows), missed
