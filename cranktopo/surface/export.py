@@ -13,6 +13,7 @@ from cranktopo.store.files import write_bytes
 from cranktopo.surface.mesh import SurfaceMesh
 
 Format = Literal["stl", "3mf", "glb"]
+FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
 _METRES_PER_MM = 1e-3
 _3MF_TYPES = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
