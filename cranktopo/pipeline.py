@@ -96,11 +96,8 @@ def optimise_density(
     Raises:
         CranktopoError: solver failure.
     """
-    problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases, solving or loop.Solving())
-    state = loop.init(problem)
-    while not state.done:
-        state = loop.step(problem, state)
-        progress(problem, state)
+    problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases, solving)
+    state = _iterate(problem, loop.init(problem), progress)
     return Optimum(problem, state, loop.final_design(problem, state))
 
 
@@ -183,7 +180,7 @@ def optimise(
             with ThreadPoolExecutor(1) as aside:
                 # What `_finish` imports takes a second, and while programs compile the interpreter is free.
                 aside.submit(import_module, "cranktopo.report.writing")
-                state = _iterate(run, problem, state, progress)
+                state = _iterate(problem, state, _kept(run, progress))
                 metrics = _finish(run, prepared, problem, state, clock, began, aside)
         except KeyboardInterrupt:
             run.set_status("interrupted")
@@ -228,15 +225,24 @@ def _first_state(run: RunStore, problem: loop.Problem, resume: bool) -> State:
     return loop.with_limit(problem, from_checkpoint(saved.arrays, saved.state))
 
 
-def _iterate(run: RunStore, problem: loop.Problem, state: State, progress: Progress) -> State:
+def _iterate(problem: loop.Problem, state: State, progress: Progress) -> State:
     while not state.done:
         state = loop.step(problem, state)
+        progress(problem, state)
+    return state
+
+
+def _kept(run: RunStore, progress: Progress) -> Progress:
+    """Progress that first keeps every iteration in the run, so that it can be resumed."""
+
+    def keep(problem: loop.Problem, state: State) -> None:
         save_iteration(run.path, state.last.iteration, state.evaluated, state.last.beta)
         save_checkpoint(run.checkpoint, *to_checkpoint(state))
         if state.last.notice:
             run.log(f"iteration {state.last.iteration}: {state.last.notice}")
         progress(problem, state)
-    return state
+
+    return keep
 
 
 def _finish(

@@ -129,17 +129,17 @@ def _iterate(
     load = jnp.where(load > 0, load, 1.0)
 
     def measured(s: _State) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-        return s.u, jnp.zeros_like(s.u), forces, _dot(forces, s.u)
+        return s.u, jnp.zeros_like(s.u), forces, dot(forces, s.u)
 
     def conjugate(s: _State) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
         z = precondition(s.r)
-        rz = _dot(s.r, z)
+        rz = dot(s.r, z)
         return z + _wide(_ratio(rz, s.rz)) * s.p, s.u, s.r, rz
 
     def step(s: _State) -> _State:
         direction, u, r, slope = jax.lax.cond(s.measure, measured, conjugate, s)
         image = stiffness_product(system, direction)
-        curvature = _dot(direction, image)
+        curvature = dot(direction, image)
         alpha = _ratio(slope, curvature)
         u, r = u + _wide(alpha) * direction, r - _wide(alpha) * image
         error = _norm(r) / load
@@ -180,12 +180,13 @@ def _before_measuring(u: jax.Array, forces: jax.Array) -> _State:
     )
 
 
-def _dot(a: jax.Array, b: jax.Array) -> jax.Array:
+def dot(a: jax.Array, b: jax.Array) -> jax.Array:
+    """Scalar product of two fields (cases, 3, nodes...), per case."""
     return jnp.sum(a * b, axis=(1, 2, 3, 4))
 
 
 def _norm(a: jax.Array) -> jax.Array:
-    return jnp.sqrt(_dot(a, a))
+    return jnp.sqrt(dot(a, a))
 
 
 def _wide(scalars: jax.Array) -> jax.Array:

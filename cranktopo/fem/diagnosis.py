@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.fem.conjugate_gradients import System
+from cranktopo.fem.conjugate_gradients import System, dot
 from cranktopo.fem.multigrid import project
 from cranktopo.fem.operator import strain_energy_densities
 from cranktopo.fem.supports import Supports
@@ -50,7 +50,7 @@ def _void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.
             strain_energy_densities(system.blocks, u) * jnp.where(void, moduli, 0.0), axis=(1, 2, 3)
         )
 
-    work = jnp.sum(system.forces * u, axis=(1, 2, 3, 4))
+    work = dot(system.forces, u)
     return jax.lax.cond(jnp.any(void), energy, lambda: jnp.zeros_like(work)), work
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from cranktopo.fem.conjugate_gradients import System
+from cranktopo.fem.conjugate_gradients import System, dot
 from cranktopo.fem.equilibrium import Solution, solve_system
 from cranktopo.fem.lattice import layer_blocks
 from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
@@ -148,13 +148,9 @@ def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: fl
 
 
 @jax.jit
-def _works(forces: jax.Array, u: jax.Array) -> jax.Array:
-    return jnp.sum(forces * u, axis=(1, 2, 3, 4))
-
-
-@jax.jit
 def _scaled_energies(blocks: jax.Array, u: jax.Array, factor: jax.Array) -> jax.Array:
     return factor * strain_energy_densities(blocks, u)
 
 
+_works = jax.jit(dot)
 _energy_density = jax.jit(strain_energy_density)

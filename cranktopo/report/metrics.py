@@ -84,7 +84,7 @@ def optimise_metrics(
         "load_cases": _load_cases(scene, problem, result, domain),
         "stiffness_per_mass": _per_mass(result),
         "original_web": _original(scene, problem, result, original, domain),
-        "surface": _surface(outputs),
+        "surface": _surface(outputs, scene),
         "solver": _solver(problem, state, result),
         "seconds": _seconds(state, timing),
         "peak_memory_MiB": peak_memory_MiB(),
@@ -158,11 +158,11 @@ def _original(
     }
 
 
-def _surface(outputs: Outputs) -> dict[str, Any]:
-    if outputs.skin is None or outputs.undercuts is None:
+def _surface(outputs: Outputs, scene: Scene) -> dict[str, Any]:
+    if outputs.skin is None:
         return {"refusal": outputs.refusal}
     known = surface_json(outputs.skin.surface, outputs.skin.gates)
-    return {**known, "undercuts": outputs.undercuts.as_json()}
+    return {**known, "undercuts": outputs.skin.undercuts(scene).as_json()}
 
 
 def _solver(problem: Problem, state: State, result: Assessment) -> dict[str, Any]:

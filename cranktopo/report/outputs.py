@@ -17,7 +17,6 @@ from cranktopo.report.vtu import write_density_vtu
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
 from cranktopo.surface import Skin, skin_of, write_stl
-from cranktopo.surface.release import Undercuts
 
 Array = NDArray[np.float64]
 
@@ -29,13 +28,11 @@ class Outputs:
     Attributes:
         files: name of each file in the run directory by what it holds.
         skin: the extracted surface, or None where the density has none worth writing.
-        undercuts: what a die that parts in x = 0 could not release; None without a surface.
         refusal: why there is none, one sentence; empty where there is one.
     """
 
     files: dict[str, str]
     skin: Skin | None
-    undercuts: Undercuts | None
     refusal: str = ""
 
 
@@ -88,11 +85,11 @@ def write_outputs(
     except CranktopoError as error:
         if error.code != ExitCode.CRITERION_NOT_MET:
             raise
-        return Outputs(files, None, None, str(error))
+        return Outputs(files, None, str(error))
     write_stl(run.path / "web.stl", skin.surface.half_throw)
     title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
     save_run_picture(run.path / "result.png", skin.surface.half_throw, rows, title, scene.web_z_mm)
-    return Outputs({"stl": "web.stl", **files, "picture": "result.png"}, skin, skin.undercuts(scene))
+    return Outputs({"stl": "web.stl", **files, "picture": "result.png"}, skin)
 
 
 def _write_vtu(run: RunStore, domain: Domain, density: Array) -> None:

@@ -54,21 +54,23 @@ def stress_scales(bodies: Sequence[tuple[SurfaceMesh, CaseStress]]) -> tuple[Str
     """
     if not bodies:
         return ()
-    tops = np.max([quantiles_MPa(mesh, stress) for mesh, stress in bodies], axis=0)
+    tops = np.max([quantiles_MPa(mesh, stress, SHARE)[0] for mesh, stress in bodies], axis=0)
     return tuple(StressScale(case, float(top)) for case, top in zip(bodies[0][1].cases, tops, strict=True))
 
 
-def quantiles_MPa(mesh: SurfaceMesh, stress: CaseStress, share: float = SHARE) -> NDArray[np.float64]:
-    """Von Mises stress that a part of the surface's area stays below, per load case, MPa.
+def quantiles_MPa(mesh: SurfaceMesh, stress: CaseStress, *shares: float) -> NDArray[np.float64]:
+    """Von Mises stress that parts of the surface's area stay below, MPa, shape (shares, load cases).
 
     Args:
         mesh: the surface.
         stress: stresses of the load cases.
-        share: part of the area.
+        shares: parts of the area.
     """
     fine = mesh_of(solid_of(mesh.vertices_mm, mesh.faces, "surface").refine_to_length(_FACE_MM))
     values = stress.at(fine.corners_mm.mean(axis=1))
     order = np.argsort(values, axis=1)
     below = np.cumsum(fine.areas_mm2[order], axis=1) / fine.areas_mm2.sum()
-    at = np.minimum((below < share).sum(axis=1), values.shape[1] - 1)
-    return np.array([row[line[place]] for row, line, place in zip(values, order, at, strict=True)])
+    least = np.array(shares)[:, None, None]
+    at = np.minimum((below < least).sum(axis=2), values.shape[1] - 1)
+    rising = np.take_along_axis(values, order, axis=1)
+    return np.take_along_axis(rising, at.T, axis=1).T

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.report.page import Picture, Section
 from cranktopo.report.picture import JOURNAL_SIDE, PIN_SIDE, gallery
@@ -18,6 +19,8 @@ from cranktopo.report.viewer import Body, Scenery
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# Name of a body, what to draw of it, and the stress on its faces (cases, faces), MPa.
+_Solved = tuple[str, ShadedMesh, NDArray[np.float64]]
 _TITLE = "Stress"
 _TEXT = (
     "Von Mises stress of each load case alone on the judge's body-fitted quadratic tetrahedra. The colours "
@@ -38,31 +41,39 @@ def stress_section(scenery: Scenery | None, command: str) -> Section:
     rows = []
     for body in scenery.bodies:
         assert body.stress is not None
-        most, middle = (quantiles_MPa(body.mesh, body.stress, share) for share in (SHARE, 0.5))
+        most, middle = quantiles_MPa(body.mesh, body.stress, SHARE, 0.5)
         for scale, high, low in zip(scenery.stress_scales, most, middle, strict=True):
             rows.append((body.name, scale.label, float(high), float(low), body.stress.element_size_mm))
     columns = ("design", "load_case", "99_percent_below_MPa", "half_below_MPa", "element_size_mm")
     table = Table(columns, tuple(rows), (0, 0, 1, 1, 2))
-    pictures = tuple(
-        _picture(scenery.bodies, number, scale) for number, scale in enumerate(scenery.stress_scales)
-    )
+    solved = [_solved(body) for body in scenery.bodies]
+    pictures = tuple(_picture(solved, number, scale) for number, scale in enumerate(scenery.stress_scales))
     return Section("stress", _TITLE, _TEXT, (("Von Mises stress on the surface", table),), pictures)
 
 
-def _picture(bodies: Sequence[Body], number: int, scale: StressScale) -> Picture:
-    names = ", ".join(body.name for body in bodies)
+def _solved(body: Body) -> _Solved:
+    assert body.stress is not None
+    skin = shaded(body.mesh, body.web_z_mm)
+    return body.name, skin, body.stress.at(skin.vertices_mm)[:, skin.faces].mean(axis=2)
+
+
+def _picture(solved: Sequence[_Solved], number: int, scale: StressScale) -> Picture:
+    names = ", ".join(name for name, _, _ in solved)
     alt = f"Von Mises stress of {names} under {scale.label}; colours from 0 to {scale.top_MPa:.3g} MPa"
-    return Picture(f"stress-{scale.case.name}", _figure(bodies, number, scale), alt, raster=True)
+    return Picture(f"stress-{scale.case.name}", _figure(solved, number, scale), alt, raster=True)
 
 
-def _figure(bodies: Sequence[Body], number: int, scale: StressScale) -> Figure:
+def _figure(solved: Sequence[_Solved], number: int, scale: StressScale) -> Figure:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
     colours = LinearSegmentedColormap.from_list("stress", STRESS_COLOURS)
     norm = Normalize(0.0, scale.top_MPa)
-    skins = [(body.name, _coloured(body, number, norm, colours), PIN_SIDE) for body in bodies]
-    if len(bodies) == 1:
+    skins = [
+        (name, replace(skin, colours=np.asarray(colours(norm(stress[number])))[:, :3]), PIN_SIDE)
+        for name, skin, stress in solved
+    ]
+    if len(skins) == 1:
         skins = [
             ("from the journal side", skins[0][1], JOURNAL_SIDE),
             ("from the crankpin side", *skins[0][1:]),
@@ -71,11 +82,3 @@ def _figure(bodies: Sequence[Body], number: int, scale: StressScale) -> Figure:
     bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, shrink=0.7, extend="max", pad=0.01)
     bar.set_label(f"von Mises stress, MPa; {scale.label}")
     return figure
-
-
-def _coloured(body: Body, number: int, norm: Any, colours: Any) -> ShadedMesh:
-    """A body with the stress of one load case on its faces."""
-    assert body.stress is not None
-    skin = shaded(body.mesh, body.web_z_mm)
-    values = body.stress.at(skin.vertices_mm)[number][skin.faces].mean(axis=1)
-    return replace(skin, colours=np.asarray(colours(norm(values)))[:, :3])

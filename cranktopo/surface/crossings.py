@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,12 @@ from cranktopo.surface.mesh import SurfaceMesh, solid_of
 Array = NDArray[np.float64]
 
 
+@lru_cache(maxsize=1)
 def crossings_mm(mesh: SurfaceMesh) -> Array:
     """Ends of the edges that pierce a face which they do not touch.
 
-    Two faces that intersect without sharing a vertex have such an edge.
+    Two faces that intersect without sharing a vertex have such an edge. Extraction and the gates after it ask
+    for the same mesh: the last answer is kept.
 
     Args:
         mesh: a closed, oriented surface.

@@ -18,9 +18,9 @@ _NOTHING_MM = 1e-9
 _REPAIRS = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SurfaceMesh:
-    """Closed triangle mesh.
+    """Closed triangle mesh; equal only to itself, so that what is found out about one can be kept.
 
     Attributes:
         vertices_mm: (n, 3), mm, in the frame of `cranktopo.frames`.

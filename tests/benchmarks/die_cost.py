@@ -12,7 +12,6 @@ from typing import Any
 
 from cranktopo import pipeline
 from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop
 from cranktopo.optimise.assess import Assessment, assess
 from cranktopo.scene import load_scene, scene_from_dict
 from tests.benchmarks.effects_truth import CAR
@@ -31,11 +30,8 @@ def optimised(data: dict[str, Any], process: str, cell_mm: float) -> Assessment:
     """Stiffness and mass of the last design."""
     settings = data.get("optimise", {}) | {"process": process, "resolution_mm": cell_mm}
     ready = pipeline.prepare(scene_from_dict(data | {"optimise": settings}))
-    problem = loop.build_problem(ready.scene, ready.domain, ready.cases)
-    state = loop.init(problem)
-    while not state.done:
-        state = loop.step(problem, state)
-    return assess(problem, ready.scene, ready.domain, loop.final_design(problem, state).physical)
+    found = pipeline.optimise_density(ready)
+    return assess(found.problem, ready.scene, ready.domain, found.design.physical)
 
 
 def main() -> None:
