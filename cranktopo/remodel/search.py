@@ -19,7 +19,7 @@ from cranktopo.scene import Scene
 
 Array = NDArray[np.float64]
 _TOLERANCE = 1e-4
-_FLAT = 1e-6
+_FLAT = 1e-8
 _FEASIBLE = 1e-6
 _KEPT = 5e-3
 """Violation that rounding of the parameters absorbs."""

@@ -11,9 +11,10 @@ import sys
 import numpy as np
 
 from cranktopo.fem.precision import double_precision
+from cranktopo.remodel.family import bounds
 from cranktopo.remodel.fit import _problem
 from cranktopo.remodel.rules import Rules
-from cranktopo.remodel.search import fit_functions, search
+from cranktopo.remodel.select import fit_from
 from cranktopo.scene import load_scene
 from tests.unit.remodel_cases import WHOLE, body_of, known_scene, values_of
 
@@ -21,13 +22,15 @@ FACET_MM = 0.3
 
 
 def recovered(cell_mm: float) -> np.ndarray:
-    """Parameters fitted to the known web on cells of one size."""
+    """Parameters fitted to the known web on cells of one size, from a start scattered by 1 mm or degree."""
     scene, true = load_scene("mikron-iiic"), values_of(WHOLE)
     body = body_of(known_scene(scene, WHOLE), FACET_MM)
+    start = true + np.random.default_rng(1).normal(0, 1.0, len(true))
     with double_precision():
-        fit = fit_functions(_problem(body, scene, Rules(), cell_mm), WHOLE)
-        start = np.clip(true + np.random.default_rng(1).normal(0, 1.0, len(true)), *fit.bounds)
-        return search(fit, start, (2 * cell_mm, cell_mm, cell_mm / 2))[0]
+        problem = _problem(body, scene, Rules(), cell_mm)
+        found = fit_from(problem, WHOLE, np.clip(start, *bounds(WHOLE, scene, Rules())), "known web")
+    assert found is not None
+    return found.values
 
 
 def main(cells_mm: list[float]) -> None:
