@@ -12,6 +12,7 @@ import click
 from cranktopo.cli.completion import designs
 from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
+from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 @click.option(
     "--format",
     "form",
-    type=click.Choice(["table", "markdown", "csv", "json"]),
+    type=Choice(["table", "markdown", "csv", "json"]),
     default="table",
     show_default=True,
     help="Form of the result on stdout.",
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 @click.option(
     "--fatigue",
     "method",
-    type=click.Choice(["lsa", "fkm", "m53"]),
+    type=Choice(["lsa", "fkm", "m53"]),
     help="Also judge the fatigue safety by this method; see 'cranktopo fatigue --help'.",
 )
 @mesh_options

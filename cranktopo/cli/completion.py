@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.cli.parameters import Choice
+
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
@@ -14,7 +16,7 @@ _VARIABLE = "_CRANKTOPO_COMPLETE"
 
 
 @click.command("completion")
-@click.argument("shell", type=click.Choice(_SHELLS))
+@click.argument("shell", type=Choice(_SHELLS))
 def command(shell: str) -> None:
     """Print the completion script of SHELL; the shell's start-up file evaluates it.
 

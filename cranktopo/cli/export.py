@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.parameters import Choice
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ _PARTS = ("throw", "half", "web", "crankshaft")
 @click.command()
 @click.argument("design", shell_complete=designs)
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--part", type=click.Choice(_PARTS), default="throw", show_default=True, help="What to write.")
+@click.option("--part", type=Choice(_PARTS), default="throw", show_default=True, help="What to write.")
 @click.option(
     "--facet-mm", type=click.FloatRange(min=0.1), default=1.0, show_default=True, help="STL facets."
 )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.cli.completion import runs
+from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import detail, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
@@ -22,9 +23,7 @@ _FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
 @click.command("extract")
 @click.argument("run", shell_complete=runs)
 @click.option("--iteration", type=click.IntRange(min=1), help="Design of an earlier iteration.")
-@click.option(
-    "--format", "form", type=click.Choice(_FORMATS), help="Default: by the suffix of --out, or stl."
-)
+@click.option("--format", "form", type=Choice(_FORMATS), help="Default: by the suffix of --out, or stl.")
 @click.option("--out", type=click.Path(path_type=Path), help="File; default: RUN/surface/iteration-N.stl.")
 @click.option("--force", is_flag=True, help="Replace an existing --out.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

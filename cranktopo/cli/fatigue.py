@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.parameters import Number
+from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 @click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
 @click.option(
     "--method",
-    type=click.Choice(["lsa", "fkm", "m53"]),
+    type=Choice(["lsa", "fkm", "m53"]),
     default="lsa",
     show_default=True,
     help="Local stress analysis, FKM guideline, or the rule IACS UR M53.",
 )
 @click.option(
     "--loads",
-    type=click.Choice(["extremes", "cycle"]),
+    type=Choice(["extremes", "cycle"]),
     default="extremes",
     show_default=True,
     help="Extremes of radial force and torque joined (bounds the cycle), or every angle of the cycle.",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.parameters import Number
+from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ THIN_SHARE = 0.4
 )
 @click.option(
     "--process",
-    type=click.Choice(["free", "forged", "cast"]),
+    type=Choice(["free", "forged", "cast"]),
     help="How the web is made; default: the design's, forged where it gives none.",
 )
 @click.option(

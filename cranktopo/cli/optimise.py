@@ -12,7 +12,7 @@ import click
 
 from cranktopo.cli.completion import designs, runs
 from cranktopo.cli.options import percent, seconds
-from cranktopo.cli.parameters import Number
+from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import NORMAL, QUIET, detail, level, say, talkative
 from cranktopo.errors import ExitCode
 
@@ -39,7 +39,7 @@ _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 )
 @click.option(
     "--process",
-    type=click.Choice(["free", "forged", "cast"]),
+    type=Choice(["free", "forged", "cast"]),
     help="How the web is made: a die releases forged and cast ones along x; default: the design's.",
 )
 @click.option(

@@ -6,6 +6,8 @@ import math
 
 import click
 
+from cranktopo.errors import suggest
+
 
 class Number(click.ParamType[float]):
     """A finite number inside an open range.
@@ -33,3 +35,16 @@ class Number(click.ParamType[float]):
         if not (self._above < number < self._below):  # false for nan as well
             self.fail(f"{self._what} = {value}: {allowed}.", param, ctx)
         return number
+
+
+class Choice(click.Choice[str]):
+    """One of a few words; a misspelt one is answered by the nearest."""
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The word itself; fails with all words and the nearest."""
+        words = [str(choice) for choice in self.choices]
+        if value not in words:
+            allowed = f"{value!r} is none of {', '.join(words)}."
+            near = suggest(str(value), words)
+            self.fail(f"{allowed} {near}" if near.startswith("Did") else allowed, param, ctx)
+        return super().convert(value, param, ctx)

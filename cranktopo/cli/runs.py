@@ -10,6 +10,7 @@ import click
 
 from cranktopo.cli.completion import runs as complete_runs
 from cranktopo.cli.group import SuggestingGroup
+from cranktopo.cli.parameters import Choice
 from cranktopo.errors import CranktopoError
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
 @click.option(
     "--status",
     "states",
-    type=click.Choice(_STATES),
+    type=Choice(_STATES),
     multiple=True,
     default=("failed",),
     show_default=True,

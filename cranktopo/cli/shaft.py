@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("design", default="mikron-iiic", shell_complete=designs)
 @click.option(
     "--bearings",
-    type=click.Choice(["rigid", "spring", "free"]),
+    type=Choice(["rigid", "spring", "free"]),
     default="rigid",
     show_default=True,
     help="Radial support of every mid-journal section; all of them let it tilt.",

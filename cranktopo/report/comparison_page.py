@@ -20,6 +20,7 @@ from cranktopo.report.comparison import (
 )
 from cranktopo.report.page import Fact, Mood, Page, Picture, Section
 from cranktopo.report.picture import gallery_figure
+from cranktopo.report.release_section import Release, release_fact, release_of, release_table
 from cranktopo.report.scatter import scatter_points
 from cranktopo.report.sections import effects_section, loads_section, pairs, scatter_pictures
 from cranktopo.report.stress_scale import stress_scales
@@ -55,14 +56,15 @@ def comparison_page(
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
     scenery = _scenery(targets, cases, solve)
+    releases = _releases(targets, scenery)
     others = [target.name for row, target in enumerate(targets) if row != comparison.baseline]
     return Page(
         title=f"{', '.join(others)} against {_name(comparison, comparison.baseline)}",
         subtitle=f"Judged with quadratic tetrahedra on {timestamp()[:10]}",
         headline=_headline(comparison),
-        facts=_facts(comparison),
+        facts=(*_facts(comparison), release_fact(releases, len(targets))),
         sections=(
-            _variants(comparison),
+            _variants(comparison, releases),
             _accuracy(comparison),
             stress_section(scenery, f"{' '.join(command)} --stress"),
             loads_section(scene, [case.as_json() for case in cases]),
@@ -116,11 +118,13 @@ def _error_percent(comparison: Comparison, row: int, column: int) -> float:
     return max(e.bending_error_percent for e in pair) if column == _BENDING_PER_MASS else 0.0
 
 
-def _variants(comparison: Comparison) -> Section:
+def _variants(comparison: Comparison, releases: Sequence[Release]) -> Section:
     tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
     published = published_table(comparison)
     if published is not None:
         tables.append(("Beside published values", published))
+    if releases:
+        tables.append(("Release from a die that parts in x = 0", release_table(releases)))
     return Section(
         "variants",
         "Variants",
@@ -195,6 +199,12 @@ def _scenery(targets: Sequence[Target], cases: Sequence[LoadCase], solve: Progre
             bodies.append(Body(target.name, mesh, scene.web_z_mm, scene.pitch_mm / 2, stress))
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
     return Scenery(tuple(bodies), stress_scales=stress_scales(stressed)) if bodies else None
+
+
+def _releases(targets: Sequence[Target], scenery: Scenery | None) -> list[Release]:
+    scenes = {target.name: target.scene for target in targets}
+    bodies = scenery.bodies if scenery else ()
+    return [release_of(body.name, body.mesh, scenes[body.name]) for body in bodies]
 
 
 def _surface(target: Target) -> SurfaceMesh | None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.mesh import SurfaceMesh, solid_of
+from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.surface.solids import web_bores
 
 Array = NDArray[np.float64]
@@ -77,6 +77,20 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
     lengths = np.array(voids).reshape(-1, 2)
     caught = int((lengths > _TOUCH_MM).any(axis=1).sum())
     return Undercuts(met, caught, float(lengths.max()), float(lengths.sum() * area), web.volume_mm3)
+
+
+def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
+    """Undercuts of the web of a half throw, from any source.
+
+    Args:
+        half_throw: closed surface with journals.
+        scene: its bores and web faces.
+        step_mm: distance between rays.
+    """
+    start, end = scene.web_z_mm
+    body = solid_of(half_throw.vertices_mm, half_throw.faces, "half throw")
+    web = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+    return undercuts(mesh_of(web), scene, step_mm)
 
 
 def _centres(low: float, high: float, step: float) -> Array:

@@ -127,3 +127,15 @@ def test_error_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert error["code"] == 3
     assert "resolution_mm" in error["message"]
     assert "4.5 mm" in error["hint"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "message"),
+    [
+        ("forgd", "'forgd' is none of free, forged, cast. Did you mean 'forged'?"),
+        ("xyz", "'xyz' is none of free, forged, cast. See"),
+    ],
+)
+def test_misspelt_word_of_an_option(typed: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["optimise", "--process", typed]) == 2
+    assert message in capsys.readouterr().err

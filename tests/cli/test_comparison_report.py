@@ -43,6 +43,8 @@ def test_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "opposed-piston-casting is the stiffest in torsion per kilogram: +20.0 % against" in text
     assert re.findall(r'data-value="([^"]*)"', text)[:3] == ["2.0", "100.0", "70.0"]
     assert text.count("<option") == 2
+    assert "Releasable" in text
+    assert "2 of 2" in text
     assert "less than the error estimate" not in text
     assert "SHA-256 of the scene" in text
 
