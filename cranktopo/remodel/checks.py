@@ -38,13 +38,13 @@ def check_solid(scene: Scene) -> None:
 def shoulder_mm(scene: Scene, y_mm: float) -> float:
     """Least distance from the axis (0, y) to the edge of the web's outline, mm.
 
-    The chamfer is taken off. The outline is sampled at 4001 points of a cosine grid.
+    The outline is sampled at 4001 points of a cosine grid.
     """
     low, high = y_range_mm(scene.web, scene.throw.radius_mm)
     y = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 4001))) / 2
     half = half_width_mm(scene.web, scene.throw.radius_mm, y)
     ends = min(y_mm - low, high - y_mm)
-    return float(min(np.hypot(half, y - y_mm).min(), ends)) - scene.web.chamfer_mm
+    return float(min(np.hypot(half, y - y_mm).min(), ends))
 
 
 def _check_corner(web: RectangleWeb) -> None:

@@ -10,11 +10,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError
 from cranktopo.remodel.features import Feature, Wedge, bores, pockets
 from cranktopo.scene import Scene
 from cranktopo.scene.bevel import bevel_arc, height_range_mm
-from cranktopo.scene.geometry import Journal, ProfileWeb, RectangleWeb, Web
+from cranktopo.scene.geometry import Journal
 from cranktopo.scene.outline import half_width_mm, outline_kinks_mm, y_range_mm
 
 Array = NDArray[np.float64]
@@ -24,11 +23,7 @@ _BISECTIONS = 45
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:
-    """Volume of the half throw, mm3: journals, web and fillets less bores, pockets and chamfers.
-
-    Raises:
-        CranktopoError: as `web_volume_mm3`.
-    """
+    """Volume of the half throw, mm3: journals, web and fillets less bores and pockets."""
     throw = scene.throw
     total = web_volume_mm3(scene)
     for journal in (throw.main_journal, throw.crankpin):
@@ -41,11 +36,7 @@ def half_throw_volume_mm3(scene: Scene) -> float:
 
 @lru_cache(maxsize=16)
 def web_volume_mm3(scene: Scene) -> float:
-    """Volume of the web between its two faces, mm3: layer by layer, each layer an area of constant shape.
-
-    Raises:
-        CranktopoError: a pocket cuts a chamfered edge (no such closed form).
-    """
+    """Volume of the web between its two faces, mm3: layer by layer, each layer an area of constant shape."""
     features: list[Feature] = [*bores(scene), *pockets(scene)]
     wedges = [f for f in features if isinstance(f, Wedge)]
     prisms = [f for f in features if not isinstance(f, Wedge)]
@@ -54,7 +45,7 @@ def web_volume_mm3(scene: Scene) -> float:
     for low, high in pairwise(levels):
         cuts = [f for f in prisms if f.z_mm[0] <= low and f.z_mm[1] >= high]
         total += _layer_volume(scene, cuts, (low, high))
-    return total - sum(_wedge_volume(scene, wedge) for wedge in wedges) - 2 * _chamfer_volume(scene)
+    return total - sum(_wedge_volume(scene, wedge) for wedge in wedges)
 
 
 def _layer_volume(scene: Scene, cuts: Sequence[Feature], layer: tuple[float, float]) -> float:
@@ -197,40 +188,3 @@ def _fillet_volume(scene: Scene, journal: Journal, y: float, face_z: float) -> f
     for cut in cuts:
         solid &= ~cut.contains(px, py)
     return float(np.sum(weights * jacobian * height * rho * 2 * math.pi * solid.mean(axis=0)))
-
-
-def _chamfer_volume(scene: Scene) -> float:
-    """Volume of one 45 degree chamfer around the outline: P c2/2 - k c3/3.
-
-    k is pi for a smooth outline (Steiner's formula for parallel curves); a corner that turns by theta adds
-    tan(theta/2) - theta/2 to it.
-    """
-    web, chamfer = scene.web, scene.web.chamfer_mm
-    if not chamfer:
-        return 0.0
-    perimeter, corners = _perimeter(scene), _corner_angles(web)
-    k = math.pi + sum(math.tan(a / 2) - a / 2 for a in corners)
-    return perimeter * chamfer**2 / 2 - k * chamfer**3 / 3
-
-
-def _corner_angles(web: Web) -> list[float]:
-    if isinstance(web, RectangleWeb) and web.corner_radius_mm == 0:
-        return [math.pi / 2] * 4
-    if isinstance(web, ProfileWeb):
-        raise CranktopoError(
-            "web.chamfer_mm: a profile outline takes no chamfer.", hint="Use another outline or 0."
-        )
-    return []
-
-
-def _perimeter(scene: Scene) -> float:
-    """Perimeter of the outline, mm: a polygon of 2 x 20000 chords per smooth piece."""
-    web, radius = scene.web, scene.throw.radius_mm
-    kinks = outline_kinks_mm(web, radius)
-    total = 0.0
-    for a, b in pairwise(kinks):
-        y = (a + b) / 2 - (b - a) / 2 * np.cos(np.linspace(0, math.pi, 20001))
-        half = half_width_mm(web, radius, y)
-        total += 2 * float(np.hypot(np.diff(y), np.diff(half)).sum())
-    ends = half_width_mm(web, radius, np.array([kinks[0], kinks[-1]]))
-    return total + 2 * float(ends.sum())

@@ -1,4 +1,4 @@
-"""OCC solids of the web: its outline extruded and chamfered, less its pockets and bores."""
+"""OCC solids of the web: its outline extruded, less its pockets and bores."""
 
 from __future__ import annotations
 
@@ -36,8 +36,6 @@ def add_web(occ: Any, scene: Scene) -> DimTags:
     start, end = scene.web_z_mm
     prism = occ.extrude([(2, _outline(occ, scene, start))], 0, 0, end - start)
     web = [pair for pair in prism if pair[0] == 3]
-    if scene.web.chamfer_mm:
-        web = _chamfer(occ, web, scene.web.chamfer_mm, start, end)
     tools = [add_feature(occ, feature, feature.z_mm) for feature in (*bores(scene), *pockets(scene))]
     tools += [_bevel_tool(occ, scene, bevel) for bevel in scene.web.bevel]
     if tools:
@@ -103,24 +101,6 @@ def _bevel_tool(occ: Any, scene: Scene, bevel: EndBevel) -> tuple[int, int]:
     section = _face(occ, [curved, *(occ.addLine(a, b) for a, b in pairwise(corners))])
     made = occ.extrude([(2, section)], 2 * wide, 0, 0)
     return next((dim, tag) for dim, tag in made if dim == 3)
-
-
-def _chamfer(occ: Any, web: DimTags, size: float, start: float, end: float) -> DimTags:
-    """45 degree chamfers along the outline on both faces of the plain prism."""
-    import gmsh
-
-    occ.synchronize()
-    edges, faces = [], []
-    for face in (pair for pair in gmsh.model.getBoundary(web, oriented=False) if _is_flat(gmsh, pair)):
-        for _, edge in gmsh.model.getBoundary([face], oriented=False):
-            edges.append(edge)
-            faces.append(face[1])
-    return list(occ.chamfer([tag for _, tag in web], edges, faces, [size]))
-
-
-def _is_flat(gmsh: Any, face: tuple[int, int]) -> bool:
-    _, _, low, _, _, high = gmsh.model.getBoundingBox(*face)
-    return bool(high - low < 1e-3)
 
 
 def _outline(occ: Any, scene: Scene, z: float) -> int:

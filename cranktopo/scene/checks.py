@@ -93,8 +93,6 @@ def _check_bevels(scene: Scene) -> None:
     web, radius = scene.web, scene.throw.radius_mm
     if len({bevel.face for bevel in web.bevel}) < len(web.bevel):
         raise invalid("web.bevel", web.bevel[0].face, "one bevel per face")
-    if web.bevel and web.chamfer_mm:
-        raise invalid("web.chamfer_mm", web.chamfer_mm, "a bevelled web takes no chamfer", "Use 0.")
     starts = {"pin": y_range_mm(web, radius)[0], "journal": y_range_mm(web, radius)[1]}
     for index, bevel in enumerate(web.bevel):
         key, arc = f"web.bevel[{index}]", bevel_arc(web, radius, bevel)

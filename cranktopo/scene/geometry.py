@@ -105,7 +105,6 @@ class EndBevel(Table):
 
 class _WebBase(Table):
     thickness_mm: Positive
-    chamfer_mm: NonNegative = 0.0
     bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
 

@@ -107,7 +107,6 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "bevel beyond the end": ({"bevel": [{**PLANE, "y_mm": 80.0}]}, r"y_mm.*beyond the end.*75 mm"),
     "arc turns back": ({"bevel": [{**PLANE, "crown_mm": 5.0}]}, r"crown_mm.*at most"),
     "two on a face": ({"bevel": [PLANE, PLANE]}, "one bevel per face"),
-    "chamfer too": ({"bevel": [PLANE], "chamfer_mm": 1.0}, "takes no chamfer"),
     "pocket into the bevel": (
         {"bevel": [{**PLANE, "y_mm": 24.0, "depth_mm": 15.0}], "pocket": [{**SLOPED, "length_mm": 34.0}]},
         "run into a bevel",
