@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cranktopo.domain.build import throw_ranges_mm
+from cranktopo.domain.build import Target, throw_ranges_mm
 from cranktopo.errors import invalid
 from cranktopo.scene.schema import Scene
 
@@ -62,9 +62,19 @@ def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, case
     return BASE_MIB + PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
 
 
-def estimated_cells(scene: Scene, resolution_mm: float, quarter: bool) -> float:
-    """Number of cells of the optimiser's grid at a cell size, without padding."""
-    (x0, x1), (y0, y1) = throw_ranges_mm(scene, "envelope")
+def estimated_cells(scene: Scene, resolution_mm: float, quarter: bool, target: Target = "envelope") -> float:
+    """Number of cells of a grid at a cell size, without padding.
+
+    Args:
+        scene: the scene.
+        resolution_mm: largest cell edge, mm.
+        quarter: whether the lateral mirror halves the model.
+        target: what the grid holds: the design envelope, or only the scene's own web.
+
+    Raises:
+        CranktopoError: an envelope is asked for and missing, or its file is.
+    """
+    (x0, x1), (y0, y1) = throw_ranges_mm(scene, target)
     width = x1 if quarter else x1 - x0
     return width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from cranktopo.domain.build import Target
+from cranktopo.domain.limits import estimated_cells
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 
@@ -71,10 +74,9 @@ class Costing:
 
     @property
     def half_throw_cells(self) -> int:
-        """Cells of the half throw's grid: the box around envelope and journals at the resolution."""
-        scene, edge = self._scene, self._scene.optimise.resolution_mm
-        width, height = _plane_extent_mm(scene)
-        return math.ceil(width / edge) * math.ceil(height / edge) * math.ceil(scene.pitch_mm / 2 / edge)
+        """Cells of the half throw's grid at the resolution."""
+        edge = self._scene.optimise.resolution_mm
+        return round(estimated_cells(self._scene, edge, quarter=False, target=_target(self._scene)))
 
     def load_case(self) -> Cost:
         """One more solve in every iteration."""
@@ -97,20 +99,11 @@ class Costing:
         return cells * self._rates.seconds_per_cell_solve * iterations
 
 
-def _plane_extent_mm(scene: Scene) -> tuple[float, float]:
-    """Lateral and throw extent of the optimiser's grid, mm."""
-    throw, envelope = scene.throw, scene.envelope
-    reach = max(throw.main_journal.radius_mm, throw.crankpin.radius_mm)
-    low, high, side = -throw.main_journal.radius_mm, throw.radius_mm + throw.crankpin.radius_mm, reach
-    if envelope is not None and envelope.shape == "box":
-        low, high = min(low, envelope.y_min_mm), max(high, envelope.y_max_mm)
-        side = max(side, envelope.half_width_mm)
-    elif envelope is not None and envelope.shape == "cylinder":
-        low, high, side = -envelope.radius_mm, envelope.radius_mm, envelope.radius_mm
-    elif envelope is not None and envelope.shape == "outline":
-        low, high = min(y for _, y in envelope.points_mm), max(y for _, y in envelope.points_mm)
-        side = max(abs(x) for x, _ in envelope.points_mm)
-    return 2 * side, high - low
+def _target(scene: Scene) -> Target:
+    """What the grid holds; a throw whose envelope is absent, or its file gone, is planned for the judge."""
+    envelope = scene.envelope
+    gone = envelope is not None and envelope.shape == "stl" and not Path(envelope.file).is_file()
+    return "web" if envelope is None or gone else "envelope"
 
 
 def _fillet_elements(journal: Journal) -> int:

@@ -4,14 +4,17 @@ import json
 import math
 
 import pytest
+import trimesh
 
+from cranktopo.domain.build import build_domain
 from cranktopo.effects import CostRates, plan
 from cranktopo.effects.beam import fillet_length_saving_mm, throw_compliance
+from cranktopo.effects.cost import Costing
 from cranktopo.effects.simulated import simulated_scene, without
 from cranktopo.errors import CranktopoError
 from cranktopo.loads import at_speed, extreme_states, load_cases
 from cranktopo.loads.balance import throw_balance
-from cranktopo.scene import load_scene
+from cranktopo.scene import load_scene, scene_from_dict
 from cranktopo.scene.geometry import CylinderPocket, Journal, OutlineEnvelope
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
@@ -196,7 +199,35 @@ def test_costs_scale_with_rates_cells_and_iterations():
     fine = plan(with_part(MIKRON, "optimise", resolution_mm=0.75))
     assert fine["tangential"].cost.seconds == pytest.approx(8 * base["tangential"].cost.seconds, rel=0.05)
     # 96 x 116 x 57 mm in cells of 1.5 mm, one half of them saved by the mirror
-    assert base["lateral_symmetry"].cost.cells == -(64 * 78 * 38) // 2
+    assert base["lateral_symmetry"].cost.cells == -(round(96 * 116 * 57 / 1.5**3) // 2)
+
+
+@pytest.mark.parametrize(
+    "envelope",
+    [
+        {"shape": "outline", "points_mm": [[-20, -10], [20, -10], [20, 40], [-20, 40]]},
+        {"shape": "outline", "points_mm": [[-70, -60], [50, -50], [60, 90], [-60, 90]]},
+        {"shape": "cylinder", "radius_mm": 60.0},
+        {"shape": "stl"},
+        {"shape": "stl", "file": "moved"},
+        None,
+    ],
+    ids=["inside the throw", "lopsided outline", "cylinder", "surface", "surface gone", "none"],
+)
+def test_costs_are_those_of_the_grid_that_is_built(envelope, tmp_path):
+    """The plan counts the cells before there is a grid; only a whole number of them is coarser."""
+    data = MIKRON.model_dump(mode="json", exclude_none=True) | {"envelope": envelope}
+    if envelope and envelope["shape"] == "stl":
+        file = tmp_path / envelope.get("file", "space.stl")
+        box = trimesh.creation.box(bounds=[[-50, -45, 0], [50, 95, 80]])
+        if file.suffix:
+            box.export(file)
+        data["envelope"] = {"shape": "stl", "file": str(file), "symmetric": True}
+    scene = scene_from_dict({key: value for key, value in data.items() if value is not None}, "test")
+    target = "envelope" if envelope and "file" not in envelope else "web"
+    grid = build_domain(scene, 1.5, target=target, extent="half").grid
+    body = math.prod(n - padding for n, padding in zip(grid.cells, grid.padding, strict=True))
+    assert Costing(scene, CostRates(), mirrored=False).half_throw_cells == pytest.approx(body, rel=0.06)
 
 
 def test_hollow_journals_and_fillets_in_torsion():
