@@ -14,10 +14,10 @@ from tests.random_throws import random_throw
 
 @pytest.mark.slow
 def test_the_judges_bounds_hold_in_95_percent_of_cases() -> None:
-    """Three meshes of built-in designs and five random throws, against finer ones; one does not exist."""
+    """Three meshes of built-in designs and five random throws, against finer ones; two do not exist."""
     rows = [row for name in every_name(range(5)) for row in judgements(target_of(name), finest=-1)]
     missed = [row for row in rows if not row.holds]
-    assert len(rows) == 13 * 6 - 2
+    assert len(rows) == 13 * 6 - 4
     assert len(missed) <= 0.05 * len(rows), missed
 
 
