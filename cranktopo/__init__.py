@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from cranktopo.remodel.fit import FittedWeb, fit_web
     from cranktopo.report.comparison import Comparison, Entry, compare
     from cranktopo.scene import Scene, load_scene
-    from cranktopo.surface import Skin, skin_of, write_stl
+    from cranktopo.surface import write_stl
+    from cranktopo.surface.skin import Skin, skin_of
 
 _HOMES = {
     "CranktopoError": "errors",

@@ -22,7 +22,8 @@ from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import Assessment, assess
 from cranktopo.scene import Scene
-from cranktopo.surface import skin_of, write_stl
+from cranktopo.surface import write_stl
+from cranktopo.surface.skin import skin_of
 
 _JUDGED_STEPS = 1
 """How many times 1.5 the elements are larger than by default on which shapes are judged, all alike."""

@@ -16,7 +16,8 @@ from cranktopo.report.picture import save_run_picture
 from cranktopo.report.vtu import write_density_vtu
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
-from cranktopo.surface import Skin, skin_of, write_stl
+from cranktopo.surface import write_stl
+from cranktopo.surface.skin import Skin, skin_of
 
 Array = NDArray[np.float64]
 

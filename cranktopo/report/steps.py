@@ -14,7 +14,8 @@ from cranktopo.optimise.loop import build_chain, design_of
 from cranktopo.optimise.material import Interpolation
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore, load_iteration, saved_iterations
-from cranktopo.surface import DensityGrid, slab_fields
+from cranktopo.surface import DensityGrid
+from cranktopo.surface.slab import slab_fields
 
 MOST_STEPS = 60
 MOST_CELLS = 6_000_000

@@ -5,18 +5,13 @@ from cranktopo.surface.extract import WebSurface, extract_half_throw
 from cranktopo.surface.gates import GateReport, check_surface
 from cranktopo.surface.grid import DensityGrid
 from cranktopo.surface.mesh import SurfaceMesh
-from cranktopo.surface.skin import Skin, skin_of
-from cranktopo.surface.slab import slab_fields
 
 __all__ = [
     "DensityGrid",
     "GateReport",
-    "Skin",
     "SurfaceMesh",
     "WebSurface",
     "check_surface",
     "extract_half_throw",
-    "skin_of",
-    "slab_fields",
     "write_stl",
 ]

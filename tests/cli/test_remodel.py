@@ -184,6 +184,6 @@ def test_whole_command_on_a_coarse_run(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["plan", design]) == 0
     assert main(["loads", design]) == 0
     assert main(["export", design, str(tmp_path / "throw.step")]) == 0
-    again = ["optimise", design, "--resolution-mm", "6", "--max-iterations", "2"]
+    again = ["optimise", design, "--resolution-mm", COARSE_MM, "--max-iterations", "2"]
     assert main([*again, "--out", str(tmp_path / "again")]) in (0, 5)
     assert main(["remodel", str(run)]) == 3  # its folder is taken
