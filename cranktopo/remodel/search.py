@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -47,51 +46,6 @@ class Problem:
     rules: Rules
 
 
-def fit_functions(problem: Problem, layout: Layout) -> Fit:
-    """The functions of a fit; call them in double precision."""
-    n, cells = layout.stations, problem.target
-    grid = Fill(layout.parts, (cells.x_mm, cells.y_mm, cells.z_mm), problem.scene.web_z_mm)
-    free, target = problem.free[:, :, None], cells.filled
-    outline = _Outline(problem, n)
-
-    def misfit(values: Array, width_mm: float) -> tuple[float, Array]:
-        points = outline.at(values).points
-        inside, which = grid.inside_mm(points, values[n:])
-        model, slope = smooth_step(inside, width_mm)
-        off = model * free - target
-        weight = 2 * off * free * slope / target.sum()
-        by_points, by_parts = grid.pulled_back(points, values[n:], which, weight)
-        by_outline = np.tensordot(by_points, outline.at(values).point_slopes, 2)
-        return float((off**2).sum() / target.sum()), np.concatenate([by_outline, by_parts])
-
-    def fill(values: Array, width_mm: float) -> Array:
-        inside, _ = grid.inside_mm(outline.at(values).points, values[n:])
-        return smooth_step(inside, width_mm)[0] * free
-
-    def overlap(values: Array, width_mm: float) -> float:
-        model = fill(values, width_mm)
-        return float(np.minimum(model, target).sum() / np.maximum(model, target).sum())
-
-    def limits(values: Array) -> Array:
-        shape = outline.at(values)
-        parts = part_limits(layout.parts, shape.points, values[n:], problem.scene, problem.rules)
-        return np.concatenate([shape.limits, parts])
-
-    def slopes(values: Array) -> Array:
-        shape = outline.at(values)
-
-        def parts(step: Array) -> Array:
-            points = shape.points + shape.point_slopes @ step[:n]
-            return part_limits(layout.parts, points, (values + step)[n:], problem.scene, problem.rules)
-
-        steps = _DIFFERENCE * np.eye(len(values))
-        below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
-        above = np.hstack([shape.limit_slopes, np.zeros((len(shape.limits), len(values) - n))])
-        return np.vstack([above, below])
-
-    return Fit(layout, misfit, fill, overlap, limits, slopes, bounds(layout, problem.scene, problem.rules))
-
-
 @dataclass(frozen=True)
 class _Shape:
     """Points of an outline and its constraints, with their derivatives by its parameters (last axis)."""
@@ -128,28 +82,75 @@ class _Outline:
         return flank.along(np, CHORDS), limits
 
 
-@dataclass(frozen=True)
 class Fit:
-    """Functions of a parameter vector.
+    """How well a web fits, as functions of its parameters; call them in double precision.
+
+    Args:
+        problem: what to match and what to keep.
+        layout: the parameters.
 
     Attributes:
         layout: the parameters.
-        misfit: (values, step half-width in mm) -> squared difference of the fills over the filled volume,
-            with its gradient.
-        fill: (values, step half-width in mm) -> fill of the cells, bores cut out.
-        overlap: (values, step half-width in mm) -> intersection over union of the fills.
-        limits: values -> constraints, kept where <= 0.
-        slopes: values -> their gradients.
-        bounds: lower and upper bounds of the values.
+        bounds: lower and upper bounds of their values, mm or degrees.
     """
 
-    layout: Layout
-    misfit: Callable[[Array, float], tuple[float, Array]]
-    fill: Callable[[Array, float], Array]
-    overlap: Callable[[Array, float], float]
-    limits: Callable[[Array], Array]
-    slopes: Callable[[Array], Array]
-    bounds: tuple[Array, Array]
+    def __init__(self, problem: Problem, layout: Layout) -> None:
+        self.layout = layout
+        self.bounds = bounds(layout, problem.scene, problem.rules)
+        cells = problem.target
+        self._problem, self._target, self._free = problem, cells.filled, problem.free[:, :, None]
+        self._grid = Fill(layout.parts, (cells.x_mm, cells.y_mm, cells.z_mm), problem.scene.web_z_mm)
+        self._outline = _Outline(problem, layout.stations)
+
+    def misfit(self, values: Array, width_mm: float) -> tuple[float, Array]:
+        """Squared difference of the fills over the filled volume, and its gradient.
+
+        Args:
+            values: the parameters, mm or degrees.
+            width_mm: half-width of the smooth step.
+        """
+        shape, parts = self._outline.at(values), self._parts(values)
+        inside, which = self._grid.inside_mm(shape.points, parts)
+        model, slope = smooth_step(inside, width_mm)
+        off = model * self._free - self._target
+        weight = 2 * off * self._free * slope / self._target.sum()
+        by_points, by_parts = self._grid.pulled_back(shape.points, parts, which, weight)
+        by_outline = np.tensordot(by_points, shape.point_slopes, 2)
+        return float((off**2).sum() / self._target.sum()), np.concatenate([by_outline, by_parts])
+
+    def fill(self, values: Array, width_mm: float) -> Array:
+        """Fill of the cells (nx, ny, nz), bores cut out; arguments as `misfit`."""
+        inside, _ = self._grid.inside_mm(self._outline.at(values).points, self._parts(values))
+        return smooth_step(inside, width_mm)[0] * self._free
+
+    def overlap(self, values: Array, width_mm: float) -> float:
+        """Intersection over union of the fills; arguments as `misfit`."""
+        model = self.fill(values, width_mm)
+        return float(np.minimum(model, self._target).sum() / np.maximum(model, self._target).sum())
+
+    def limits(self, values: Array) -> Array:
+        """Constraints, kept where <= 0."""
+        shape = self._outline.at(values)
+        return np.concatenate([shape.limits, self._part_limits(shape.points, values)])
+
+    def slopes(self, values: Array) -> Array:
+        """Gradients of the constraints (constraints, parameters)."""
+        shape, n = self._outline.at(values), self.layout.stations
+
+        def parts(step: Array) -> Array:
+            return self._part_limits(shape.points + shape.point_slopes @ step[:n], values + step)
+
+        steps = _DIFFERENCE * np.eye(len(values))
+        below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
+        above = np.hstack([shape.limit_slopes, np.zeros((len(shape.limits), len(values) - n))])
+        return np.vstack([above, below])
+
+    def _parts(self, values: Array) -> Array:
+        return values[self.layout.stations :]
+
+    def _part_limits(self, points: Array, values: Array) -> Array:
+        problem = self._problem
+        return part_limits(self.layout.parts, points, self._parts(values), problem.scene, problem.rules)
 
 
 def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.family import Bevel, Layout, Part, Pocket, label
 from cranktopo.remodel.leftover import Leftover, leftovers
-from cranktopo.remodel.search import Problem, fit_functions, search
+from cranktopo.remodel.search import Fit, Problem, search
 from cranktopo.remodel.starts import bevel_start, outline_start, pocket_start, side_starts, with_stations
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ def select(problem: Problem) -> tuple[Candidate, tuple[Trial, ...]]:
 def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candidate | None:
     """One search from one start; None when it finds nothing that keeps the rules."""
     cell = float(problem.target.cell_mm[0])
-    fit = fit_functions(problem, layout)
+    fit = Fit(problem, layout)
     values, error = search(fit, start, (2 * cell, cell, cell / 2))
     if not np.isfinite(error):
         return None
@@ -177,7 +177,7 @@ def _least(problem: Problem) -> float:
 def model_fill(problem: Problem, candidate: Candidate) -> Array:
     """Fill of the cells by a candidate, bores cut out."""
     sharp = _SHARP * float(problem.target.cell_mm[0])
-    return fit_functions(problem, candidate.layout).fill(candidate.values, sharp)
+    return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 
 
 def _trial(found: Candidate, gain: float, kept: bool) -> Trial:

@@ -16,7 +16,7 @@ from cranktopo.remodel.leftover import leftovers
 from cranktopo.remodel.limits import part_limits
 from cranktopo.remodel.occupancy import occupancy
 from cranktopo.remodel.rules import Rules
-from cranktopo.remodel.search import fit_functions, search
+from cranktopo.remodel.search import Fit, search
 from cranktopo.remodel.select import Candidate, fit_from, model_fill
 from cranktopo.remodel.starts import bevel_start, outline_start, side_start
 from cranktopo.scene import Scene
@@ -62,7 +62,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
     """All parameters of the family, away from the body they are fitted to."""
     values = values_of(WHOLE) + np.random.default_rng(3).normal(0, 0.7, len(WHOLE.names))
     with double_precision():
-        fit = fit_functions(_problem(body, mikron, COARSE, 2.0), WHOLE)
+        fit = Fit(_problem(body, mikron, COARSE, 2.0), WHOLE)
         _, gradient = fit.misfit(values, 3.0)
         slopes = np.asarray(fit.slopes(values))
         step = 1e-5
@@ -86,7 +86,7 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
         problem = _problem(body, mikron, rules, 1.0)
         start = [outline_start(problem, 7), *(bevel_start(problem, part) for part in PARTS[:2])]
         found, error = search(
-            fit_functions(problem, MORE), np.concatenate([*start, side_start(problem)]), (2.0, 1.0, 0.5)
+            Fit(problem, MORE), np.concatenate([*start, side_start(problem)]), (2.0, 1.0, 0.5)
         )
     assert error < 2e-3
     for name, true, value in zip(MORE.names, values_of(MORE), found, strict=True):
@@ -106,7 +106,7 @@ def test_gradients_of_pockets_and_groove(mikron: Scene, body: Manifold) -> None:
     values = [-25.0, 74.0, 21.0, 35.0, 36.0, 20.0, *(8.0, 12.0, 1.5), *(6.0, 30.0, 0.5, 11.0)]
     at = np.array([*values, *(23.0, 9.0, 7.0, 5.0), *(22.0, 25.0, 8.0, 4.0)])
     with double_precision():
-        fit = fit_functions(_problem(body, mikron, COARSE, 2.0), layout)
+        fit = Fit(_problem(body, mikron, COARSE, 2.0), layout)
         _, gradient = fit.misfit(at, 3.0)
         step = 1e-5
         for i, name in enumerate(layout.names):
@@ -170,7 +170,7 @@ def test_rules_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
     true = values_of(MORE)
     with double_precision():
         problem = _problem(body, mikron, rules, 2.0)
-        fit = fit_functions(problem, MORE)
+        fit = Fit(problem, MORE)
         assert fit.limits(true).max() > 0.1
         values, error = search(fit, true, (4.0, 2.0))
     assert np.isfinite(error)
