@@ -65,6 +65,10 @@ def stiffness_product(system: System, u: jax.Array) -> jax.Array:
     """K u with the springs of the rigid sections, as far as admissible displacements feel it.
 
     The reactions are projected out: far larger than a residual, they would drown it in float32.
+
+    Args:
+        system: the equations; its forces are not used.
+        u: displacements (cases, 3, nodes...), mm.
     """
     supports = system.supports
     springs = jnp.einsum("bmn,bn->bm", supports.springs, section_coordinates(supports, u))
@@ -101,7 +105,14 @@ def multigrid_cg(
 
 @jax.jit
 def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterations: jax.Array) -> Result:
-    """Conjugate gradients with the inverse diagonal; arguments and result as of `multigrid_cg`."""
+    """Conjugate gradients with the inverse diagonal; result as of `multigrid_cg`.
+
+    Args:
+        system: the equations.
+        guess: start values (cases, 3, nodes...).
+        tolerance: relative residual at which all cases must arrive.
+        max_iterations: cap.
+    """
     diagonal = stiffness_diagonal(system.blocks, system.moduli)
     inverse = jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1.0), 0.0)
 
@@ -181,7 +192,11 @@ def _before_measuring(u: jax.Array, forces: jax.Array) -> _State:
 
 
 def dot(a: jax.Array, b: jax.Array) -> jax.Array:
-    """Scalar product of two fields (cases, 3, nodes...), per case."""
+    """Scalar product of two fields, per case.
+
+    Args:
+        a, b: the fields (cases, 3, nodes...).
+    """
     return jnp.sum(a * b, axis=(1, 2, 3, 4))
 
 

@@ -83,7 +83,12 @@ def reflection_blocks(stiffness: Array) -> Array:
 
 
 def wave_of(parity_class: int, component: int) -> int:
-    """Wave index (4 wx + 2 wy + wz) that component `component` of a parity class lives on."""
+    """Wave index (4 wx + 2 wy + wz) that a displacement component of a parity class lives on.
+
+    Args:
+        parity_class: class index 4 px + 2 py + pz.
+        component: 0, 1 or 2 for x, y or z.
+    """
     return parity_class ^ (4 >> component)
 
 

@@ -124,7 +124,12 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """Product of a stencil operator from `assemble_stencil` with fields (cases, 3, nodes...)."""
+    """Product of a stencil operator with fields, of their shape.
+
+    Args:
+        stencil: from `assemble_stencil`.
+        field: (cases, 3, nodes...).
+    """
     cases, _, nx, ny, nz = field.shape
     size, reach, lead = nx * ny * nz, ny * nz + nz + 1, _LEAD * ny * nz
     # One flat axis: the blocks that would reach beyond the grid are 0. Without the barriers XLA recomputes

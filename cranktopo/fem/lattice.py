@@ -70,7 +70,12 @@ class Lattice:
 
 @lru_cache(maxsize=64)
 def layer_stiffness(lattice: Lattice, layer: int) -> Array:
-    """Stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa."""
+    """Stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa.
+
+    Args:
+        lattice: the grid.
+        layer: index of the z layer.
+    """
     size = lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[layer]
     return hexahedron_stiffness(size, lattice.poisson, plain=lattice.plain)
 

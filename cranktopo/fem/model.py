@@ -109,6 +109,11 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
 
     Bending and centrifugal loads are symmetric about the mid-pin plane and in x; the tangential force is
     symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
+
+    Args:
+        scene: kinds of support, and the bearing's spring.
+        domain: which mirrors the model has.
+        case: the load case; its torque acts on the section motions.
     """
     torsion = case.kind == "torsion"
     odd_in_x = case.kind in ("torsion", "tangential")

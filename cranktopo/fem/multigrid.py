@@ -221,7 +221,12 @@ def _coarse_inverse(dense: jax.Array, supports: Supports) -> jax.Array:
 
 
 def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Transpose of trilinear interpolation: fine nodal forces to a coarser grid with so many nodes."""
+    """Transpose of trilinear interpolation: fine nodal forces to the next coarser grid.
+
+    Args:
+        field: (cases, 3, nodes...) on the finer grid.
+        nodes: node counts of the coarser grid; an axis with as many as the finer one stays as it is.
+    """
     for axis, count in zip((2, 3, 4), nodes, strict=True):
         size = field.shape[axis]
         if size == count:
@@ -235,7 +240,12 @@ def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
 
 
 def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Trilinear interpolation of a coarse field to the next finer grid with so many nodes."""
+    """Trilinear interpolation of a coarse field to the next finer grid.
+
+    Args:
+        field: (cases, 3, nodes...) on the coarser grid.
+        nodes: node counts of the finer grid; an axis with as many as the coarser one stays as it is.
+    """
     for axis, count in zip((4, 3, 2), reversed(nodes), strict=True):
         size = field.shape[axis]
         if size == count:
@@ -254,6 +264,10 @@ def project(supports: Supports, field: jax.Array) -> jax.Array:
     """Orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
 
     For nodal forces it is the part that admissible displacements feel.
+
+    Args:
+        supports: supports of all cases.
+        field: displacements or nodal forces (cases, 3, nodes...).
     """
     nodes = (field.shape[2], field.shape[3], field.shape[4])
     interior = field * interior_mask(supports, nodes, field.dtype)

@@ -57,7 +57,12 @@ def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
 
 @jax.jit
 def strain_energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
-    """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus; arguments as `apply_stiffness`."""
+    """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus, N mm per MPa.
+
+    Args:
+        blocks: as in `apply_stiffness`.
+        u: displacements (cases, 3, nodes...), mm.
+    """
     return jax.lax.map(lambda v: strain_energy_density(blocks, v[None], v[None]), u)
 
 
@@ -73,7 +78,12 @@ def _layer_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
 
 
 def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
-    """Diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1)."""
+    """Diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1), in units of `moduli` times mm.
+
+    Args:
+        blocks: reflection blocks (8, 3, 3, nz) of the layers, N/mm per MPa.
+        moduli: modulus per cell (nx, ny, nz).
+    """
     weights = jnp.sum(blocks, axis=0)  # by symmetry every corner has the same diagonal
     diagonal = []
     for c in range(3):

@@ -49,7 +49,13 @@ def solve(
 
 
 def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8) -> jax.Array:
-    """Differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve."""
+    """Differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve.
+
+    Args:
+        model: the discrete throw.
+        moduli: relative moduli (nx, ny, nz).
+        tolerance: relative residual that every case must reach.
+    """
 
     @jax.custom_vjp
     def field(moduli: jax.Array) -> jax.Array:
@@ -84,12 +90,22 @@ def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
     """Derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint.
 
     Body forces stay as they are: `compliance_gradients_by_solid` adds what changes with the mass.
+
+    Args:
+        model: the discrete throw.
+        u: displacements (cases, 3, nodes...), mm.
     """
     return _scaled_energies(layer_blocks(model.lattice), u, -model.modulus_MPa / model.share)
 
 
 def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Array) -> jax.Array:
-    """Derivatives (cases, nx, ny, nz) of the compliances by the solid fraction that carries mass, N mm."""
+    """Derivatives (cases, nx, ny, nz) of the compliances by the solid fraction that carries mass, N mm.
+
+    Args:
+        model: the discrete throw.
+        u: displacements (cases, 3, nodes...), mm.
+        solid: solid fraction of every cell (nx, ny, nz).
+    """
 
     def work(solid: jax.Array) -> jax.Array:
         return jnp.sum(case_forces(model, solid) * u, axis=(1, 2, 3, 4))
@@ -100,21 +116,39 @@ def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Ar
 
 
 def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Relative rotation of the two mid-journal sections under a torsion case, rad."""
+    """Relative rotation of the two mid-journal sections under a torsion case, rad.
+
+    Args:
+        model: the discrete throw.
+        u: displacements of all cases (cases, 3, nodes...), mm.
+        case: name of a torsion case.
+    """
     index = model.case_names.index(case)
     torque = model.cases[index].torque_Nm * NMM_PER_NM
     return compliances(model, u)[index] / torque
 
 
 def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Mean displacement of the crankpin's material along the case's pin force, mm."""
+    """Mean displacement of the crankpin's material along the case's pin force, mm.
+
+    Args:
+        model: the discrete throw.
+        u: displacements of all cases (cases, 3, nodes...), mm.
+        case: name of a case with a pin force.
+    """
     index = model.case_names.index(case)
     force = model.cases[index].radial_N or model.cases[index].tangential_N
     return compliances(model, u)[index] / force
 
 
 def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
-    """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
+    """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other.
+
+    Args:
+        model: the discrete throw.
+        compliance_N_mm: compliance of the case, full throw.
+        case: name of a case with a torque or a pin force.
+    """
     index = model.case_names.index(case)
     load = model.cases[index]
     if load.kind == "torsion":
@@ -136,7 +170,12 @@ def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> 
 
 
 def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
-    """Mass of the full throw times the y of its centre of mass, kg mm; arguments as `throw_mass_kg`.
+    """Mass of the full throw times the y of its centre of mass, kg mm.
+
+    Args:
+        model: the discrete throw.
+        solid: solid fraction of every cell (nx, ny, nz).
+        density_kg_m3: mass density of the material.
 
     Raises:
         ValueError: the model does not say where its nodes are.

@@ -105,7 +105,13 @@ def build_supports(
 
 
 def interior_mask(supports: Supports, nodes: tuple[int, int, int], dtype: jnp.dtype) -> jax.Array:
-    """1 where a degree of freedom moves on its own, 0 on mirror planes and rigid sections."""
+    """Mask (cases, 3, nodes...): 1 where a component moves on its own, 0 on mirrors and rigid sections.
+
+    Args:
+        supports: supports of all cases.
+        nodes: node counts of the grid, any level.
+        dtype: of the result.
+    """
     along_x = jnp.ones((*supports.free_x0.shape, nodes[0])).at[:, :, 0].set(supports.free_x0)
     along_z = jnp.ones((*supports.free_x0.shape, nodes[2])).at[:, :, 0].set(0.0)
     along_z = along_z.at[:, :, -1].set(supports.free_z_end)
@@ -114,13 +120,24 @@ def interior_mask(supports: Supports, nodes: tuple[int, int, int], dtype: jnp.dt
 
 
 def section_coordinates(supports: Supports, field: jax.Array) -> jax.Array:
-    """Inner products (cases, m) of the section motions with a field's end planes."""
+    """Inner products (cases, m) of the section motions with a field's end planes.
+
+    Args:
+        supports: supports of all cases.
+        field: (cases, 3, nodes...) on the finest grid.
+    """
     ends = jnp.stack([field[..., 0], field[..., -1]], axis=1)
     return jnp.einsum("bmpcxy,bpcxy->bm", supports.basis.astype(field.dtype), ends)
 
 
 def add_section(supports: Supports, field: jax.Array, coordinates: jax.Array) -> jax.Array:
-    """The field plus section motions with the given coordinates (cases, m) on the end planes."""
+    """The field plus section motions on the end planes.
+
+    Args:
+        supports: supports of all cases.
+        field: (cases, 3, nodes...) on the finest grid.
+        coordinates: amplitudes (cases, m) of the section motions.
+    """
     ends = jnp.einsum("bmpcxy,bm->bpcxy", supports.basis.astype(field.dtype), coordinates)
     return field.at[..., 0].add(ends[:, 0]).at[..., -1].add(ends[:, 1])
 
