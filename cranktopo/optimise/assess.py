@@ -80,7 +80,13 @@ def assess(problem: Problem, scene: Scene, domain: Domain, density: Array) -> As
 
 
 def assess_original(problem: Problem, scene: Scene, domain: Domain) -> Assessment:
-    """The scene's own web on the same grid, in the same model."""
+    """The scene's own web on the same grid, in the same model.
+
+    Args:
+        problem: gives the discrete model.
+        scene: the web, and the cell size.
+        domain: cells that the design was found on.
+    """
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
     return _assess(problem.model, scene, domain, original.fixed, original.fixed)
 

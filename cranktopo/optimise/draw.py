@@ -31,6 +31,10 @@ def open_cells(scene: Scene, domain: Domain) -> NDArray[np.bool_]:
     """Cells of the web slab (nx, ny, nw) that are no obstacle: designable, in a bore, or part of a journal.
 
     Bores are drilled after forging or casting.
+
+    Args:
+        scene: the bores.
+        domain: the cells.
     """
     first, last = domain.web_layers
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
@@ -42,7 +46,12 @@ def open_cells(scene: Scene, domain: Domain) -> NDArray[np.bool_]:
 
 
 def reachable(open_to_die: NDArray[np.bool_], parting: int) -> NDArray[np.bool_]:
-    """Cells with nothing but open cells between them and the parting plane."""
+    """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane.
+
+    Args:
+        open_to_die: (nx, ny, nw) cells that are no obstacle.
+        parting: number of cells on the negative side.
+    """
     left, right = open_to_die[:parting][::-1], open_to_die[parting:]
     sides = (np.logical_and.accumulate(left)[::-1], np.logical_and.accumulate(right))
     return np.concatenate(sides)

@@ -130,7 +130,12 @@ def build_problem(
 
 
 def build_chain(scene: Scene, domain: Domain) -> Interpolation:
-    """The density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
+    """The density-to-modulus chain of a scene on a domain; call inside `double_precision()`.
+
+    Args:
+        scene: filter radius, where it gives one, and whether the web comes from a die.
+        domain: cells with a design space.
+    """
     radius = scene.optimise.filter_radius_mm or default_filter_radius_mm(domain)
     die = scene.effects.manufacturing_constraint == "on"
     return build_interpolation(domain, radius, open_cells(scene, domain) if die else None)
@@ -210,25 +215,46 @@ def _slopes(
 
 
 def final_design(problem: Problem, state: State) -> Design:
-    """Densities of the last design evaluated."""
+    """Densities of the last design evaluated.
+
+    Args:
+        problem: the optimisation.
+        state: one with at least one design evaluated.
+    """
     return design_of(problem.chain, state.evaluated, state.last.beta)
 
 
 def design_of(chain: Interpolation, x: Array, beta: float) -> Design:
-    """Densities of design variables (nx, ny, nw) at a projection steepness."""
+    """Densities of design variables at a projection steepness.
+
+    Args:
+        chain: the density-to-modulus chain.
+        x: design variables (nx, ny, nw) in [0, 1].
+        beta: projection steepness.
+    """
     filtered, physical = _densities(chain, jnp.asarray(x), jnp.asarray(beta))
     return Design(filtered=np.asarray(filtered), physical=np.asarray(physical))
 
 
 def with_limit(problem: Problem, state: State) -> State:
-    """A stopped state set running again when the problem's iteration limit allows more."""
+    """A stopped state set running again when the problem's iteration limit allows more.
+
+    Args:
+        problem: gives the iteration limit.
+        state: any state; one that is not stopped comes back as it is.
+    """
     if state.status == "stopped" and len(state.history) < problem.max_iterations:
         return replace(state, status="running", reason="")
     return state
 
 
 def iterations_left(problem: Problem, state: State) -> int:
-    """Upper estimate of the iterations still needed, for the progress display."""
+    """Upper estimate of the iterations still needed, for the progress display.
+
+    Args:
+        problem: gives the iteration limit.
+        state: where the optimisation stands.
+    """
     stages = 1 + round(math.log2(BETA_LAST / state.beta))
     in_stage = len(state.history) - state.stage_start
     return min(problem.max_iterations - len(state.history), max(1, stages * STAGE_ITERATIONS - in_stage))

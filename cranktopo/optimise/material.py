@@ -81,6 +81,10 @@ def build_interpolation(
 def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array:
     """Cone-shaped filter weights max(0, radius - distance) on a grid.
 
+    Args:
+        steps_mm: cell edges (x, y, z).
+        radius_mm: distance at which the weight vanishes.
+
     Source: T. E. Bruns, D. A. Tortorelli, CMAME 190, 2001; B. Bourdin, IJNME 50, 2001.
     """
     axes = []
@@ -92,19 +96,33 @@ def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array
 
 
 def filtered(data: Interpolation, x: jax.Array) -> jax.Array:
-    """Filtered densities: weighted mean over the designable neighbours."""
+    """Filtered densities: weighted mean over the designable neighbours.
+
+    Args:
+        data: the chain.
+        x: design variables (nx, ny, nw) in [0, 1].
+    """
     weight = _convolve(data, data.design)
     return _convolve(data, x * data.design) / jnp.where(weight > 0, weight, 1.0)
 
 
 def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
-    """Filtered density, releasable along x where the chain has a die; its iso-surface bounds the web."""
+    """Filtered density, releasable along x where the chain has a die; its iso-surface bounds the web.
+
+    Args:
+        data: the chain.
+        x: design variables (nx, ny, nw) in [0, 1].
+    """
     smooth = filtered(data, x)
     return smooth if data.parting is None else drawn(smooth, data.design > 0, data.parting)
 
 
 def projected(density: jax.Array, beta: float | jax.Array) -> jax.Array:
     """Smoothed Heaviside projection; steeper with beta.
+
+    Args:
+        density: densities in [0, 1], any shape.
+        beta: steepness.
 
     Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011, equation 9.
     """
@@ -114,12 +132,22 @@ def projected(density: jax.Array, beta: float | jax.Array) -> jax.Array:
 
 
 def physical_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """Physical density (nx, ny, nw) of the web slab, 0 outside the design space."""
+    """Physical density (nx, ny, nw) of the web slab, 0 outside the design space.
+
+    Args:
+        data: the chain.
+        x: design variables (nx, ny, nw) in [0, 1].
+        beta: projection steepness.
+    """
     return projected(smooth_density(data, x), beta) * (data.design > 0)
 
 
 def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
-    """Relative moduli (nx, ny, nz) of all cells from the slab's physical density (modified SIMP).
+    """Relative moduli (nx, ny, nz) of all cells (modified SIMP).
+
+    Args:
+        data: the chain.
+        density: physical density of the web slab (nx, ny, nw).
 
     Source: M. P. Bendsoe, O. Sigmund, Topology Optimization, 2003; O. Sigmund, SMO 33, 2007.
     """
@@ -128,17 +156,31 @@ def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
 
 
 def solid_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
-    """Solid fraction (nx, ny, nz) of all cells, which carries the mass, from the slab's physical density."""
+    """Solid fraction (nx, ny, nz) of all cells, which carries the mass.
+
+    Args:
+        data: the chain.
+        density: physical density of the web slab (nx, ny, nw).
+    """
     return data.fixed.at[:, :, data.slab[0] : data.slab[1]].add(data.design * density)
 
 
 def volume_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
-    """Share of the designable volume that is solid."""
+    """Share of the designable volume that is solid.
+
+    Args:
+        data: the chain.
+        density: physical density of the web slab (nx, ny, nw).
+    """
     return jnp.sum(data.design * density) / data.total
 
 
 def greyness(data: Interpolation, density: jax.Array) -> jax.Array:
     """Measure of non-discreteness, 0 for a black-and-white design, 1 for density one half everywhere.
+
+    Args:
+        data: the chain.
+        density: physical density of the web slab (nx, ny, nw).
 
     Source: O. Sigmund, Morphology-based black and white filters, SMO 33, 2007.
     """

@@ -87,7 +87,12 @@ def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
 
 
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
-    """The state from what `to_checkpoint` returned, exactly."""
+    """The state from what `to_checkpoint` returned, exactly.
+
+    Args:
+        arrays: by the names in `ARRAY_FIELDS`.
+        data: the other attributes.
+    """
     records = [{**row, "compliance_N_mm": tuple(row["compliance_N_mm"])} for row in data["history"]]
     return State(
         x=arrays["x"],
