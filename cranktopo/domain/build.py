@@ -103,7 +103,12 @@ class _Layer:
 
 
 def laterally_symmetric(scene: Scene, target: Target) -> bool:
-    """Whether the geometry is its own mirror image in x and the scene allows the mirror."""
+    """Whether the geometry is its own mirror image in x and the scene allows the mirror.
+
+    Args:
+        scene: the throw.
+        target: whose geometry, that of the design envelope or of the scene's own web.
+    """
     return may_mirror(scene, web_asymmetry(scene) if target == "web" else envelope_asymmetry(scene))
 
 
@@ -245,7 +250,12 @@ def _envelope(scene: Scene) -> Envelope:
 
 
 def throw_ranges_mm(scene: Scene, target: Target) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm."""
+    """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm.
+
+    Args:
+        scene: the throw.
+        target: "envelope" for a design, "web" for the scene's own web.
+    """
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
     reach = max(main, pin)
     bounds = [(-reach, reach, -main, r + pin), web_bounds_mm(scene)]

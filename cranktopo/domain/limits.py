@@ -58,7 +58,14 @@ def thinnest_wall_mm(scene: Scene) -> float:
 
 
 def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
-    """Estimated peak memory of an optimisation at a cell size, MiB."""
+    """Estimated peak memory of an optimisation at a cell size, MiB.
+
+    Args:
+        scene: the throw and its envelope.
+        resolution_mm: largest cell edge.
+        quarter: whether the lateral mirror halves the model.
+        cases: number of load cases.
+    """
     return BASE_MIB + PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
 
 
@@ -80,7 +87,14 @@ def estimated_cells(scene: Scene, resolution_mm: float, quarter: bool, target: T
 
 
 def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB: float) -> float:
-    """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory."""
+    """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory.
+
+    Args:
+        scene: the throw and its envelope.
+        quarter: whether the lateral mirror halves the model.
+        cases: number of load cases.
+        available_MiB: memory that may be used.
+    """
     at_one = estimated_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
     room = max(available_MiB - BASE_MIB, 1e-3)
     return math.ceil(math.cbrt(at_one / room) * 100) / 100

@@ -22,7 +22,12 @@ Shape = Callable[[Coordinates, Coordinates], NDArray[np.bool_]]
 
 
 def disc(radius_mm: float, y_mm: float = 0.0, x_mm: float = 0.0) -> Shape:
-    """Disc of a radius around (x_mm, y_mm)."""
+    """Disc around a point.
+
+    Args:
+        radius_mm: its radius.
+        y_mm, x_mm: its centre.
+    """
     return lambda x, y: (x - x_mm) ** 2 + (y - y_mm) ** 2 <= radius_mm**2
 
 
@@ -43,7 +48,12 @@ def web_outline(web: Web, throw_radius_mm: float, height_mm: float) -> Shape:
 
 
 def envelope_outline(envelope: Envelope, z_mm: float) -> Shape:
-    """Cross-section of the design envelope at a height; only a mesh changes along the crank axis."""
+    """Cross-section of the design envelope at a height; only a mesh changes along the crank axis.
+
+    Args:
+        envelope: the scene's envelope.
+        z_mm: height along the crank axis.
+    """
     if envelope.shape == "box":
         half, low, high = envelope.half_width_mm, envelope.y_min_mm, envelope.y_max_mm
         return lambda x, y: (np.abs(x) <= half) & (y >= low) & (y <= high)

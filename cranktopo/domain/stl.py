@@ -69,7 +69,12 @@ def mirror_difference(body: Manifold) -> float:
 
 
 def section(path: Path, z_mm: float) -> list[NDArray[np.float64]]:
-    """Closed contours (n, 2) of the body's cross-section at a height, mm."""
+    """Closed contours (n, 2) of the body's cross-section at a height, mm.
+
+    Args:
+        path: STL file of one closed body, mm.
+        z_mm: height along the file's z axis.
+    """
     return [np.asarray(contour) for contour in envelope_from_stl(path).slice(z_mm).to_polygons()]
 
 
