@@ -72,7 +72,13 @@ class Cutter:
     symmetric: bool
 
     def web(self, field: FineField, iso: float, rough_mm: Array | None = None) -> Manifold:
-        """The web at an iso-value, not smoothed around the places `rough_mm`, (n, 3)."""
+        """The web at an iso-value.
+
+        Args:
+            field: resampled density.
+            iso: iso-value, 0 < iso < 1.
+            rough_mm: places (n, 3) around which the surface is not smoothed.
+        """
         body = (iso_solid(field, iso, SIMPLIFY_MM, rough_mm) ^ self.envelope) + self.stubs - self.bores
         if not self.symmetric:
             return body
@@ -156,7 +162,14 @@ def _throw(
 def fine_field(
     cutter: Cutter, grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
 ) -> FineField:
-    """The resampled field whose iso-surface bounds the web; arguments as of `extract_half_throw`."""
+    """The resampled field whose iso-surface bounds the web.
+
+    Args:
+        cutter: which cells can hold material, where `solid_fraction` does not say it.
+        grid: density in the cells of the web slab.
+        scene: whether the web comes from a die.
+        solid_fraction, smooth: fields (nx, ny, nz) as in `extract_half_throw`.
+    """
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
     drawn = scene.effects.manufacturing_constraint == "on"
     return resample(grid if smooth is None else replace(grid, density=smooth), usable, drawn)
@@ -214,7 +227,13 @@ def _target(grid: DensityGrid, scene: Scene, solid_fraction: Array | None) -> fl
 def build_cutter(
     grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
 ) -> Cutter:
-    """Exact solids that bound the web; arguments as of `extract_half_throw`."""
+    """Exact solids that bound the web.
+
+    Args:
+        grid: density in the cells of the web slab.
+        scene: journals, bores and envelope.
+        solid_fraction, smooth: fields (nx, ny, nz) as in `extract_half_throw`; here only for their symmetry.
+    """
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
     symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)

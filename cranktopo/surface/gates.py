@@ -45,7 +45,12 @@ class GateReport:
 
 
 def surface_json(surface: WebSurface, gates: GateReport) -> dict[str, Any]:
-    """What a checked surface is, as metrics.json and `extract --json` hold it."""
+    """What a checked surface is, as metrics.json and `extract --json` hold it.
+
+    Args:
+        surface: the extracted surface.
+        gates: what its check measured.
+    """
     return {
         "iso_value": surface.iso_value,
         "web_volume_mm3": surface.volume_mm3,

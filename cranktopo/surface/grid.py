@@ -65,7 +65,12 @@ class DensityGrid:
 
 
 def is_x_symmetric(grid: DensityGrid, *others: Array) -> bool:
-    """Whether grid, density and other fields on it are their own mirror image in the plane x = 0."""
+    """Whether grid, density and other fields on it are their own mirror image in the plane x = 0.
+
+    Args:
+        grid: the cells and their density.
+        others: further fields (nx, ny, nz) on the cells.
+    """
     centred = bool(abs(grid.origin_mm[0] + grid.upper_mm[0]) <= _ROUNDING * grid.cell_mm[0])
     fields = [grid.density, *others]
     return centred and all(np.allclose(field, field[::-1], rtol=0, atol=_ROUNDING) for field in fields)

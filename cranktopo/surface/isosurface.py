@@ -84,7 +84,12 @@ def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array
 
 
 def unsmoothed_solid(field: FineField, iso: float) -> Manifold:
-    """Solid where the field exceeds an iso-value that it holds, as marching cubes find it."""
+    """Solid where the field exceeds an iso-value that it holds, as marching cubes find it.
+
+    Args:
+        field: resampled density.
+        iso: iso-value between the field's least and largest value.
+    """
     return solid_of(*_marching_cubes(field, iso), "iso-surface of the density")
 
 

@@ -96,13 +96,23 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
 
 
 def web_slab(solid: Manifold, scene: Scene) -> Manifold:
-    """The part of a solid between the web faces."""
+    """The part of a solid between the web faces.
+
+    Args:
+        solid: half throw, mm.
+        scene: where the web faces are.
+    """
     start, end = scene.web_z_mm
     return solid.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
 
 
 def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:
-    """Whether a solid is its own mirror image in the plane x = 0, to a share of its volume."""
+    """Whether a solid is its own mirror image in the plane x = 0.
+
+    Args:
+        solid: the solid, mm.
+        share: largest difference of the two, over the solid's volume.
+    """
     return mirror_difference(solid) <= share
 
 
