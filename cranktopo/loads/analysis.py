@@ -86,7 +86,12 @@ class LoadAnalysis:
 
 
 def at_speed(scene: Scene, speed_rpm: float) -> Scene:
-    """The scene with its engine at another speed; gas pressures stay as they are."""
+    """The scene with its engine at another speed; gas pressures stay as they are.
+
+    Args:
+        scene: one with an engine.
+        speed_rpm: the other speed.
+    """
     engine = _engine(scene).model_copy(update={"speed_rpm": speed_rpm})
     return scene.model_copy(update={"engine": engine})
 
@@ -142,6 +147,11 @@ def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> 
 
     It uses pressures and piston positions only, no forces, so that the torque can be checked against it.
     Trapezoidal rule with every and with every other point, extrapolated (Romberg).
+
+    Args:
+        curve: cylinder pressure over one cycle, an even number of points.
+        engine: bore and rod length.
+        radius_mm: throw radius.
     """
     motion = exact_motion(np.radians(curve.angle_deg), radius_mm, engine.rod_length_mm)
     volume = math.pi / 4 * engine.bore_mm**2 * motion.displacement_mm
@@ -154,7 +164,12 @@ def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> 
 
 
 def series_difference_percent(radius_mm: float, rod_length_mm: float) -> dict[str, float]:
-    """Largest difference of the textbook series from the exact motion over a turn, in percent of the peak."""
+    """Largest difference of the textbook series from the exact motion over a turn, in percent of the peak.
+
+    Args:
+        radius_mm: throw radius.
+        rod_length_mm: rod length between centres.
+    """
     angle = np.radians(np.arange(0.0, 360.0, 0.25))
     exact, series = (motion(angle, radius_mm, rod_length_mm) for motion in (exact_motion, series_motion))
 

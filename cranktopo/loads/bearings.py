@@ -56,6 +56,10 @@ def max_gas_force_N(scene: Scene) -> float:
 def clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -> float:
     """Spring of a plain bearing: half the largest piston force moves the journal by 0.8 of the clearance.
 
+    Args:
+        max_piston_force_N: largest piston force of the cycle.
+        clearance_mm: bearing clearance.
+
     Source: J. Voparil, Shape optimisation of aircraft engine crankshaft, Brno University of Technology, 2011.
     """
     return 0.5 * max_piston_force_N / (0.8 * clearance_mm)

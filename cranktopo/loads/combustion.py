@@ -53,6 +53,12 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
     At the peak p' = 0, hence (n - 1) q x' = n p v'; q follows from the integral for a trial start, and the
     start from this one equation (Brent's method).
 
+    Args:
+        gas: the scene's table, with peak pressure and angle.
+        radius_mm: throw radius.
+        rod_length_mm: rod length between centres.
+        cycle_deg: length of the working cycle, 720 (four-stroke) or 360 (two-stroke).
+
     Raises:
         CranktopoError: the peak is not above the compression pressure, or no start of burning fits.
     """
