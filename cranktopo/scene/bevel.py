@@ -107,7 +107,13 @@ class BevelArc:
 
 
 def bevel_arc(web: Web, throw_radius_mm: float, bevel: EndBevel) -> BevelArc:
-    """The arc of one of the web's bevels."""
+    """The arc of one of the web's bevels.
+
+    Args:
+        web: the bevelled web.
+        throw_radius_mm: distance of the pin axis from the crank axis.
+        bevel: one of its bevels.
+    """
     low, high = y_range_mm(web, throw_radius_mm)
     if bevel.face == "journal":
         return BevelArc(bevel.y_mm, high, bevel.depth_mm, bevel.crown_mm, 1.0)
@@ -115,7 +121,13 @@ def bevel_arc(web: Web, throw_radius_mm: float, bevel: EndBevel) -> BevelArc:
 
 
 def height_range_mm(web: Web, throw_radius_mm: float, y_mm: Array) -> tuple[Array, Array]:
-    """Heights over the journal face between which the web lies at positions along the throw, mm."""
+    """Heights over the journal face between which the web lies at positions along the throw, mm.
+
+    Args:
+        web: the web.
+        throw_radius_mm: distance of the pin axis from the crank axis.
+        y_mm: positions along the throw, any shape.
+    """
     low, high = np.zeros_like(y_mm), np.full_like(y_mm, web.thickness_mm)
     for bevel in web.bevel:
         arc = bevel_arc(web, throw_radius_mm, bevel)
@@ -128,7 +140,13 @@ def height_range_mm(web: Web, throw_radius_mm: float, y_mm: Array) -> tuple[Arra
 
 
 def throw_range_mm(web: Web, throw_radius_mm: float, height_mm: float) -> tuple[float, float]:
-    """Range along the throw that the bevels leave at a height over the journal face, mm; may be infinite."""
+    """Range along the throw that the bevels leave at a height over the journal face, mm; may be infinite.
+
+    Args:
+        web: the web.
+        throw_radius_mm: distance of the pin axis from the crank axis.
+        height_mm: height over the journal face.
+    """
     low, high = -math.inf, math.inf
     for bevel in web.bevel:
         arc = bevel_arc(web, throw_radius_mm, bevel)
@@ -140,7 +158,12 @@ def throw_range_mm(web: Web, throw_radius_mm: float, height_mm: float) -> tuple[
 
 
 def bevel_cuts_mm(web: Web, sections: int) -> list[float]:
-    """Heights over the journal face at which a bevelled web is cut into thin layers, mm."""
+    """Heights over the journal face at which a bevelled web is cut into thin layers, mm.
+
+    Args:
+        web: the web.
+        sections: number of layers per bevel.
+    """
     cuts: list[float] = []
     for bevel in web.bevel:
         layers = np.linspace(0.0, bevel.depth_mm, sections + 1)

@@ -123,7 +123,15 @@ def input_files(scene: Scene) -> dict[str, Path]:
 
 
 def scene_from_dict(data: dict[str, Any], source: str = "scene") -> Scene:
-    """A validated scene from plain data; raises CranktopoError as `parse_scene` does."""
+    """A validated scene from plain data.
+
+    Args:
+        data: the tables of the scene, file names absolute.
+        source: name shown in messages.
+
+    Raises:
+        CranktopoError: unknown key, value outside its range, inconsistent geometry.
+    """
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:

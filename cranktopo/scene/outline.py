@@ -39,7 +39,12 @@ def half_width_mm(web: Web, throw_radius_mm: float, y_mm: Array) -> Array:
 
 
 def y_range_mm(web: Web, throw_radius_mm: float) -> tuple[float, float]:
-    """Range of the web outline along the throw direction, mm; arguments as `half_width_mm`."""
+    """Range of the web outline along the throw direction, mm.
+
+    Args:
+        web: the web table of the scene.
+        throw_radius_mm: distance of the pin axis from the crank axis.
+    """
     if web.outline == "obround":
         return -web.width_mm / 2, throw_radius_mm + web.width_mm / 2
     if web.outline == "tapered":
@@ -65,7 +70,12 @@ def largest_half_width_mm(web: Web) -> float:
 
 
 def outline_kinks_mm(web: Web, radius_mm: float) -> list[float]:
-    """Positions along the throw where the half-width is not smooth, ends included, mm, sorted."""
+    """Positions along the throw where the half-width is not smooth, ends included, mm, sorted.
+
+    Args:
+        web: the web table of the scene.
+        radius_mm: throw radius.
+    """
     kinks = list(y_range_mm(web, radius_mm))
     if isinstance(web, ObroundWeb):
         kinks += [0.0, radius_mm]
@@ -81,6 +91,10 @@ def outline_kinks_mm(web: Web, radius_mm: float) -> list[float]:
 
 def tangent_sine(web: TaperedWeb, radius_mm: float) -> float:
     """Sine of the slope of a tapered web's straight flank: (main - pin radius) / throw radius.
+
+    Args:
+        web: the web table of the scene.
+        radius_mm: throw radius.
 
     Raises:
         CranktopoError: one circle contains the other, so there is no flank.

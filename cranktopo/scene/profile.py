@@ -37,7 +37,12 @@ class Flank:
     slopes: Any
 
     def at(self, xp: ModuleType, u: Any) -> Any:
-        """Points of every piece at u in [0, 1], (pieces, u, 2), mm; `xp` is numpy or jax.numpy."""
+        """Points of every piece, (pieces, u, 2), mm.
+
+        Args:
+            xp: numpy or jax.numpy.
+            u: (u,) places in each piece, 0 to 1.
+        """
         start, end, leave, arrive = self._pieces()
         t = xp.asarray(u)[None, :, None]
         return (
@@ -48,7 +53,12 @@ class Flank:
         )
 
     def along(self, xp: ModuleType, chords: int) -> Any:
-        """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm."""
+        """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm.
+
+        Args:
+            xp: numpy or jax.numpy.
+            chords: number of steps.
+        """
         pieces = self.points_mm.shape[0] - 1
         place = np.linspace(0, pieces, chords + 1)
         piece = np.minimum(place.astype(int), pieces - 1)
@@ -62,7 +72,12 @@ class Flank:
         )
 
     def derivatives(self, xp: ModuleType, u: Any) -> tuple[Any, Any]:
-        """First and second derivative by the parameter at u of every piece, (pieces, u, 2) each."""
+        """First and second derivative by the parameter, (pieces, u, 2) each, - and 1/mm.
+
+        Args:
+            xp: numpy or jax.numpy.
+            u: (u,) places in each piece, 0 to 1.
+        """
         start, end, leave, arrive = self._pieces()
         t, length = xp.asarray(u)[None, :, None], self.lengths_mm[:, None, None]
         first = 6 * t * (1 - t) * (end - start) + leave * (1 - t) * (1 - 3 * t) + arrive * t * (3 * t - 2)
@@ -70,7 +85,12 @@ class Flank:
         return first / length, second / length**2
 
     def curvature_per_mm(self, xp: ModuleType, u: Any) -> Any:
-        """Signed curvature at u of every piece, (pieces, u), 1/mm; positive where the web is convex."""
+        """Signed curvature of every piece, (pieces, u), 1/mm; positive where the web is convex.
+
+        Args:
+            xp: numpy or jax.numpy.
+            u: (u,) places in each piece, 0 to 1.
+        """
         first, second = self.derivatives(xp, u)
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         return cross / (first**2).sum(axis=-1) ** 1.5
@@ -128,7 +148,12 @@ def profile_flank(web: ProfileWeb) -> Flank:
 
 
 def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
-    """Half-width at positions along the throw, mm; 0 beyond the ends."""
+    """Half-width at positions along the throw, mm; 0 beyond the ends.
+
+    Args:
+        flank: right flank of a profile.
+        y_mm: positions along the throw, any shape.
+    """
     stations = flank.points_mm[:, 1]
     inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
     y = np.clip(y_mm, stations[0], stations[-1]).ravel()

@@ -31,7 +31,13 @@ def side_floor_mm(web: Web, pocket: SidePocket, height_mm: float, y_mm: Array) -
 
 
 def side_cuts_mm(web: Web, pocket: SidePocket, sections: int) -> list[float]:
-    """Heights over the journal face where the pocket's section changes, mm; thin layers at sloped walls."""
+    """Heights over the journal face where the pocket's section changes, mm; thin layers at sloped walls.
+
+    Args:
+        web: the web.
+        pocket: one of its side pockets.
+        sections: number of layers per sloped wall.
+    """
     half, middle = pocket.height_mm / 2, web.thickness_mm / 2 + pocket.offset_mm
     if pocket.slope == 0:
         return [middle - half, middle + half]

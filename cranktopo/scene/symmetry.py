@@ -32,7 +32,12 @@ def mirror_image(scene: Scene) -> Scene:
 
 
 def may_mirror(scene: Scene, asymmetry: str) -> bool:
-    """Whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it."""
+    """Whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it.
+
+    Args:
+        scene: says whether the mirror may be used.
+        asymmetry: what `web_asymmetry` or `envelope_asymmetry` found; empty for nothing.
+    """
     return not asymmetry and scene.effects.lateral_symmetry != "off"
 
 
