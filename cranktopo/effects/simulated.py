@@ -41,7 +41,12 @@ def _switched(scene: Scene, effect: str, state: Switch) -> Scene:
 
 
 def without(scene: Scene, feature: Feature) -> Scene:
-    """The scene with both journals without bores or fillets; the same object when they have none."""
+    """The scene with both journals without one feature; the same object when they have none.
+
+    Args:
+        scene: the throw.
+        feature: "bores" or "fillets".
+    """
     key, throw = _FEATURES[feature], scene.throw
     if getattr(throw.main_journal, key) == 0 == getattr(throw.crankpin, key):
         return scene
