@@ -104,7 +104,12 @@ def condense(
 
 
 def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
-    """The six rigid motions of the nodes of the section z = 0, shape (unknowns, 6)."""
+    """The six rigid motions of the nodes of the section z = 0, shape (unknowns, 6).
+
+    Args:
+        nodes_mm: all nodes, shape (3, n); there are 3 n unknowns.
+        section: numbers of the section's nodes.
+    """
     x, y = nodes_mm[0, section], nodes_mm[1, section]
     motions = np.zeros((nodes_mm.size, 6))
     for axis in range(3):
@@ -117,7 +122,12 @@ def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
 
 
 def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.intp]:
-    """Nodes on a coordinate plane.
+    """Numbers of the nodes on a coordinate plane.
+
+    Args:
+        nodes_mm: all nodes, shape (3, n).
+        axis: 0, 1 or 2 for a plane across x, y or z.
+        position_mm: coordinate of the plane on that axis.
 
     Raises:
         CranktopoError: none there.

@@ -115,6 +115,10 @@ class FatigueField:
 def check_material(scene: Scene, method: str) -> None:
     """Check that the material has what a method needs.
 
+    Args:
+        scene: holds the material.
+        method: "lsa", "fkm" or "m53".
+
     Raises:
         CranktopoError: a strength is missing.
     """
@@ -148,6 +152,10 @@ def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[L
     """Effects that the plan of a scene switches on, and the loads to be solved.
 
     The extreme states hold radial force and torque; the tangential force only acts in the cycle.
+
+    Args:
+        scene: the throw and its effects.
+        kind: "extremes" or "cycle".
     """
     enabled = plan(scene).enabled
     possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")

@@ -166,13 +166,25 @@ def nominal_stresses(d: Dimensions, moment_Nmm: float, force_N: float, torque_Nm
 
 
 def pin_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
-    """Equivalent alternating stress in the pin fillet."""
+    """Equivalent alternating stress in the pin fillet.
+
+    Args:
+        f: stress concentration factors.
+        n: alternating nominal stresses.
+        additional_MPa: additional bending stress from misalignment and vibration.
+    """
     bending = f.alpha_bending * n.bending_MPa + additional_MPa
     return math.sqrt(bending**2 + 3 * (f.alpha_torsion * n.pin_torsion_MPa) ** 2)
 
 
 def journal_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
-    """Equivalent alternating stress in the journal fillet."""
+    """Equivalent alternating stress in the journal fillet.
+
+    Args:
+        f: stress concentration factors.
+        n: alternating nominal stresses.
+        additional_MPa: additional bending stress from misalignment and vibration.
+    """
     bending = f.beta_bending * n.bending_MPa + f.beta_shear * n.shear_MPa + additional_MPa
     return math.sqrt(bending**2 + 3 * (f.beta_torsion * n.journal_torsion_MPa) ** 2)
 

@@ -97,7 +97,13 @@ def check_rule(
     fillet_fraction: float = RULE_FRACTION,
     progress: Progress = lambda _: None,
 ) -> RuleCheck:
-    """Check a throw against the rule; arguments as `fatigue.assess`.
+    """Check a throw against the rule.
+
+    Args:
+        target: a design.
+        kind: load states.
+        fillet_fraction: element size in the fillets over their radius.
+        progress: called with one line per step.
 
     Raises:
         CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.

@@ -119,7 +119,13 @@ def _strain(basis: Any, displacement: Array) -> Array:
 
 
 def hooke(strain: Array, youngs_MPa: float, poisson: float) -> Array:
-    """Stresses of tensor strains, last axis as `COMPONENTS`."""
+    """Stresses of strains, MPa, of the same shape.
+
+    Args:
+        strain: tensor strains (..., 6), last axis as `COMPONENTS`.
+        youngs_MPa: Young's modulus.
+        poisson: Poisson's ratio.
+    """
     shear = youngs_MPa / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)
     stress = 2 * shear * strain

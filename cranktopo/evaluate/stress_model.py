@@ -85,7 +85,12 @@ class Image:
     signs: Array
 
     def points_mm(self, points_mm: Array, pitch_mm: float) -> Array:
-        """Points (3, n) of the model moved into the image."""
+        """Points of the model moved into the image, (3, n).
+
+        Args:
+            points_mm: points (3, n) of the model.
+            pitch_mm: distance of the throw's two mid-main-journal planes.
+        """
         x, y, z = points_mm
         return np.stack([-x if self.flip_x else x, y, pitch_mm - z if self.flip_z else z])
 

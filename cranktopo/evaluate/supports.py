@@ -59,7 +59,13 @@ def bending_stiffness_N_per_mm(
 
 
 def torsion_motion(block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0) -> Array:
-    """Section motion per unit torque, shape (m,), mm and rad per N mm; arguments as the stiffness."""
+    """Section motion per unit torque, shape (m,), mm and rad per N mm.
+
+    Args:
+        block: antisymmetric block holding ux, ry, rz (and more).
+        support: as in `torsional_stiffness_Nm_per_rad`.
+        spring_N_per_mm: radial stiffness of each bearing, for "spring".
+    """
     torque = np.array([1.0 if m == RZ else 0.0 for m in block.motions])
     return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), torque)
 
