@@ -39,6 +39,10 @@ def shoulder_mm(scene: Scene, y_mm: float) -> float:
     """Least distance from the axis (0, y) to the edge of the web's outline, mm.
 
     The outline is sampled at 4001 points of a cosine grid.
+
+    Args:
+        scene: the throw.
+        y_mm: place of the axis along the throw.
     """
     low, high = y_range_mm(scene.web, scene.throw.radius_mm)
     y = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 4001))) / 2

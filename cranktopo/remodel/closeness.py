@@ -65,7 +65,11 @@ def closeness(scene: Scene, surface: SurfaceMesh) -> Closeness:
 
 
 def overlap(one: Manifold, other: Manifold) -> float:
-    """Intersection over union of two solids."""
+    """Intersection over union of two solids, 0 to 1.
+
+    Args:
+        one, other: the solids, in one frame and unit.
+    """
     both = (one ^ other).volume()
     return float(both / (one.volume() + other.volume() - both))
 
@@ -74,6 +78,9 @@ def surface_distance_mm(
     one: SurfaceMesh, other: SurfaceMesh
 ) -> tuple[float, float, tuple[float, float, float]]:
     """Mean and largest distance between two surfaces, each way from evenly spread samples.
+
+    Args:
+        one, other: the surfaces.
 
     Returns:
         Mean, largest, and the point of the largest, mm.

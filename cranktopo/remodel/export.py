@@ -71,7 +71,12 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
 
 
 def surface_of(scene: Scene, part: PartName, facet_mm: float = 1.0) -> SurfaceMesh:
-    """Closed triangle mesh of a part of a scene; arguments as `export_solid`.
+    """Closed triangle mesh of a part of a scene.
+
+    Args:
+        scene: the throw.
+        part: which body.
+        facet_mm: edge length of the triangles.
 
     Raises:
         CranktopoError: impossible dimensions.

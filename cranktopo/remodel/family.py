@@ -89,7 +89,12 @@ class Layout:
 
 
 def named_parts(parts: tuple[Part, ...], values: Any) -> Iterator[tuple[Part, dict[str, Any]]]:
-    """Each part with its parameters by name; `values` are those of the parts only."""
+    """Each part with its parameters by name.
+
+    Args:
+        parts: bevels and pockets.
+        values: parameters of the parts in their order, mm or degrees; those of the outline left out.
+    """
     first = 0
     for part in parts:
         count = len(part.names)
@@ -111,7 +116,13 @@ def station_shares(stations: int) -> Array:
 
 
 def flank_of(xp: Any, layout: Layout, values: Any) -> Flank:
-    """The outline of a parameter vector; `xp` is numpy or jax.numpy."""
+    """The outline of a parameter vector.
+
+    Args:
+        xp: numpy or jax.numpy.
+        layout: which parameters there are.
+        values: the parameter vector, mm or degrees; those of the parts may be missing.
+    """
     n = layout.stations
     low, high = values[0], values[1]
     stations = low + (high - low) * xp.asarray(station_shares(n))
@@ -120,7 +131,13 @@ def flank_of(xp: Any, layout: Layout, values: Any) -> Flank:
 
 
 def bounds(layout: Layout, scene: Scene, rules: Rules) -> tuple[Array, Array]:
-    """Lower and upper bounds of the parameters."""
+    """Lower and upper bounds of the parameters, (n,) each, mm or degrees.
+
+    Args:
+        layout: which parameters there are.
+        scene: throw radius and web thickness.
+        rules: least wall and least draft.
+    """
     thickness, radius = scene.web.thickness_mm, scene.throw.radius_mm
     deepest, far = thickness - rules.min_wall_mm, 4 * radius
     ranges = {
@@ -144,7 +161,13 @@ def bounds(layout: Layout, scene: Scene, rules: Rules) -> tuple[Array, Array]:
 
 
 def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
-    """The `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
+    """The `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data.
+
+    Args:
+        layout: which parameters there are.
+        values: (n,) the parameter vector, mm or degrees.
+        scene: gives the web's thickness.
+    """
     flank = flank_of(np, layout, np.asarray(values, dtype=np.float64))
     parts = list(layout.split(values))
     frame = (float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank))

@@ -39,7 +39,11 @@ class Disc:
         return self.x_mm - half, self.x_mm + half
 
     def contains(self, x_mm: Array, y_mm: Array) -> NDArray[np.bool_]:
-        """Whether points lie inside the hole's cross-section."""
+        """Whether points lie inside the hole's cross-section.
+
+        Args:
+            x_mm, y_mm: the points, broadcastable.
+        """
         return (x_mm - self.x_mm) ** 2 + (y_mm - self.y_mm) ** 2 < self.radius_mm**2
 
     @property
@@ -68,7 +72,11 @@ class Slab:
         return start, np.where(inside, self.x_range_mm[1], start)
 
     def contains(self, x_mm: Array, y_mm: Array) -> NDArray[np.bool_]:
-        """Whether points lie inside the hole's cross-section."""
+        """Whether points lie inside the hole's cross-section.
+
+        Args:
+            x_mm, y_mm: the points, broadcastable.
+        """
         (x0, x1), (y0, y1) = self.x_range_mm, self.y_range_mm
         return (x_mm > x0) & (x_mm < x1) & (y_mm > y0) & (y_mm < y1)
 
@@ -125,7 +133,11 @@ class Wedge:
         return self.z_centre_mm - half, self.z_centre_mm + half
 
     def contains(self, x_mm: Array, y_mm: Array) -> NDArray[np.bool_]:
-        """Whether points lie inside the slot at mid-height."""
+        """Whether points lie inside the slot at mid-height.
+
+        Args:
+            x_mm, y_mm: the points, broadcastable.
+        """
         return np.asarray(self.side * x_mm > self.open_from_mm(y_mm))
 
     def distance_mm(self, y_mm: float) -> float:

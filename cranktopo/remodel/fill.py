@@ -55,7 +55,14 @@ class Fill:
     def pulled_back(
         self, points: Array, values: Array, which: NDArray[np.int8], weight: Array
     ) -> tuple[Array, Array]:
-        """Derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts."""
+        """Derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts.
+
+        Args:
+            points: (n, 2) points of the outline's right half, from end to end, mm.
+            values: parameters of the parts.
+            which: (nx, ny, nz) which field is the least in each cell, from `inside_mm`.
+            weight: (nx, ny, nz) weight of each cell's distance.
+        """
         chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
         by_points = _outline_pulled_back(points, *self.axes[:2], chosen)
         by_values = []
@@ -74,7 +81,12 @@ class Fill:
 
 
 def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
-    """Fill from signed distance, and its derivative by the distance, 1/mm; `width_mm` is the half-width."""
+    """Fill from signed distance, and its derivative by the distance, 1/mm.
+
+    Args:
+        inside_mm: signed distance, positive inside, any shape.
+        width_mm: half-width of the step.
+    """
     u = np.clip(inside_mm / width_mm, -1.0, 1.0)
     return 0.5 + 0.75 * u - 0.25 * u**3, 0.75 * (1 - u**2) / width_mm
 
@@ -118,14 +130,25 @@ def _bevel_distance(part: Bevel, named: dict[str, Any], ends: Any, axes: Any, we
 
 
 def bevel_arc_of(part: Bevel, named: dict[str, Any], ends: Any) -> BevelArc:
-    """The arc of a bevel of the family; `ends` are the least and the largest y of the outline."""
+    """The arc of a bevel of the family.
+
+    Args:
+        part: the bevel.
+        named: its parameters by name, mm.
+        ends: least and largest y of the outline, mm.
+    """
     if part.face == "journal":
         return BevelArc(named["y"], ends[1], named["depth"], named["crown"], 1.0)
     return BevelArc(-named["y"], -ends[0], named["depth"], named["crown"], -1.0)
 
 
 def outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
-    """Signed distance from the outline at x times y, (nx, ny), mm; positive inside."""
+    """Signed distance from the outline, (nx, ny), mm; positive inside.
+
+    Args:
+        points: (n, 2) points of the outline's right half, from end to end, mm.
+        x_mm, y_mm: (nx,) and (ny,) coordinates of the cells.
+    """
     return _nearest(points, x_mm, y_mm)[0]
 
 

@@ -86,6 +86,10 @@ def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = _DEFAULT) -> Fitt
 def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     """The scene with another web, checked as if it were read from a file.
 
+    Args:
+        scene: the throw; what was published about it is left out.
+        web: the `[web]` table as plain data.
+
     Raises:
         CranktopoError: the web does not fit the throw.
     """

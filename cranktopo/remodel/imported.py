@@ -83,6 +83,10 @@ def _mesh_stl(path: Path, scene: Scene, size: float) -> Part:
 def read_surface(path: Path, scene: Scene) -> Any:
     """The closed surface (trimesh) of the half throw in an STL file, its ends snapped onto their planes.
 
+    Args:
+        path: the STL file, mm.
+        scene: the throw, whose ends the surface must have.
+
     Raises:
         CranktopoError: unreadable, not watertight, several bodies, or another extent than the half throw's.
     """

@@ -30,6 +30,11 @@ def outline_limits(flank: Flank, scene: Scene, rules: Rules) -> Array:
     """Constraints on the outline alone: curvature times the least radius less 1, rise, reach over journals.
 
     Analytic in the flank, so that a complex step differentiates them.
+
+    Args:
+        flank: right flank of the outline.
+        scene: the journals.
+        rules: least wall and least radius.
     """
     u = (np.arange(_CHECKS) + 0.5) / _CHECKS
     points = flank.at(np, (np.arange(_POINTS) + 0.5) / _POINTS).reshape(-1, 2)
@@ -85,7 +90,12 @@ def part_limits(parts: tuple[Part, ...], points: Array, values: Array, scene: Sc
 
 
 def reaches_mm(scene: Scene, rules: Rules) -> list[tuple[float, float]]:
-    """Axes along the throw and the least distance of the outline from each: wall of the bore, fillet."""
+    """Axes along the throw and the least distance of the outline from each: wall of the bore, fillet.
+
+    Args:
+        scene: the journals.
+        rules: least wall.
+    """
     return [
         (y, max(j.bore_radius_mm + rules.min_wall_mm, j.radius_mm + j.fillet_mm + SHOULDER_MM) + _CLEAR_MM)
         for j, y in scene.throw.journals

@@ -102,7 +102,14 @@ def mesh_throw(
 
 
 def mesh_body(gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool) -> TetMesh:
-    """Mesh of whatever body the open session holds; arguments as `mesh_throw`."""
+    """Mesh of whatever body the open session holds.
+
+    Args:
+        gmsh: the open session.
+        scene: where fillets and sharp rings are.
+        element_size_mm: general element size; fillets and sharp rings get a fixed fraction of it.
+        mirrored: whether the body is the half x >= 0 of a symmetric one.
+    """
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False)
     return _generate(gmsh, element_size_mm, mirrored)
 
@@ -180,7 +187,13 @@ def _ring_size(finest: float, y: float, radius: float, z: float, fillet: float) 
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Element size at points (n, 3): the general one, finer toward fillets and sharp rings."""
+    """Element size at points of the half throw, (n,), mm: finer toward fillets and sharp rings.
+
+    Args:
+        scene: where fillets and sharp rings are.
+        size: general element size, mm.
+        points_mm: (n, 3) the points.
+    """
     x, y, z = points_mm.T
     result = np.full(len(points_mm), size)
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
@@ -197,7 +210,12 @@ def _finest(size: float, fillet: float, fraction: float | None = None) -> float:
 
 
 def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
-    """The quadratic mesh of the open session, folded elements straightened."""
+    """The quadratic mesh of the open session, folded elements straightened.
+
+    Args:
+        gmsh: the open session, meshed to second order.
+        mirrored: whether the body is the half x >= 0 of a symmetric one.
+    """
     coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
     cells = nodes[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)

@@ -119,12 +119,22 @@ class Fit:
         return float((off**2).sum() / self._target.sum()), np.concatenate([by_outline, by_parts])
 
     def fill(self, values: Array, width_mm: float) -> Array:
-        """Fill of the cells (nx, ny, nz), bores cut out; arguments as `misfit`."""
+        """Fill of the cells (nx, ny, nz), bores cut out.
+
+        Args:
+            values: the parameters, mm or degrees.
+            width_mm: half-width of the smooth step.
+        """
         inside, _ = self._grid.inside_mm(self._outline.at(values).points, self._parts(values))
         return smooth_step(inside, width_mm)[0] * self._free
 
     def overlap(self, values: Array, width_mm: float) -> float:
-        """Intersection over union of the fills; arguments as `misfit`."""
+        """Intersection over union of the fills.
+
+        Args:
+            values: the parameters, mm or degrees.
+            width_mm: half-width of the smooth step.
+        """
         model = self.fill(values, width_mm)
         return float(np.minimum(model, self._target).sum() / np.maximum(model, self._target).sum())
 

@@ -85,7 +85,14 @@ def select(problem: Problem) -> tuple[Candidate, tuple[Trial, ...]]:
 
 
 def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candidate | None:
-    """One search from one start; None when it finds nothing that keeps the rules."""
+    """One search from one start; None when it finds nothing that keeps the rules.
+
+    Args:
+        problem: what to match and what to keep.
+        layout: which parameters there are.
+        start: (n,) start values, mm or degrees.
+        step: what is tried, for the table.
+    """
     cell = float(problem.target.cell_mm[0])
     fit = Fit(problem, layout)
     values, error = search(fit, start, (2 * cell, cell, cell / 2))
@@ -175,7 +182,12 @@ def _least(problem: Problem) -> float:
 
 
 def model_fill(problem: Problem, candidate: Candidate) -> Array:
-    """Fill of the cells by a candidate, bores cut out."""
+    """Fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1].
+
+    Args:
+        problem: gives the cells and the bores.
+        candidate: the web.
+    """
     sharp = _SHARP * float(problem.target.cell_mm[0])
     return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 

@@ -18,7 +18,12 @@ _DRAFT_DEG = 10.0
 
 
 def outline_start(problem: Problem, stations: int) -> Array:
-    """Ends and half-widths at the stations, from the lateral extent of each row; clear of the journals."""
+    """Ends and half-widths at the stations, from the lateral extent of each row; clear of the journals.
+
+    Args:
+        problem: gives the cells of the body, the journals and the least wall.
+        stations: points of the profile, both round ends included.
+    """
     cells = problem.target
     solid = cells.filled > _HALF
     rows = np.flatnonzero(solid.any(axis=(0, 2)))
@@ -36,7 +41,13 @@ def outline_start(problem: Problem, stations: int) -> Array:
 
 
 def with_stations(layout: Layout, values: Array, stations: int) -> Array:
-    """The same web with another number of stations, its outline taken over."""
+    """The same web with another number of stations, its outline taken over.
+
+    Args:
+        layout: which parameters the web has.
+        values: (n,) its parameters, mm or degrees.
+        stations: points of the new profile, both round ends included.
+    """
     n = layout.stations
     low, high = values[:2]
     places = low + (high - low) * station_shares(stations)[1:-1]
@@ -45,7 +56,12 @@ def with_stations(layout: Layout, values: Array, stations: int) -> Array:
 
 
 def bevel_start(problem: Problem, part: Bevel) -> Array:
-    """Start and depth of a bevel from how far the body reaches at each height."""
+    """Start, depth and crown (0) of a bevel, mm, from how far the body reaches at each height.
+
+    Args:
+        problem: gives the cells of the body and the least wall.
+        part: the bevel.
+    """
     cells = problem.target
     solid = (cells.filled > _HALF).any(axis=0)
     outward = 1.0 if part.face == "journal" else -1.0

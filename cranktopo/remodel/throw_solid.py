@@ -62,6 +62,10 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     The far half is the half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume.
 
+    Args:
+        occ: `gmsh.model.occ` of the open session.
+        scene: the throw.
+
     Raises:
         CranktopoError: as `add_half_throw`.
     """
@@ -74,6 +78,10 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
 
 def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """All throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body.
+
+    Args:
+        occ: `gmsh.model.occ` of the open session.
+        scene: the throw, and an engine with a firing order.
 
     Raises:
         CranktopoError: no firing order in the scene, or as `add_half_throw`.
@@ -101,6 +109,12 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
 def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
     """Check one body, its volume against the closed form, and a closed boundary.
 
+    Args:
+        occ: `gmsh.model.occ` of the open session.
+        body: (dimension, tag) pairs of what was built.
+        expected_mm3: volume by the closed form.
+        name: of the body, for the message.
+
     Raises:
         CranktopoError: the CAD kernel gave something else.
     """
@@ -120,7 +134,12 @@ def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
 
 
 def solid_properties(occ: Any, body: DimTags) -> SolidProperties:
-    """Volume, centre and inertia about the crank axis of one body, from the CAD kernel's exact faces."""
+    """Volume, centre and inertia about the crank axis of one body, from the CAD kernel's exact faces.
+
+    Args:
+        occ: `gmsh.model.occ` of the open session.
+        body: (dimension, tag) pairs that hold one volume.
+    """
     (tag,) = [tag for dim, tag in body if dim == 3]
     volume = occ.getMass(3, tag)
     x, y, z = occ.getCenterOfMass(3, tag)

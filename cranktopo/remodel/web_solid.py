@@ -44,7 +44,13 @@ def add_web(occ: Any, scene: Scene) -> DimTags:
 
 
 def add_feature(occ: Any, feature: Feature, z_mm: tuple[float, float]) -> tuple[int, int]:
-    """The body of a bore or pocket over an axial range, as a gmsh (dimension, tag) pair."""
+    """The body of a bore or pocket over an axial range, as a gmsh (dimension, tag) pair.
+
+    Args:
+        occ: `gmsh.model.occ` of the open session.
+        feature: the bore or pocket.
+        z_mm: axial range (start, end); a slot with sloped walls keeps its own.
+    """
     height = z_mm[1] - z_mm[0]
     if isinstance(feature, Wedge):
         return _wedge(occ, feature)
