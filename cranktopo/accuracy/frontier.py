@@ -84,7 +84,12 @@ class Frontier:
     rungs: tuple[Placed, ...]
 
     def cheapest(self, ladder: LadderName, percent: float) -> Placed | None:
-        """The cheapest rung of a ladder whose error is surely below a percentage."""
+        """The cheapest rung of a ladder whose error is surely below a percentage.
+
+        Args:
+            ladder: its name.
+            percent: the wanted error.
+        """
         fit = [
             placed
             for placed in self.rungs
