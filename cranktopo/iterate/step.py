@@ -88,7 +88,16 @@ def step_of(
     removed_percent: float | None = None,
     seconds: float = 0.0,
 ) -> Step:
-    """A step from the judge's evaluation and what else was measured."""
+    """A step from the judge's evaluation and what else was measured.
+
+    Args:
+        number: number of the step, 0 for the original web.
+        found: the judge's evaluation.
+        transition_mm: least thickness of the web around its journals.
+        overlap_percent: overlap (IoU) of the re-model with the extracted web; None for the original.
+        removed_percent: volume to be taken out of the envelope; None for the original.
+        seconds: wall time of the step.
+    """
     return Step(
         number=number,
         throw_kg=found.throw_kg,
@@ -120,7 +129,12 @@ def verdict(steps: Sequence[Step], least_transition_mm: float) -> Verdict:
 
 
 def best_step(steps: Sequence[Step], least_transition_mm: float) -> Step | None:
-    """The step that gains most in torsional stiffness per mass of those that beat the original web."""
+    """The step that gains most in torsional stiffness per mass of those that beat the original web.
+
+    Args:
+        steps: all steps, the original web first.
+        least_transition_mm: least thickness of the web around its journals that counts as sound.
+    """
     original, *others = steps
     sound = [s for s in others if s.beats(original) and s.transition_mm >= least_transition_mm]
     return max(sound, key=lambda step: step.torsion_per_kg, default=None)
