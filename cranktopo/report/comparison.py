@@ -75,12 +75,22 @@ class Comparison:
         return _COLUMNS if self.fatigue is None else (*_COLUMNS, _SAFETY)
 
     def percent(self, row: int, column: int) -> float:
-        """A value in percent of the baseline's."""
+        """A value in percent of the baseline's.
+
+        Args:
+            row: position of the entry.
+            column: position of the value in `columns`.
+        """
         return 100 * self.entries[row].values[column] / self.entries[self.baseline].values[column]
 
 
 def compare(entries: list[Entry], baseline: str, fatigue: Judged | None = None) -> Comparison:
-    """A comparison against the entry of that name; with fatigue, each entry holds its safety.
+    """A comparison against one of the entries.
+
+    Args:
+        entries: what is compared.
+        baseline: name of the entry that counts as 100 %.
+        fatigue: of the same targets in the same order, each entry then holding its safety.
 
     Raises:
         CranktopoError: the baseline is not among the entries, or the supports differ.

@@ -26,13 +26,23 @@ def draw_compliances(axes: Any, history: History) -> None:
 
 
 def draw_volume(axes: Any, history: History) -> None:
-    """Volume fraction; arguments as `draw_compliances`."""
+    """Volume fraction.
+
+    Args:
+        axes: matplotlib axes.
+        history: rows as `history.csv` holds them.
+    """
     _draw_share(axes, history, "volume_fraction", "volume fraction (-)")
     _frame(axes, history)
 
 
 def draw_greyness(axes: Any, history: History) -> None:
-    """Greyness; arguments as `draw_compliances`."""
+    """Greyness.
+
+    Args:
+        axes: matplotlib axes.
+        history: rows as `history.csv` holds them.
+    """
     _draw_share(axes, history, "greyness", "greyness (-)")
     axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
     _frame(axes, history)

@@ -13,7 +13,14 @@ TEXT_SIZE = 7.5
 def dimension(
     axes: Any, start: tuple[float, float], end: tuple[float, float], shift: tuple[float, float], text: str
 ) -> None:
-    """A dimension line between two points, moved off by `shift`, with extension lines and its number."""
+    """A dimension line between two points, with extension lines and its number.
+
+    Args:
+        axes: matplotlib axes, mm.
+        start, end: the two points, mm.
+        shift: how far the line is moved off the points, mm; across it, one component being 0.
+        text: the number.
+    """
     a, b = (np.array(point) + np.array(shift) for point in (start, end))
     if shift[0]:  # vertical dimension: both extension lines reach the same x
         a[0] = b[0] = max(a[0], b[0]) if shift[0] > 0 else min(a[0], b[0])
@@ -37,28 +44,53 @@ def dimension(
 def circle(
     axes: Any, radius: float, y: float, style: str, width: float, fill: str = "none", x: float = 0.0
 ) -> None:
-    """A circle at (x, y)."""
+    """A circle.
+
+    Args:
+        axes: matplotlib axes, mm.
+        radius: its radius, mm.
+        y, x: its centre, mm.
+        style: matplotlib's line style.
+        width: line width in points.
+        fill: colour of its inside.
+    """
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((x, y), radius, fc=fill, ec=INK, lw=width, ls=style))
 
 
 def ghost(axes: Any, polygons: list[Any]) -> None:
-    """Outlines of another body, dashed."""
+    """Outlines of another body, dashed.
+
+    Args:
+        axes: matplotlib axes, mm.
+        polygons: the outlines, (n, 2) each, mm.
+    """
     for polygon in polygons:
         closed = np.vstack([polygon, polygon[:1]])
         axes.plot(closed[:, 0], closed[:, 1], color=GHOST, lw=1.0, ls="--")
 
 
 def finish(axes: Any, title: str) -> None:
-    """Equal scales, a title, no frame."""
+    """Equal scales, a title, no frame.
+
+    Args:
+        axes: matplotlib axes.
+        title: of the view.
+    """
     axes.set_aspect("equal")
     axes.set_title(title, fontsize=10, loc="left", color=THIN)
     axes.axis("off")
 
 
 def hatched(axes: Any, polygons: list[Any], hatch: str = "////") -> None:
-    """A cut area: polygons with their holes by orientation."""
+    """A cut area: polygons with their holes by orientation.
+
+    Args:
+        axes: matplotlib axes, mm.
+        polygons: outlines and holes, (n, 2) each, mm.
+        hatch: matplotlib's hatch pattern; empty for none.
+    """
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 

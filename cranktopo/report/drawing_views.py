@@ -38,7 +38,12 @@ class Sheet:
 
 
 def front_view(axes: Any, sheet: Sheet) -> None:
-    """View along the crank axis from the crankpin side: outline with its stations, bevels, pockets."""
+    """View along the crank axis from the crankpin side: outline with its stations, bevels, pockets.
+
+    Args:
+        axes: matplotlib axes.
+        sheet: what is drawn.
+    """
     web, radius = sheet.web, sheet.scene.throw.radius_mm
     low, high = y_range_mm(web, radius)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, _POINTS))
@@ -64,7 +69,12 @@ def front_view(axes: Any, sheet: Sheet) -> None:
 
 
 def lengthwise_section(axes: Any, sheet: Sheet) -> None:
-    """Section through both axes: crank axis to the right, throw upward."""
+    """Section through both axes: crank axis to the right, throw upward.
+
+    Args:
+        axes: matplotlib axes.
+        sheet: what is drawn.
+    """
     scene, web = sheet.scene, sheet.web
     start, end = scene.web_z_mm
     low, high = y_range_mm(web, scene.throw.radius_mm)
@@ -87,7 +97,12 @@ def lengthwise_section(axes: Any, sheet: Sheet) -> None:
 
 
 def cross_section(axes: Any, sheet: Sheet) -> None:
-    """Section across the side pocket, or half-way between the axes: x to the right, crank axis upward."""
+    """Section across the side pocket, or half-way between the axes: x to the right, crank axis upward.
+
+    Args:
+        axes: matplotlib axes.
+        sheet: what is drawn.
+    """
     scene, web = sheet.scene, sheet.web
     start, end = scene.web_z_mm
     side = next((pocket for pocket in web.pocket if pocket.shape == "side"), None)

@@ -169,7 +169,12 @@ def _draw_haigh(axes: Any, field: FatigueField) -> None:
 
 
 def haigh_limit_MPa(field: FatigueField, mean_MPa: Array) -> Array:
-    """Amplitude that the critical point endures at given mean stresses, by the method of the assessment."""
+    """Amplitude that the critical point endures at given mean stresses, by the method of the assessment.
+
+    Args:
+        field: the assessment.
+        mean_MPa: mean stresses, any shape.
+    """
     from cranktopo.evaluate.fatigue import fkm_strength
     from cranktopo.evaluate.fkm import fkm
     from cranktopo.evaluate.local_stress import LocalStress

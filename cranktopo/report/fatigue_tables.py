@@ -31,7 +31,13 @@ class Judged:
 
 
 def judged(results: Sequence[FatigueField] | Sequence[RuleCheck], loads: str, baseline: int) -> Judged:
-    """What a comparison shows of the fatigue of its targets."""
+    """What a comparison shows of the fatigue of its targets.
+
+    Args:
+        results: of all targets by one method.
+        loads: "extremes" or "cycle".
+        baseline: position of the baseline.
+    """
     fields = [r for r in results if isinstance(r, FatigueField)]
     checks = [r for r in results if isinstance(r, RuleCheck)]
     json = fields_json(fields, loads, baseline) if fields else checks_json(checks, loads, baseline)
@@ -39,7 +45,12 @@ def judged(results: Sequence[FatigueField] | Sequence[RuleCheck], loads: str, ba
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> Table:
-    """One row per target: mass, safety, cyclic stress, gradient and place of the critical point."""
+    """One row per target: mass, safety, cyclic stress, gradient and place of the critical point.
+
+    Args:
+        fields: the assessments.
+        baseline: position of the target that counts as 100 %, if any.
+    """
     columns = (
         "target",
         "throw_kg",
@@ -58,7 +69,12 @@ def field_table(fields: Sequence[FatigueField], baseline: int | None) -> Table:
 
 
 def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> Table:
-    """One row per target: acceptability of both fillets by closed form and by finite elements."""
+    """One row per target: acceptability of both fillets by closed form and by finite elements.
+
+    Args:
+        checks: the checks by the rule.
+        baseline: position of the target that counts as 100 %, if any.
+    """
     columns = (
         "target",
         "throw_kg",
@@ -85,7 +101,12 @@ def factor_table(checks: Sequence[RuleCheck]) -> Table:
 
 
 def verdicts(results: Sequence[FatigueField] | Sequence[RuleCheck], baseline: int) -> list[str]:
-    """For each target whether it lives as long as the baseline, and how its mass compares."""
+    """For each target whether it lives as long as the baseline, and how its mass compares.
+
+    Args:
+        results: of all targets by one method.
+        baseline: position of the baseline.
+    """
     names, masses, safeties = _columns(results)
     lines = []
     for index, name in enumerate(names):
@@ -102,13 +123,25 @@ def verdicts(results: Sequence[FatigueField] | Sequence[RuleCheck], baseline: in
 
 
 def fields_json(fields: Sequence[FatigueField], loads: str, baseline: int | None) -> dict[str, Any]:
-    """The object that `fatigue --json` prints for the methods of local stresses."""
+    """The object that `fatigue --json` prints for the methods of local stresses.
+
+    Args:
+        fields: the assessments, at least one.
+        loads: "extremes" or "cycle".
+        baseline: position of the target that counts as 100 %, if any.
+    """
     entries = [_field_json(f) for f in fields]
     return _object(fields[0].method, loads, entries, fields, baseline)
 
 
 def checks_json(checks: Sequence[RuleCheck], loads: str, baseline: int | None) -> dict[str, Any]:
-    """The object that `fatigue --method m53 --json` prints."""
+    """The object that `fatigue --method m53 --json` prints.
+
+    Args:
+        checks: the checks by the rule.
+        loads: "extremes" or "cycle".
+        baseline: position of the target that counts as 100 %, if any.
+    """
     return _object("m53", loads, [c.as_json() for c in checks], checks, baseline)
 
 

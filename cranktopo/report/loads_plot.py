@@ -52,7 +52,12 @@ def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
 
 
 def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
-    """Radial and tangential force on the crankpin; arguments as `draw_piston_forces`."""
+    """Radial and tangential force on the crankpin.
+
+    Args:
+        axes: matplotlib axes.
+        analysis: an analysis with a cycle.
+    """
     forces = _cycle(analysis).forces
     axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label="radial")
     axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label="tangential")
@@ -60,7 +65,12 @@ def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
 
 
 def draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
-    """Torque of one throw and of the engine; arguments as `draw_piston_forces`."""
+    """Torque of one throw and of the engine.
+
+    Args:
+        axes: matplotlib axes.
+        analysis: an analysis with a cycle.
+    """
     cycle = _cycle(analysis)
     angle = cycle.forces.angle_deg
     axes.plot(angle, cycle.forces.torque_Nm, label="one throw")

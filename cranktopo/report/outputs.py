@@ -38,7 +38,12 @@ class Outputs:
 
 
 def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Rows of history.csv: one per design, units in the column names."""
+    """Rows of history.csv: one per design, units in the column names.
+
+    Args:
+        history: records of the designs.
+        case_names: load cases in the order of the compliances.
+    """
     return [
         {
             "iteration": row.iteration,

@@ -96,7 +96,12 @@ def view_axes(towards_viewer: tuple[float, float, float], up: tuple[float, float
 
 
 def extent_mm(body: ShadedMesh, view: Array) -> Array:
-    """Lower and upper corner of a body as seen along a view, (2, 2): rows (right, up), mm."""
+    """Lower and upper corner of a body as seen along a view, (2, 2): rows (right, up), mm.
+
+    Args:
+        body: the body.
+        view: axes of the picture as rows (3, 3), from `view_axes`.
+    """
     points = body.vertices_mm @ view[:2].T
     return np.stack([points.min(axis=0), points.max(axis=0)])
 

@@ -41,7 +41,11 @@ class Table:
         return max((len(self.cell(row, column)) for row in range(len(self.rows))), default=0)
 
     def cell(self, row: int, column: int) -> str:
-        """A cell as text, rounded, with a trailing `*` where it is marked."""
+        """A cell as text, rounded, with a trailing `*` where it is marked.
+
+        Args:
+            row, column: position of the cell.
+        """
         value = self.rows[row][column]
         if value is None:
             return "-"

@@ -19,7 +19,11 @@ SUFFIXES = (".html", ".md")
 
 
 def check_report_path(path: Path) -> None:
-    """Check, before long work, that a report can go there; raises CranktopoError when it cannot."""
+    """Check, before long work, that a report can go there.
+
+    Raises:
+        CranktopoError: another suffix than a report has, or no such folder.
+    """
     if path.suffix.lower() not in SUFFIXES:
         raise CranktopoError(
             f"report '{path}': must end in {' or '.join(SUFFIXES)}.",
