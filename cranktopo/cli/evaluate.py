@@ -115,7 +115,15 @@ def _evaluate(target: Target, wanted: Meshing) -> tuple[Evaluation, bool]:
 
 
 def warn_missed(missed: list[str], accuracy: float | None) -> None:
-    """End with exit code 6, after the results, when the wanted accuracy was not reached."""
+    """End with exit code 6, after the results, when the wanted accuracy was not reached.
+
+    Args:
+        missed: targets that missed it, with the error reached.
+        accuracy: the wanted accuracy, %; None only when nothing was missed.
+
+    Raises:
+        click.exceptions.Exit: something was missed.
+    """
     if missed:
         click.echo(f"error: accuracy {accuracy:g}% not reached by {', '.join(missed)}.", err=True)
         raise click.exceptions.Exit(ExitCode.CRITERION_NOT_MET)

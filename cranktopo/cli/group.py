@@ -17,7 +17,15 @@ class SuggestingGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click does, with a suggestion for a misspelt command."""
+        """As click does, with a suggestion for a misspelt command.
+
+        Args:
+            ctx: click's context.
+            args: the words of the command line from the command on.
+
+        Raises:
+            click.UsageError: no such command.
+        """
         name, valid = args[0], self.list_commands(ctx)
         if name not in valid and not name.startswith("-"):
             raise click.UsageError(f"No such command '{name}'. {suggest(name, valid)}", ctx)
@@ -41,13 +49,23 @@ class LazyGroup(SuggestingGroup):
         return list(self._entries)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of that name, imported now."""
+        """The command of a name, imported now; None when there is none.
+
+        Args:
+            ctx: click's context; not used.
+            cmd_name: the name.
+        """
         if cmd_name not in self._entries:
             return None
         command: click.Command = importlib.import_module(f"{self._package}.{cmd_name}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The command list, from the table and not from the modules."""
+        """The command list, from the table and not from the modules.
+
+        Args:
+            ctx: click's context; not used.
+            formatter: takes the list.
+        """
         with formatter.section("Commands"):
             formatter.write_dl(list(self._entries.items()))

@@ -109,7 +109,12 @@ def _exit_code(metrics: dict[str, Any]) -> ExitCode:
 
 
 def summary(metrics: dict[str, Any], folder: Path) -> str:
-    """What a user wants to know of a finished run, as lines of text."""
+    """What a user wants to know of a finished run, as lines of text.
+
+    Args:
+        metrics: content of metrics.json.
+        folder: run directory.
+    """
     original = metrics["original_web"]
     lines = [
         f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",

@@ -24,7 +24,12 @@ class Number(click.ParamType[float]):
         self._what, self._above, self._below = what, above, below
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The value as a float; fails with the allowed range."""
+        """The value as a float; fails with the allowed range.
+
+        Args:
+            value: what the user wrote, or the default.
+            param, ctx: as click gives them, for the message.
+        """
         allowed = f"must be a number > {self._above:g}"
         if math.isfinite(self._below):
             allowed += f" and < {self._below:g}"
@@ -41,7 +46,12 @@ class Choice(click.Choice[str]):
     """One of a few words; a misspelt one is answered by the nearest."""
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """The word itself; fails with all words and the nearest."""
+        """The word itself; fails with all words and the nearest.
+
+        Args:
+            value: what the user wrote, or the default.
+            param, ctx: as click gives them, for the message.
+        """
         words = [str(choice) for choice in self.choices]
         if value not in words:
             allowed = f"{value!r} is none of {', '.join(words)}."
