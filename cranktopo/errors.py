@@ -57,6 +57,11 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
 
 
 def suggest(word: str, valid: list[str]) -> str:
-    """A did-you-mean sentence for a misspelt word, listing all choices when nothing is near."""
+    """A did-you-mean sentence for a misspelt word, listing all choices when nothing is near.
+
+    Args:
+        word: what was written.
+        valid: the words that exist.
+    """
     near = get_close_matches(word, valid, n=1, cutoff=0.5)
     return f"Did you mean '{near[0]}'?" if near else f"Valid: {', '.join(sorted(valid))}."

@@ -62,13 +62,29 @@ def unwritable(path: Path, error: OSError) -> CranktopoError:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write `content` to `path` atomically; raises CranktopoError when it cannot be written."""
+    """Write a file atomically.
+
+    Args:
+        path: the file; its folder exists.
+        content: what it is to hold.
+
+    Raises:
+        CranktopoError: it cannot be written.
+    """
     with replacing(path) as temporary:
         temporary.write_bytes(content)
 
 
 def write_text(path: Path, content: str) -> None:
-    """Write `content` to `path` atomically as UTF-8; raises CranktopoError when it cannot be written."""
+    """Write a text file atomically as UTF-8.
+
+    Args:
+        path: the file; its folder exists.
+        content: what it is to hold.
+
+    Raises:
+        CranktopoError: it cannot be written.
+    """
     write_bytes(path, content.encode("utf-8"))
 
 

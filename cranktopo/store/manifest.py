@@ -86,7 +86,11 @@ def settings_hash(scene: Mapping[str, Any], options: Mapping[str, Any]) -> str:
 
 
 def file_hash(path: Path) -> str:
-    """SHA-256 (hex) of a file's content; raises CranktopoError when it cannot be read."""
+    """SHA-256 (hex) of a file's content.
+
+    Raises:
+        CranktopoError: it cannot be read.
+    """
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -113,7 +117,11 @@ def timestamp() -> str:
 
 
 def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
-    """Check that a manifest read from `path` is one this program can use.
+    """Check that a manifest is one this program can use.
+
+    Args:
+        manifest: its content.
+        path: the file it was read from, for the message.
 
     Raises:
         CranktopoError: another schema version, or keys missing.

@@ -93,7 +93,11 @@ class RunStore:
                 )
 
     def log(self, text: str) -> None:
-        """Append one line with the time to run.log; raises CranktopoError when it cannot be written."""
+        """Append one line with the time to run.log.
+
+        Raises:
+            CranktopoError: it cannot be written.
+        """
         try:
             with (self.path / _LOG).open("a", encoding="utf-8") as file:
                 file.write(f"{timestamp()} {text}\n")
@@ -221,7 +225,12 @@ def open_run(reference: str, root: Path = RUNS) -> RunStore:
 
 
 def runs_named(reference: str, root: Path = RUNS) -> list[str]:
-    """Names of the runs under `root` that begin so."""
+    """Names of the runs that begin so; none for an empty beginning.
+
+    Args:
+        reference: beginning of a name.
+        root: directory of the runs.
+    """
     names = [run.path.name for run in list_runs(root)]
     return [name for name in names if name.startswith(reference)] if reference else []
 
