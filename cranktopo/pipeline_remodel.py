@@ -114,7 +114,12 @@ def write_remodel(
 
 
 def drawing_notes(fitted: FittedWeb, near: Closeness) -> list[str]:
-    """Lines of the drawing's title block: material, mass, how well it fits, what the stations gained."""
+    """Lines of the drawing's title block: material, mass, how well it fits, what the stations gained.
+
+    Args:
+        fitted: the fitted web and what was tried.
+        near: how close it came to the extracted body.
+    """
     scene = fitted.scene
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     lines = [
