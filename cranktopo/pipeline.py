@@ -28,6 +28,7 @@ from cranktopo.store import (
     load_checkpoint,
     locked,
     open_run,
+    require_kind,
     save_checkpoint,
     save_iteration,
 )
@@ -140,9 +141,10 @@ def reopen(reference: str, max_iterations: int | None, notice: Notice) -> tuple[
         notice: called with one line about the model.
 
     Raises:
-        CranktopoError: not a run, or what is missing in it.
+        CranktopoError: not a run of `optimise`, or what is missing in it.
     """
     run = open_run(reference)
+    require_kind(run, "optimise")
     run.require_same_inputs()
     scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
     prepared = prepare(scene.with_optimise(max_iterations=max_iterations))

@@ -14,11 +14,12 @@ from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
 
 if TYPE_CHECKING:
-    from cranktopo.iterate import Outcome, Settings
+    from cranktopo.iterate import Settings
     from cranktopo.scene import Scene
 
 DEFAULT_DESIGN = "mikron-iiic"
 THIN_SHARE = 0.4
+_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json"}
 
 
 @click.command("iterate")
@@ -86,8 +87,8 @@ def command(
         settings = _settings(scene, steps, least_transition_mm, element_size_mm)
         outcome = start_loop(scene, text, settings, ["cranktopo", *sys.argv[1:]], out, say)
     data = outcome.as_json()
-    files = _write(outcome, data)
-    click.echo(json.dumps({**data, "files": files}) if as_json else _text(outcome, data, files))
+    files = _write(outcome.folder, data)
+    click.echo(json.dumps({**data, "files": files}) if as_json else summary(data, outcome.folder))
 
 
 def _settings(scene: Scene, steps: int, least_mm: float | None, element_size_mm: float | None) -> Settings:
@@ -96,34 +97,41 @@ def _settings(scene: Scene, steps: int, least_mm: float | None, element_size_mm:
     return Settings(steps, least_mm or THIN_SHARE * scene.web.thickness_mm, element_size_mm)
 
 
-def _write(outcome: Outcome, data: dict[str, Any]) -> dict[str, str]:
+def _write(folder: Path, data: dict[str, Any]) -> dict[str, str]:
     """steps.csv and steps.png beside iterate.json."""
     from cranktopo.report.iterate_report import save_steps_plot, steps_table
     from cranktopo.report.tables import comma_separated
     from cranktopo.store import write_text
 
-    files = {name: str(outcome.folder / f) for name, f in (("csv", "steps.csv"), ("plot", "steps.png"))}
+    files = {name: str(folder / file) for name, file in _FILES.items()}
     write_text(Path(files["csv"]), comma_separated(steps_table(data["steps"])) + "\n")
     save_steps_plot(Path(files["plot"]), data)
-    return {**files, "json": str(outcome.folder / "iterate.json")}
+    return files
 
 
-def _text(outcome: Outcome, data: dict[str, Any], files: dict[str, str]) -> str:
+def summary(data: dict[str, Any], folder: Path) -> str:
+    """What a user wants to know of a finished loop, as lines of text.
+
+    Args:
+        data: content of iterate.json.
+        folder: directory of the loop.
+    """
     from cranktopo.report.iterate_report import steps_table
     from cranktopo.report.tables import terminal
 
-    best, original = outcome.best, outcome.steps[0]
-    lines = [terminal(steps_table(data["steps"])), "", f"ended: {outcome.stop_reason}"]
-    if best is None:
+    lines = [terminal(steps_table(data["steps"])), "", f"ended: {data['stop_reason']}"]
+    if data["best_step"] is None:
         lines.append(
             "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
         )
     else:
-        share = best.percent_of(original)
+        best = data["steps"][data["best_step"]]
+        share = best["percent_of_original"]
         lines.append(
-            f"best: step {best.number}, "
+            f"best: step {best['number']}, "
             f"torsional stiffness per mass {share['torsion_per_mass'] - 100:+.1f} %, "
             f"mass {share['mass'] - 100:+.1f} %, bending stiffness {share['bending'] - 100:+.1f} %"
         )
-        lines.append(str(outcome.folder / f"step-{best.number:02d}" / "web.toml"))
-    return "\n".join([*lines, *files.values()])
+        lines.append(str(folder / f"step-{best['number']:02d}" / "web.toml"))
+    files = (folder / file for file in _FILES.values())
+    return "\n".join([*lines, *(str(file) for file in files if file.is_file())])

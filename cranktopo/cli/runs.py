@@ -52,26 +52,27 @@ def list_command(root: Path, as_json: bool) -> None:
 @command.command("show")
 @click.argument("run", shell_complete=complete_runs)
 @_ROOT
-@click.option("--json", "as_json", is_flag=True, help="Print metrics.json and manifest.json as one object.")
+@click.option("--json", "as_json", is_flag=True, help="Print manifest and results as one object.")
 def show_command(run: str, root: Path, as_json: bool) -> None:
     """Show one RUN: how it ended, its results, its files.
 
     Example: cranktopo runs show 20250101-120000_mikron-iiic_0123abcd
     """
-    from cranktopo.cli.optimise import summary
-    from cranktopo.store import open_run
+    from cranktopo.cli import iterate, optimise
+    from cranktopo.store import LOOP, kind_of, open_run, read_result, resume_command
 
     found = open_run(run, root)
-    manifest, metrics = found.manifest(), _metrics(found)
+    manifest, kind, result = found.manifest(), kind_of(found), read_result(found)
     if as_json:
-        click.echo(json.dumps({"schema_version": 1, "manifest": manifest, "metrics": metrics}, indent=2))
+        key = "loop" if kind == LOOP else "metrics"
+        click.echo(json.dumps({"schema_version": 1, "manifest": manifest, key: result}, indent=2))
         return
     click.echo(f"{found.path}: {manifest['status']}, started {manifest['started']}")
     click.echo(f"{' '.join(manifest['command'])}\n")
-    if metrics is None:
-        click.echo(f"not finished; continue with: cranktopo optimise --resume {found.path}")
+    if result is None:
+        click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
-        click.echo(summary(metrics, found.path))
+        click.echo((iterate if kind == LOOP else optimise).summary(result, found.path))
 
 
 @command.command("clean")
@@ -112,38 +113,57 @@ def _status(run: RunStore) -> str:
         return "unreadable"
 
 
-def _metrics(run: RunStore) -> dict[str, Any] | None:
-    return run.read_metrics() if (run.path / "metrics.json").is_file() else None
-
-
 def _entry(run: RunStore) -> dict[str, Any]:
+    from cranktopo.store import LOOP, kind_of, read_result
+
     entry: dict[str, Any] = {"run": run.name, "path": str(run.path), "status": _status(run)}
     if entry["status"] == "unreadable":
         return entry
-    entry |= {"design": run.manifest()["design"], "started": run.manifest()["started"]}
-    metrics = _metrics(run)
-    if metrics is not None:
-        entry["result"] = metrics["status"]
-        entry["mass_of_throw_kg"] = metrics["mass_kg"]["throw"]
-        gains = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
-        entry["gain_of_stiffness_per_mass_percent"] = gains
-    return entry
+    kind, result = kind_of(run), read_result(run)
+    entry |= {"command": kind, "design": run.manifest()["design"], "started": run.manifest()["started"]}
+    if result is None:
+        return entry
+    return entry | (_loop_result(result) if kind == LOOP else _run_result(result))
+
+
+def _run_result(metrics: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "result": metrics["status"],
+        "mass_of_throw_kg": metrics["mass_kg"]["throw"],
+        "gain_of_stiffness_per_mass_percent": metrics["original_web"]["gain_of_stiffness_per_mass_percent"],
+    }
+
+
+def _loop_result(loop: dict[str, Any]) -> dict[str, Any]:
+    """The best step of a loop, if it has one."""
+    if loop["best_step"] is None:
+        return {"result": "no better web"}
+    best = loop["steps"][loop["best_step"]]
+    share = best["percent_of_original"]
+    return {
+        "result": f"best: step {best['number']}",
+        "mass_of_throw_kg": best["throw_kg"],
+        "gain_of_stiffness_per_mass_percent": {
+            case: share[f"{case}_per_mass"] - 100 for case in ("torsion", "bending")
+        },
+    }
 
 
 def _table(entries: list[dict[str, Any]]) -> str:
     from cranktopo.report.text_table import text_table
 
-    header = ("run", "status", "result", "throw kg", "torsion per kg", "bending per kg")
+    header = ("run", "command", "status", "result", "throw kg", "torsion per kg", "bending per kg")
     rows = []
     for entry in entries:
         gains = entry.get("gain_of_stiffness_per_mass_percent", {})
         mass = entry.get("mass_of_throw_kg")
         row = [
             entry["run"],
+            entry.get("command", "-"),
             entry["status"],
             entry.get("result", "-"),
             "-" if mass is None else f"{mass:.3f}",
         ]
         row += [f"{gains[kind]:+.1f} %" if kind in gains else "-" for kind in ("torsion", "bending")]
         rows.append(row)
-    return text_table("lllrrr", header, rows)
+    return text_table("llllrrr", header, rows)

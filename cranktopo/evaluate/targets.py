@@ -11,7 +11,7 @@ from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
-from cranktopo.store import open_run, runs_named
+from cranktopo.store import RunStore, open_run, require_kind, runs_named
 
 _GEOMETRY = (".stl", ".step", ".stp")
 _RUN_DESIGN, _RUN_SURFACE = "design.toml", "web.stl"
@@ -61,13 +61,14 @@ def resolve_target(text: str, design: str | None = None) -> Target:
         design: design for the journals of an STL or STEP file.
 
     Raises:
-        CranktopoError: nothing of that name, an unfinished run, or a geometry file without a design.
+        CranktopoError: nothing of that name, no finished run of `optimise`, or a geometry file without a
+            design.
     """
     path = Path(text)
     if path.is_dir():
-        return _run(path)
+        return _run(open_run(text))
     if not path.exists() and text not in builtin_designs() and runs_named(text):
-        return _run(open_run(text).path)
+        return _run(open_run(text))
     if path.suffix.lower() not in _GEOMETRY:
         scene = load_simulated(text)
         return Target(scene.name, scene)
@@ -82,14 +83,15 @@ def resolve_target(text: str, design: str | None = None) -> Target:
     return Target(path.name, load_simulated(design), path)
 
 
-def _run(folder: Path) -> Target:
+def _run(run: RunStore) -> Target:
+    require_kind(run, "optimise")
     for name in (_RUN_DESIGN, _RUN_SURFACE):
-        if not (folder / name).is_file():
+        if not (run.path / name).is_file():
             raise CranktopoError(
-                f"target '{folder}': {name} is missing, so this is no finished run.",
+                f"target '{run.path}': {name} is missing, so this is no finished run.",
                 hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
             )
-    return Target(folder.name, load_simulated(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)
+    return Target(run.name, load_simulated(str(run.path / _RUN_DESIGN)), run.path / _RUN_SURFACE)
 
 
 def load_simulated(design: str) -> Scene:

@@ -25,8 +25,20 @@ from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.loading import input_files
 from cranktopo.scene.writing import toml_text
-from cranktopo.store import RunStore, check_destination, create_run, locked, open_run, read_json, write_json
-from cranktopo.store.files import write_text
+from cranktopo.store import (
+    LOOP,
+    RESULT_FILES,
+    RunStore,
+    check_destination,
+    create_run,
+    locked,
+    open_run,
+    read_json,
+    require_kind,
+    resume_command,
+    write_json,
+    write_text,
+)
 from cranktopo.surface.mesh import SurfaceMesh
 
 STEP_FILE = "step.json"
@@ -105,7 +117,7 @@ def start_loop(
         design=scene.name,
         design_toml=design_toml,
         scene=scene.model_dump(mode="json"),
-        options={"iterate": vars(settings)},
+        options={LOOP: vars(settings)},
         command=command,
         inputs=input_files(scene),
         out=out,
@@ -124,16 +136,12 @@ def continue_loop(reference: str, say: Say) -> Outcome:
         CranktopoError: not a loop, or as `start_loop`.
     """
     run = open_run(reference)
+    require_kind(run, LOOP)
     manifest = run.manifest()
-    if "iterate" not in manifest["options"]:
-        raise CranktopoError(
-            f"run '{run.path}': is no loop of `cranktopo iterate`.",
-            hint=f"Continue it with: cranktopo optimise --resume {run.path}",
-        )
     run.require_same_inputs()
     run.resume()
     scene = scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
-    return _guarded(run, scene, Settings(**manifest["options"]["iterate"]), say)
+    return _guarded(run, scene, Settings(**manifest["options"][LOOP]), say)
 
 
 def _guarded(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
@@ -148,10 +156,10 @@ def _guarded(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outco
                 raise
             raise CranktopoError(
                 f"interrupted; finished steps are kept in {run.path}.",
-                hint=f"Continue with: cranktopo iterate --resume {run.path}",
+                hint=f"Continue with: {resume_command(run)}",
                 code=ExitCode.INTERRUPTED,
             ) from None
-        write_json(run.path / "iterate.json", outcome.as_json())
+        write_json(run.path / RESULT_FILES[LOOP], outcome.as_json())
         run.set_status("done")
         run.log(outcome.stop_reason)
         return outcome

@@ -14,7 +14,7 @@ from cranktopo.evaluate.evaluation import Progress
 from cranktopo.report.steps import Step, steps
 from cranktopo.report.stress_file import read_run_stress, solve_run_stress
 from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.store import RunStore, read_json
+from cranktopo.store import RunStore, read_json, read_result, require_kind, resume_command
 from cranktopo.surface import SurfaceMesh
 from cranktopo.surface.mesh import read_stl
 
@@ -60,14 +60,15 @@ def read_record(run: RunStore, domain: Domain | None = None, solve: Progress | N
         solve: solve for the stresses that the run does not keep yet; called with a line of progress.
 
     Raises:
-        CranktopoError: the run has no metrics yet, or a file is damaged.
+        CranktopoError: the run is a loop or has no metrics yet, or a file is damaged.
     """
-    if not (run.path / "metrics.json").is_file():
+    require_kind(run, "optimise")
+    manifest, metrics = run.manifest(), read_result(run)
+    if metrics is None:
         raise CranktopoError(
             f"run '{run.path}': not finished, metrics.json is missing.",
-            hint=f"Continue it with: cranktopo optimise --resume {run.path}",
+            hint=f"Continue it with: {resume_command(run)}",
         )
-    manifest, metrics = run.manifest(), run.read_metrics()
     scene = scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
     scene = planned_scene(scene)
     surface = metrics.get("files", {}).get("stl")

@@ -4,6 +4,15 @@ from cranktopo.store.cache import user_cache
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
 from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
+from cranktopo.store.kind import (
+    LOOP,
+    RESULT_FILES,
+    RunKind,
+    kind_of,
+    read_result,
+    require_kind,
+    resume_command,
+)
 from cranktopo.store.lock import locked
 from cranktopo.store.runs import (
     RUNS,
@@ -17,19 +26,26 @@ from cranktopo.store.runs import (
 )
 
 __all__ = [
+    "LOOP",
+    "RESULT_FILES",
     "RUNS",
     "Checkpoint",
+    "RunKind",
     "RunStore",
     "check_destination",
     "create_run",
+    "kind_of",
     "list_runs",
     "load_checkpoint",
     "load_iteration",
     "locked",
     "open_run",
     "read_json",
+    "read_result",
     "remove_run",
     "replacing",
+    "require_kind",
+    "resume_command",
     "runs_named",
     "save_checkpoint",
     "save_iteration",

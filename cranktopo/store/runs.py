@@ -125,10 +125,6 @@ class RunStore:
         """Write metrics.json; raises CranktopoError when a number is not finite."""
         write_json(self.path / _METRICS, metrics)
 
-    def read_metrics(self) -> dict[str, Any]:
-        """The content of metrics.json; raises CranktopoError when the run has none."""
-        return read_json(self.path / _METRICS)
-
 
 def check_destination(out: Path | None, root: Path = RUNS) -> None:
     """Check, writing nothing, that a run can be made: call it before the long work.

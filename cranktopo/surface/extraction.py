@@ -13,7 +13,7 @@ from cranktopo.errors import CranktopoError
 from cranktopo.optimise.loop import Design, build_chain, design_of
 from cranktopo.optimise.state import from_checkpoint
 from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.store import RunStore, load_checkpoint, load_iteration
+from cranktopo.store import RunStore, load_checkpoint, load_iteration, require_kind, resume_command
 from cranktopo.surface.extract import WebSurface
 from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
 from cranktopo.surface.gates import GateReport, surface_json
@@ -96,8 +96,9 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
         A surface that passed every gate.
 
     Raises:
-        CranktopoError: no density of that iteration, or a surface that fails a gate.
+        CranktopoError: a loop, no density of that iteration, or a surface that fails a gate.
     """
+    require_kind(run, "optimise")
     scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
     scene = planned_scene(scene)
     domain = build_domain(scene, scene.optimise.resolution_mm)
@@ -137,7 +138,7 @@ def _last(run: RunStore) -> tuple[int, np.ndarray, float]:
     if not run.checkpoint.is_file():
         raise CranktopoError(
             f"run '{run.path}': holds no density (checkpoint missing).",
-            hint="Give a run of `cranktopo optimise`.",
+            hint=f"Continue it with: {resume_command(run)}",
         )
     saved = load_checkpoint(run.checkpoint)
     state = from_checkpoint(saved.arrays, saved.state)

@@ -103,7 +103,7 @@ def test_list(runs: dict[str, RunStore], capsys: pytest.CaptureFixture[str]) -> 
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 4
     line = next(line for line in lines if line.startswith(runs["done"].name))
-    assert line.split()[1:] == ["done", "converged", "1.250", "+12.3", "%", "-1.0", "%"]
+    assert line.split()[1:] == ["optimise", "done", "converged", "1.250", "+12.3", "%", "-1.0", "%"]
     assert main(["runs", "list", "--json"]) == 0
     entries = json.loads(capsys.readouterr().out)["runs"]
     assert {entry["status"] for entry in entries} == {"done", "failed", "interrupted"}

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from cranktopo.cli.main import main
+from cranktopo.scene import load_scene
 from cranktopo.scene.loading import designs_folder
+from cranktopo.store import create_run
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 NO_DATA = 'name = "31CrMoV9"'
@@ -93,10 +95,12 @@ def test_peak_loads_must_be_given(capsys: pytest.CaptureFixture[str], tmp_path: 
 
 
 def test_a_surface_has_no_fillets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    (tmp_path / "manifest.json").write_text("{}", encoding="utf-8")
-    (tmp_path / "design.toml").write_text(MIKRON, encoding="utf-8")
-    (tmp_path / "web.stl").write_bytes(b"")
-    assert main(["fatigue", str(tmp_path)]) == 3
+    scene = load_scene("mikron-iiic").model_dump(mode="json")
+    command = ["cranktopo", "optimise"]
+    out = tmp_path / "run"
+    create_run(design="mikron-iiic", design_toml=MIKRON, scene=scene, options={}, command=command, out=out)
+    (out / "web.stl").write_bytes(b"")
+    assert main(["fatigue", str(out)]) == 3
     assert "no true fillets" in capsys.readouterr().err
 
 

@@ -28,6 +28,8 @@ from cranktopo.loads.balance import throw_balance
 from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
+from cranktopo.scene.writing import toml_text
+from cranktopo.store import create_run
 from cranktopo.surface.mesh import SurfaceMesh, mesh_of
 from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
@@ -243,6 +245,83 @@ def test_the_loop_ends_when_the_web_is_thin(quick: list[str], tmp_path: Path, ca
     assert "19.0 mm thick beside a journal, less than 19.5 mm" in data["stop_reason"]
     assert len(data["steps"]) == 2
     assert data["best_step"] is None
+
+
+def test_a_loop_is_shown_and_listed_as_one(
+    quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["iterate", "--steps", "1", "--resolution-mm", "4.5", "--volume-fraction", "0.6"]) == 0
+    ended = capsys.readouterr().out
+    (path,) = (tmp_path / "runs").iterdir()
+    assert main(["runs", "show", path.name]) == 0
+    assert capsys.readouterr().out.endswith(f"\n\n{ended}")
+    assert main(["runs", "show", path.name, "--json"]) == 0
+    data = json.loads((path / "iterate.json").read_text())
+    assert json.loads(capsys.readouterr().out)["loop"] == data
+    assert data["best_step"] is None
+    assert main(["runs", "list"]) == 0
+    assert "no better web" in capsys.readouterr().out
+    (path / "iterate.json").write_text(json.dumps({**data, "best_step": 1}))
+    best = data["steps"][1]
+    assert main(["runs", "show", path.name]) == 0
+    assert "\nbest: step 1, " in capsys.readouterr().out
+    assert main(["runs", "list", "--json"]) == 0
+    (entry,) = json.loads(capsys.readouterr().out)["runs"]
+    assert entry["command"] == "iterate"
+    assert entry["mass_of_throw_kg"] == best["throw_kg"]
+    torsion, mass = (best[key] / data["steps"][0][key] for key in ("torsion_Nm_per_rad", "throw_kg"))
+    gain = 100 * (torsion / mass - 1)
+    assert entry["gain_of_stiffness_per_mass_percent"]["torsion"] == pytest.approx(gain)
+    (path / "iterate.json").unlink()
+    assert main(["runs", "show", path.name]) == 0
+    assert f"continue with: cranktopo iterate --resume runs/{path.name}" in capsys.readouterr().out
+
+
+READERS = [
+    ["optimise", "--resume"],
+    ["report"],
+    ["extract"],
+    ["remodel"],
+    ["evaluate"],
+    ["compare", "mikron-iiic", "--baseline"],
+    ["fatigue"],
+    ["accuracy"],
+]
+
+
+@pytest.mark.parametrize("command", READERS, ids=lambda command: command[0])
+def test_a_loop_is_no_run_of_optimise(
+    command: list[str], tmp_path: Path, mikron: Scene, capsys: Capture
+) -> None:
+    """One line that names what made it and what goes on with it; nothing in it is touched."""
+    path = new_run(tmp_path / "loop", mikron, {"iterate": {"steps": 3, "least_transition_mm": 7.6}})
+    before = {file: file.read_bytes() for file in path.iterdir()}
+    assert main([*command, str(path)]) == 3
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert f"run '{path}': was made by `cranktopo iterate`" in error
+    assert f"cranktopo runs show {path}; or continue it: cranktopo iterate --resume {path}" in error
+    assert {file: file.read_bytes() for file in path.iterdir()} == before
+
+
+def test_a_run_of_optimise_is_no_loop(tmp_path: Path, mikron: Scene, capsys: Capture) -> None:
+    path = new_run(tmp_path / "run", mikron, {})
+    assert main(["iterate", "--resume", str(path)]) == 3
+    error = capsys.readouterr().err
+    assert "was made by `cranktopo optimise`; this needs one of `cranktopo iterate`" in error
+    assert f"cranktopo optimise --resume {path}" in error
+
+
+def new_run(path: Path, scene: Scene, options: dict[str, Any]) -> Path:
+    """A run that holds nothing but its inputs."""
+    return create_run(
+        design=scene.name,
+        design_toml=toml_text(scene, "as given"),
+        scene=scene.model_dump(mode="json"),
+        options=options,
+        command=["cranktopo"],
+        out=path,
+    ).path
 
 
 def test_bad_use(tmp_path: Path, capsys: Capture) -> None:

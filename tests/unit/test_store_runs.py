@@ -13,7 +13,15 @@ import numpy as np
 import pytest
 
 from cranktopo.errors import CranktopoError
-from cranktopo.store import RunStore, check_destination, create_run, list_runs, locked, open_run
+from cranktopo.store import (
+    RunStore,
+    check_destination,
+    create_run,
+    list_runs,
+    locked,
+    open_run,
+    read_result,
+)
 from cranktopo.store.manifest import settings_hash
 
 SCENE = {"name": "demo", "throw": {"radius_mm": 48.0}, "optimise": {"volume_fraction": 0.3}}
@@ -139,10 +147,9 @@ def test_history_round_trip_with_columns_that_come_later(tmp_path: Path) -> None
 
 def test_metrics_round_trip(tmp_path: Path) -> None:
     run = _create(tmp_path)
-    with pytest.raises(CranktopoError, match="no such file"):
-        run.read_metrics()
+    assert read_result(run) is None
     run.write_metrics({"greyness": np.float64(0.1)})
-    assert run.read_metrics() == {"greyness": 0.1}
+    assert read_result(run) == {"greyness": 0.1}
 
 
 def test_open_by_path_name_and_prefix(tmp_path: Path) -> None:

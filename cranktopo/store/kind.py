@@ -1,0 +1,46 @@
+"""Which command made a run directory, and so what it holds and what can read or continue it."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from cranktopo.errors import CranktopoError
+from cranktopo.store.files import read_json
+from cranktopo.store.runs import RunStore
+
+RunKind = Literal["optimise", "iterate"]
+"""The command that made a run: one optimisation, or the loop over many."""
+LOOP: RunKind = "iterate"
+"""Kind of a loop, and the key of its settings among the manifest's options."""
+RESULT_FILES: dict[RunKind, str] = {"optimise": "metrics.json", "iterate": "iterate.json"}
+"""Name of the file that a run of each kind writes last."""
+
+
+def kind_of(run: RunStore) -> RunKind:
+    """The command that made a run; raises CranktopoError when its manifest cannot be used."""
+    return LOOP if LOOP in run.manifest()["options"] else "optimise"
+
+
+def read_result(run: RunStore) -> dict[str, Any] | None:
+    """What a run reached, None before its end; raises CranktopoError when a file cannot be used."""
+    path = run.path / RESULT_FILES[kind_of(run)]
+    return read_json(path) if path.is_file() else None
+
+
+def resume_command(run: RunStore) -> str:
+    """The command line that continues a run; raises CranktopoError when its manifest cannot be used."""
+    return f"cranktopo {kind_of(run)} --resume {run.path}"
+
+
+def require_kind(run: RunStore, wanted: RunKind) -> None:
+    """Check that the `wanted` command made a run.
+
+    Raises:
+        CranktopoError: another command made it, or its manifest cannot be used.
+    """
+    found = kind_of(run)
+    if found != wanted:
+        raise CranktopoError(
+            f"run '{run.path}': was made by `cranktopo {found}`; this needs one of `cranktopo {wanted}`.",
+            hint=f"See what it holds: cranktopo runs show {run.path}; or continue it: {resume_command(run)}",
+        )
