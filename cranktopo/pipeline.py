@@ -19,8 +19,9 @@ from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene import Scene
 from cranktopo.scene.loading import input_files
+from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import (
     RunStore,
     check_destination,
@@ -146,8 +147,7 @@ def reopen(reference: str, max_iterations: int | None, notice: Notice) -> tuple[
     run = open_run(reference)
     require_kind(run, "optimise")
     run.require_same_inputs()
-    scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
-    prepared = prepare(scene.with_optimise(max_iterations=max_iterations))
+    prepared = prepare(scene_of_run(run).with_optimise(max_iterations=max_iterations))
     notice(describe(prepared))
     return run, prepared
 

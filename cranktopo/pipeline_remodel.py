@@ -18,7 +18,8 @@ from cranktopo.remodel.fit import FittedWeb, fit_web
 from cranktopo.remodel.imported import read_surface
 from cranktopo.remodel.rules import Rules
 from cranktopo.report.drawing import write_drawing
-from cranktopo.scene import Scene, load_scene
+from cranktopo.scene import Scene
+from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import check_destination, open_run
 from cranktopo.store.files import write_json, write_text
@@ -64,11 +65,11 @@ def remodel(
         CranktopoError: not a finished run, a surface that is not sound, or no web that keeps the rules.
     """
     began = time.perf_counter()
-    run = open_run(reference).path
-    target = resolve_target(str(run))
-    folder = out or run / "remodel"
+    run = open_run(reference)
+    target = resolve_target(str(run.path))
+    folder = out or run.path / "remodel"
     check_destination(folder)
-    scene = load_scene(str(run / "design.toml"))
+    scene = scene_of_run(run)
     surface = _surface(target, scene)
     progress(f"{run.name}: fitting a parametric web")
     fitted = fit_web(surface, scene, rules)

@@ -11,10 +11,11 @@ from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
+from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, open_run, require_kind, runs_named
 
 _GEOMETRY = (".stl", ".step", ".stp")
-_RUN_DESIGN, _RUN_SURFACE = "design.toml", "web.stl"
+_RUN_SURFACE = "web.stl"
 
 
 @dataclass(frozen=True)
@@ -85,13 +86,13 @@ def resolve_target(text: str, design: str | None = None) -> Target:
 
 def _run(run: RunStore) -> Target:
     require_kind(run, "optimise")
-    for name in (_RUN_DESIGN, _RUN_SURFACE):
-        if not (run.path / name).is_file():
-            raise CranktopoError(
-                f"target '{run.path}': {name} is missing, so this is no finished run.",
-                hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
-            )
-    return Target(run.name, load_simulated(str(run.path / _RUN_DESIGN)), run.path / _RUN_SURFACE)
+    surface = run.path / _RUN_SURFACE
+    if not surface.is_file():
+        raise CranktopoError(
+            f"target '{run.path}': {_RUN_SURFACE} is missing, so this is no finished run.",
+            hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
+        )
+    return Target(run.name, planned_scene(scene_of_run(run)), surface)
 
 
 def load_simulated(design: str) -> Scene:

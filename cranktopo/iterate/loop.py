@@ -24,6 +24,7 @@ from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.loading import input_files
+from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import (
     LOOP,
@@ -137,11 +138,9 @@ def continue_loop(reference: str, say: Say) -> Outcome:
     """
     run = open_run(reference)
     require_kind(run, LOOP)
-    manifest = run.manifest()
     run.require_same_inputs()
     run.resume()
-    scene = scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
-    return _guarded(run, scene, Settings(**manifest["options"][LOOP]), say)
+    return _guarded(run, scene_of_run(run), Settings(**run.manifest()["options"][LOOP]), say)
 
 
 def _guarded(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:

@@ -13,7 +13,8 @@ from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.evaluate.evaluation import Progress
 from cranktopo.report.steps import Step, steps
 from cranktopo.report.stress_file import read_run_stress, solve_run_stress
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene import Scene
+from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, read_json, read_result, require_kind, resume_command
 from cranktopo.surface import SurfaceMesh
 from cranktopo.surface.mesh import read_stl
@@ -69,8 +70,7 @@ def read_record(run: RunStore, domain: Domain | None = None, solve: Progress | N
             f"run '{run.path}': not finished, metrics.json is missing.",
             hint=f"Continue it with: {resume_command(run)}",
         )
-    scene = scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
-    scene = planned_scene(scene)
+    scene = planned_scene(scene_of_run(run))
     surface = metrics.get("files", {}).get("stl")
     return RunRecord(
         folder=str(run.path),

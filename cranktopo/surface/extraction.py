@@ -12,7 +12,8 @@ from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.optimise.loop import Design, build_chain, design_of
 from cranktopo.optimise.state import from_checkpoint
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene import Scene
+from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, load_checkpoint, load_iteration, require_kind, resume_command
 from cranktopo.surface.extract import WebSurface
 from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
@@ -99,8 +100,7 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
         CranktopoError: a loop, no density of that iteration, or a surface that fails a gate.
     """
     require_kind(run, "optimise")
-    scene = scene_from_dict(run.manifest()["scene"], str(run.path / "manifest.json"))
-    scene = planned_scene(scene)
+    scene = planned_scene(scene_of_run(run))
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
     skin = skin_of(scene, domain, design)

@@ -20,7 +20,8 @@ from cranktopo.remodel import fit, select
 from cranktopo.remodel.closeness import closeness
 from cranktopo.remodel.imported import read_surface
 from cranktopo.remodel.rules import Rules
-from cranktopo.scene import load_scene
+from cranktopo.scene.of_run import scene_of_run
+from cranktopo.store import open_run
 from cranktopo.surface.mesh import SurfaceMesh
 
 
@@ -51,7 +52,7 @@ def searches_shown() -> Iterator[None]:
 
 def main(run: Path, judged: bool) -> None:
     """Fit, compare and, if asked, judge the web of a run."""
-    scene = load_scene(str(run / "design.toml"))
+    scene = scene_of_run(open_run(str(run)))
     mesh = read_surface(run / "web.stl", scene)
     surface = SurfaceMesh(mesh.vertices, mesh.faces)
     with searches_shown():
