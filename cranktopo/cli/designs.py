@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import click
@@ -47,11 +48,12 @@ def list_command(as_json: bool) -> None:
 def copy_command(design: str, file: Path, force: bool) -> None:
     """Copy DESIGN to FILE (.toml), named after the file: edit it, then give it to any command.
 
-    What was published about the original stays behind, because it does not hold for the copy.
+    The copy finds the files that the design names. What was published about the original stays behind,
+    because it does not hold for the copy.
 
     Example: cranktopo designs copy mikron-iiic my-engine.toml
     """
-    from cranktopo.scene.loading import copy_of
+    from cranktopo.scene.copying import copy_of
     from cranktopo.store import write_text
 
     if file.suffix.lower() != ".toml":
@@ -62,5 +64,6 @@ def copy_command(design: str, file: Path, force: bool) -> None:
         raise CranktopoError(f"'{file}': its folder does not exist.", code=ExitCode.USAGE)
     if file.exists() and not force:
         raise CranktopoError(f"'{file}' exists.", hint="Give --force to replace it.", code=ExitCode.USAGE)
-    write_text(file, copy_of(design, file.stem))
-    click.echo(f"{file}: edit it, then for example: cranktopo compare {file} --baseline {design}")
+    write_text(file, copy_of(design, file))
+    example = shlex.join(["cranktopo", "compare", str(file), "--baseline", design])
+    click.echo(f"{file}: edit it, then for example: {example}")

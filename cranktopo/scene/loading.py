@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -45,20 +43,6 @@ def resolve_design(design: str) -> Path:
         return builtin
     what = "is a folder, not a TOML file" if path.is_dir() else "no such file or built-in design"
     raise CranktopoError(f"design '{design}': {what}.", hint=suggest(design, builtin_designs()))
-
-
-def copy_of(design: str, name: str) -> str:
-    """Text of a design under another name, without what was published about it.
-
-    Args:
-        design: TOML path or name of a built-in design.
-        name: of the copy.
-
-    Raises:
-        CranktopoError: no such design, or none that can be read.
-    """
-    text = re.sub(r'(?m)^name = ".*"$', lambda _: f"name = {json.dumps(name)}", design_text(design), count=1)
-    return re.sub(r"(?ms)^\[published\].*?(?=^\[|\Z)", "", text).rstrip() + "\n"
 
 
 def design_text(design: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,9 @@ import pytest
 from cranktopo.cli.main import main
 from cranktopo.evaluate.targets import resolve_target, resolve_targets
 from cranktopo.scene import load_scene
-from cranktopo.scene.loading import builtin_designs
+from cranktopo.scene.loading import builtin_designs, designs_folder
 from cranktopo.store import create_run
+from tests.cli.test_run_scene import with_files
 
 
 def test_list_names_every_built_in_design(capsys: pytest.CaptureFixture[str]) -> None:
@@ -34,6 +36,45 @@ def test_copy_is_the_design_under_its_own_name(name: str, tmp_path: Path) -> Non
     assert copy == original.model_copy(update={"name": "my-engine", "published": None})
 
 
+@pytest.mark.parametrize(
+    ("stem", "name"),
+    [
+        ("my engine", "my-engine"),
+        ("-wide (2)", "wide-2"),
+        ("a.b_c", "a.b_c"),
+        ("für 2", "f-r-2"),
+    ],
+)
+def test_copy_has_a_name_that_is_allowed(
+    stem: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"{stem}.toml"
+    assert main(["designs", "copy", "--", "mikron-iiic", str(path)]) == 0
+    command = shlex.split(capsys.readouterr().out.strip().partition("for example: ")[2])
+    assert command == ["cranktopo", "compare", str(path), "--baseline", "mikron-iiic"]
+    assert load_scene(str(path)) == load_scene("mikron-iiic").model_copy(update={"name": name})
+
+
+def test_copy_is_named_whatever_the_quotes(tmp_path: Path) -> None:
+    """The top-level name in single quotes, and a table that has a name of its own."""
+    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    (tmp_path / "one.toml").write_text(text.replace('name = "mikron-iiic"', "name='one'"), encoding="utf-8")
+    assert main(["designs", "copy", str(tmp_path / "one.toml"), str(tmp_path / "two.toml")]) == 0
+    assert load_scene(str(tmp_path / "two.toml")) == load_scene("mikron-iiic").model_copy(
+        update={"name": "two"}
+    )
+
+
+def test_copy_finds_the_files_of_the_original(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    design = with_files(tmp_path / "made")
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path)
+    for place in ("other/copy.toml", "made/copy.toml", "copy.toml"):
+        assert main(["designs", "copy", "made/engine.toml", place]) == 0
+        assert load_scene(place) == load_scene(str(design)).model_copy(update={"name": "copy"})
+    assert "indicator_csv = 'p.csv'" in Path("made/copy.toml").read_text(encoding="utf-8")
+
+
 def test_copy_refuses_what_it_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "mine.toml"
     path.write_text("mine", encoding="utf-8")
@@ -41,6 +82,7 @@ def test_copy_refuses_what_it_cannot_do(tmp_path: Path, capsys: pytest.CaptureFi
         (["mikron-iiic", str(path)], "exists. Give --force"),
         (["mikron-iic", str(tmp_path / "other.toml")], "Did you mean 'mikron-iiic'?"),
         (["mikron-iiic", str(tmp_path / "other.txt")], "must end in .toml"),
+        (["mikron-iiic", str(tmp_path / "(+).toml")], "no name of a design can be made of '(+)'"),
         (["mikron-iiic", str(tmp_path / "none" / "other.toml")], "its folder does not exist"),
     ):
         assert main(["designs", "copy", *arguments]) in (2, 3)
