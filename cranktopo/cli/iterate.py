@@ -5,17 +5,14 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.options import refuse_beside_resume, rule_options
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
-
-if TYPE_CHECKING:
-    from cranktopo.iterate import Settings
-    from cranktopo.scene import Scene
 
 DEFAULT_DESIGN = "mikron-iiic"
 THIN_SHARE = 0.4
@@ -43,6 +40,7 @@ _FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json"}
     type=Number("least transition", above=0.0),
     help="End when the web beside a journal is thinner; default: 40 % of the web's thickness.",
 )
+@rule_options
 @click.option("--element-size-mm", type=Number("element size", above=0.0), help="Of the judge's mesh.")
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
@@ -59,6 +57,7 @@ def command(
     out: Path | None,
     resume: str | None,
     as_json: bool,
+    **rules: Any,
 ) -> None:
     """Remove a little of DESIGN's envelope, extract, re-model, judge, and go on inside the new solid.
 
@@ -67,10 +66,10 @@ def command(
 
     Example: cranktopo iterate mikron-iiic --steps 6 --process forged
     """
-    given = (design, volume_fraction, resolution_mm, process, least_transition_mm, element_size_mm, out)
-    if resume and any(value is not None for value in given):
-        raise click.UsageError("--resume takes the design and its options from the loop")
-    from cranktopo.iterate import continue_loop, start_loop
+    if resume:
+        refuse_beside_resume()
+    from cranktopo.iterate import Settings, continue_loop, start_loop
+    from cranktopo.remodel.rules import Rules
 
     if resume:
         outcome = continue_loop(resume, say)
@@ -84,17 +83,12 @@ def command(
         scene = scene.with_optimise(
             volume_fraction=volume_fraction, resolution_mm=resolution_mm, process=process
         )
-        settings = _settings(scene, steps, least_transition_mm, element_size_mm)
+        least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
+        settings = Settings(steps, least_mm, element_size_mm, Rules(**rules))
         outcome = start_loop(scene, text, settings, ["cranktopo", *sys.argv[1:]], out, say)
     data = outcome.as_json()
     files = _write(outcome.folder, data)
     click.echo(json.dumps({**data, "files": files}) if as_json else summary(data, outcome.folder))
-
-
-def _settings(scene: Scene, steps: int, least_mm: float | None, element_size_mm: float | None) -> Settings:
-    from cranktopo.iterate import Settings
-
-    return Settings(steps, least_mm or THIN_SHARE * scene.web.thickness_mm, element_size_mm)
 
 
 def _write(folder: Path, data: dict[str, Any]) -> dict[str, str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.cli.completion import designs, runs
-from cranktopo.cli.options import percent, seconds
+from cranktopo.cli.options import percent, refuse_beside_resume, seconds
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import NORMAL, QUIET, detail, level, say, talkative
 from cranktopo.errors import ExitCode
@@ -70,10 +70,8 @@ def command(
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
     began = time.perf_counter()
-    if resume and any((design, volume_fraction, resolution_mm, process, accuracy, budget, out)):
-        raise click.UsageError(
-            "--resume takes the design and its options from the run; only --max-iterations may be given"
-        )
+    if resume:
+        refuse_beside_resume("max_iterations")
     if resolution_mm and (accuracy or budget):
         raise click.UsageError(
             "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"

@@ -1,10 +1,13 @@
-"""Options that `evaluate` and `compare` share."""
+"""Options that commands share."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import click
+from click.core import ParameterSource
+
+from cranktopo.remodel.rules import Rules
 
 _TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 
@@ -71,3 +74,48 @@ def mesh_options(function: Any) -> Any:
     ):
         function = option(function)
     return function
+
+
+def rule_options(function: Any) -> Any:
+    """Add --min-wall-mm, --min-radius-mm, --draft-deg and --cell-mm to a command that fits webs.
+
+    Their parameters are named as the fields of `Rules`.
+    """
+    for names, bounds, text in (
+        (
+            ("--cell-mm",),
+            click.FloatRange(min=0.25, max=4),
+            "Cells of the final fit: half the size is nearer to the body and eight times dearer.",
+        ),
+        (
+            ("--draft-deg", "min_draft_deg"),
+            click.FloatRange(min=0, max=30),
+            "Least draft of a side pocket's walls.",
+        ),
+        (("--min-radius-mm",), click.FloatRange(min=0.5), "Least radius of curvature of the outline."),
+        (("--min-wall-mm",), click.FloatRange(min=0.5), "Least wall."),
+    ):
+        field = names[-1].removeprefix("--").replace("-", "_")
+        default = getattr(Rules, field)
+        function = click.option(*names, type=bounds, default=default, show_default=True, help=text)(function)
+    return function
+
+
+def refuse_beside_resume(*allowed: str) -> None:
+    """Check that nothing is given beside --resume that the run itself keeps.
+
+    Args:
+        allowed: names of the running command's parameters that may go with --resume.
+
+    Raises:
+        click.UsageError: another one was typed.
+    """
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        typed = context.get_parameter_source(name) == ParameterSource.COMMANDLINE
+        if typed and parameter.expose_value and name not in ("resume", "as_json", *allowed):
+            what = parameter.opts[0] if isinstance(parameter, click.Option) else name.upper()
+            raise click.UsageError(
+                f"--resume takes the design and its options from the run: leave out {what}"
+            )

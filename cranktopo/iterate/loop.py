@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -56,11 +56,18 @@ class Settings:
         steps: number of steps in which the volume falls to the design's volume fraction.
         least_transition_mm: thickness of the web around its journals below which the loop ends.
         element_size_mm: of the judge's mesh; its default size by default.
+        rules: bounds of the re-modelled webs.
     """
 
     steps: int
     least_transition_mm: float
     element_size_mm: float | None = None
+    rules: Rules = field(default_factory=Rules)
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Settings:
+        """Settings as a manifest keeps them; one of an older version has no rules, which are the usual."""
+        return cls(**{**data, "rules": Rules(**data.get("rules", {}))})
 
 
 @dataclass(frozen=True)
@@ -118,7 +125,7 @@ def start_loop(
         design=scene.name,
         design_toml=design_toml,
         scene=scene.model_dump(mode="json"),
-        options={LOOP: vars(settings)},
+        options={LOOP: asdict(settings)},
         command=command,
         inputs=input_files(scene),
         out=out,
@@ -140,7 +147,7 @@ def continue_loop(reference: str, say: Say) -> Outcome:
     require_kind(run, LOOP)
     run.require_same_inputs()
     run.resume()
-    return _guarded(run, scene_of_run(run), Settings(**run.manifest()["options"][LOOP]), say)
+    return _guarded(run, scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP]), say)
 
 
 def _guarded(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
@@ -207,7 +214,7 @@ def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings
     say(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
     surface = _optimised(folder / "optimise", bounded, say)
     say("  re-modelling")
-    fitted = fit_web(surface, bounded, Rules())
+    fitted = fit_web(surface, bounded, settings.rules)
     near = closeness(fitted.scene, surface)
     scene = scenes[0].model_copy(
         update={"web": fitted.scene.web, "name": f"{scenes[0].name}-step-{number}", "published": None}

@@ -25,6 +25,7 @@ from cranktopo.iterate.solids import read_web, write_envelope, write_solids
 from cranktopo.iterate.step import Step, best_step, verdict
 from cranktopo.iterate.transition import transition_mm
 from cranktopo.loads.balance import throw_balance
+from cranktopo.remodel.rules import Rules
 from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
@@ -238,6 +239,28 @@ def test_interrupted_loop_goes_on_where_it_was(
         assert {**one, "seconds": 0} == {**other, "seconds": 0}
 
 
+def test_rules_hold_in_every_step(
+    quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """As given at the start, when it is continued, and the usual ones for a loop that kept none."""
+    out, seen = tmp_path / "loop", []
+
+    def fit(surface: SurfaceMesh, scene: Scene, rules: Rules) -> Any:
+        seen.append(rules)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(loop, "fit_web", fit)
+    given = ["--min-wall-mm", "4", "--min-radius-mm", "7", "--draft-deg", "5", "--cell-mm", "2"]
+    assert main(["iterate", "--steps", "1", "--resolution-mm", "4.5", *given, "--out", str(out)]) == 130
+    assert main(["iterate", "--resume", str(out)]) == 130
+    manifest = json.loads((out / "manifest.json").read_text())
+    del manifest["options"]["iterate"]["rules"]
+    (out / "manifest.json").write_text(json.dumps(manifest))
+    assert main(["iterate", "--resume", str(out)]) == 130
+    asked = Rules(min_wall_mm=4.0, min_radius_mm=7.0, min_draft_deg=5.0, cell_mm=2.0)
+    assert seen == [asked, asked, Rules()]
+
+
 def test_the_loop_ends_when_the_web_is_thin(quick: list[str], tmp_path: Path, capsys: Capture) -> None:
     out = tmp_path / "loop"
     assert main([*ARGUMENTS, "--least-transition-mm", "19.5", "--out", str(out), "--json"]) == 0
@@ -325,7 +348,11 @@ def new_run(path: Path, scene: Scene, options: dict[str, Any]) -> Path:
 
 
 def test_bad_use(tmp_path: Path, capsys: Capture) -> None:
-    assert main(["iterate", "--resume", str(tmp_path), "--process", "cast"]) == 2
+    for given in (["--process", "cast"], ["--steps", "6"], ["--draft-deg", "3"], ["mikron-iiic"]):
+        assert main(["iterate", "--resume", str(tmp_path), *given]) == 2
+        (error,) = capsys.readouterr().err.splitlines()
+        assert "--resume takes the design and its options from the run" in error
+        assert f"leave out {given[0] if given[0].startswith('--') else 'DESIGN'}" in error
     assert main(["iterate", "--steps", "0"]) == 2
     assert main(["iterate", "nonsense"]) == 3
     taken = tmp_path / "taken"
