@@ -87,7 +87,7 @@ def command(
 
     resolved = resolve_targets(names, design)
     index = names.index(baseline)
-    judged = None if method is None else _judged(resolved, method, index)
+    judged = None if method is None else _judged(resolve_targets(names, design, fillets=True), method, index)
     evaluations, missed = evaluate_targets(resolved, Meshing(element_size_mm, accuracy, budget))
     comparison = _compared(resolved, evaluations, index, judged)
     click.echo(_text(comparison, "json" if as_json else form))

@@ -79,7 +79,7 @@ def command(
             code=ExitCode.USAGE,
         )
     kind: HistoryKind = next(name for name in get_args(HistoryKind) if name == loads)
-    resolved = resolve_targets(names)
+    resolved = resolve_targets(names, fillets=True)
     for target in resolved:
         check_inputs(target, method, kind)
     index = None if baseline is None else names.index(baseline)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from cranktopo.effects import load_rules, structure_rules
@@ -10,7 +10,7 @@ from cranktopo.effects.cost import Costing, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan, Switch
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
-from cranktopo.effects.simulated import simulated_scene
+from cranktopo.effects.simulated import Feature, simulated_scene
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene import Scene
 from cranktopo.scene.schema import Effects
@@ -56,13 +56,17 @@ def plan(scene: Scene, rates: CostRates | None = None) -> EffectPlan:
     return EffectPlan(tuple(_for_all_cases(effect, cases) for effect in decided))
 
 
-def planned_scene(scene: Scene) -> Scene:
+def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
     """The scene as its own effects plan has it simulated.
+
+    Args:
+        scene: what the user wrote.
+        kept: features that stay even where the plan leaves them out.
 
     Raises:
         CranktopoError: as `plan`.
     """
-    return simulated_scene(scene, plan(scene))
+    return simulated_scene(scene, plan(scene), kept)
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:

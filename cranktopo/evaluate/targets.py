@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.effects import planned_scene
+from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
@@ -33,17 +34,18 @@ class Target:
     file: Path | None = None
 
 
-def resolve_targets(texts: Sequence[str], design: str | None = None) -> list[Target]:
+def resolve_targets(texts: Sequence[str], design: str | None = None, fillets: bool = False) -> list[Target]:
     """Targets from what the user typed, each with a name of its own.
 
     Args:
         texts: as `resolve_target` takes them.
         design: design for the journals of STL and STEP files.
+        fillets: as `load_simulated` takes it.
 
     Raises:
         CranktopoError: as `resolve_target`.
     """
-    found = [resolve_target(text, design) for text in texts]
+    found = [resolve_target(text, design, fillets) for text in texts]
     for name in (lambda text: Path(text).stem, str):
         taken = Counter(target.name for target in found)
         found = [
@@ -53,12 +55,13 @@ def resolve_targets(texts: Sequence[str], design: str | None = None) -> list[Tar
     return found
 
 
-def resolve_target(text: str, design: str | None = None) -> Target:
+def resolve_target(text: str, design: str | None = None, fillets: bool = False) -> Target:
     """A target from what the user typed.
 
     Args:
         text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
         design: design for the journals of an STL or STEP file.
+        fillets: as `load_simulated` takes it.
 
     Raises:
         CranktopoError: nothing of that name, an unfinished run, or a geometry file without a design.
@@ -69,7 +72,7 @@ def resolve_target(text: str, design: str | None = None) -> Target:
     if not path.exists() and text not in builtin_designs() and runs_named(text):
         return _run(open_run(text).path)
     if path.suffix.lower() not in _GEOMETRY:
-        scene = load_simulated(text)
+        scene = load_simulated(text, fillets)
         return Target(scene.name, scene)
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
@@ -92,13 +95,15 @@ def _run(folder: Path) -> Target:
     return Target(folder.name, load_simulated(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)
 
 
-def load_simulated(design: str) -> Scene:
+def load_simulated(design: str, fillets: bool = False) -> Scene:
     """The scene of a design, without what its effects plan leaves out.
 
     Args:
         design: TOML path or name of a built-in design.
+        fillets: keep the fillets, which stresses need however little they change the stiffness.
 
     Raises:
         CranktopoError: no such design, an invalid scene, or a plan that cannot be made.
     """
-    return planned_scene(load_scene(design))
+    kept: tuple[Feature, ...] = ("fillets",) if fillets else ()
+    return planned_scene(load_scene(design), kept)
