@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.checks import check_solid
 from cranktopo.remodel.session import cad_session, triangles
 from cranktopo.remodel.throw_solid import (
     add_crankshaft,
@@ -21,6 +20,7 @@ from cranktopo.remodel.throw_solid import (
 from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.remodel.web_solid import DimTags, add_web
 from cranktopo.scene import Scene
+from cranktopo.scene.checks_web import check_solid
 
 if TYPE_CHECKING:
     from cranktopo.surface.mesh import SurfaceMesh
