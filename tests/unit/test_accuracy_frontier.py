@@ -15,6 +15,7 @@ from cranktopo.accuracy.frontier import Frontier, frontier_of
 from cranktopo.accuracy.judging import RUNGS, Wish, first_rung
 from cranktopo.accuracy.machine import Machine, PeakMemory, reference_seconds
 from cranktopo.accuracy.memory import Known, recall, remember
+from cranktopo.accuracy.optimiser_ladder import optimiser_ladder
 from cranktopo.accuracy.optimising import choose_cells
 from cranktopo.accuracy.rung import BENDING, TORSION, LadderName, Rung
 from cranktopo.errors import CranktopoError
@@ -306,6 +307,36 @@ def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
         choose_cells(mikron, None, 0.1)
     with pytest.raises(CranktopoError, match="evaluate RUN"):
         choose_cells(mikron, 1e-4, None)
+
+
+def throw_with(scene: Scene, bore_mm: float) -> Scene:
+    """The throw with a main journal of another bore, and so of another wall."""
+    journal = scene.throw.main_journal.model_copy(update={"bore_diameter_mm": bore_mm})
+    return scene.model_copy(update={"throw": scene.throw.model_copy(update={"main_journal": journal})})
+
+
+@pytest.mark.parametrize("wish", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+def test_a_wall_thinner_than_any_cells_is_named(mikron: Scene, wish: tuple[float, float]) -> None:
+    words = r"resolution_mm = 1\.5: too coarse: the thinnest journal wall is 0\.25 mm.*at most 0\.125 mm"
+    with pytest.raises(CranktopoError, match=words):
+        choose_cells(throw_with(mikron, 41.5), *wish)
+
+
+@pytest.mark.parametrize("wish", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+def test_a_memory_too_small_for_any_cells_is_named(
+    mikron: Scene, wish: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cranktopo.accuracy.optimising.available_memory_MiB", lambda: 901.0)
+    with pytest.raises(CranktopoError, match=r"resolution_mm = 3\.77.*: too fine: .* GiB available"):
+        choose_cells(mikron, *wish)
+
+
+def test_the_optimisers_ladder_ends_where_walls_end_it(mikron: Scene) -> None:
+    """The finest cells are 1.5 mm over 2 to the power 8/3: they fit twice into 0.5 mm, not into 0.25 mm."""
+    usual, single, none = (optimiser_ladder(throw_with(mikron, bore)) for bore in (24.0, 41.0, 41.5))
+    assert [model.label for model in usual[:4]] == ["", "", "", "10 iterations"]
+    assert [(model.label, model.cell_mm) for model in single] == [("", pytest.approx(1.5 * 2 ** (-8 / 3)))]
+    assert none == ()
 
 
 def test_measured_times_replace_the_rough_ones(mikron: Scene, frontier: Frontier) -> None:
