@@ -50,14 +50,14 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
     """
     from cranktopo.accuracy.climb import climb
     from cranktopo.accuracy.frontier import frontier_of
-    from cranktopo.accuracy.memory import remember
+    from cranktopo.accuracy.memory import key_of, remember
     from cranktopo.evaluate.targets import resolve_target
 
     target = resolve_target(design, journals)
     folder = out or _folder(target)
     frontier = frontier_of(climb(target, budget_s, say))
     result = frontier.as_json()
-    kept = remember(result)
+    kept = remember(key_of(target), result)
     files = _write(result, folder)
     click.echo(json.dumps({**result, "files": files}) if as_json else _text(result))
     for path in (*files.values(), *([str(kept)] if kept else [])):

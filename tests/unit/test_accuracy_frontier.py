@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,7 +15,7 @@ from cranktopo.accuracy.climb import Ascent, Task, _climb_one, climb
 from cranktopo.accuracy.frontier import Frontier, frontier_of
 from cranktopo.accuracy.judging import RUNGS, Wish, first_rung
 from cranktopo.accuracy.machine import Machine, PeakMemory, reference_seconds
-from cranktopo.accuracy.memory import Known, recall, remember
+from cranktopo.accuracy.memory import Known, key_of, recall, remember
 from cranktopo.accuracy.optimiser_ladder import optimiser_ladder
 from cranktopo.accuracy.optimising import choose_cells
 from cranktopo.accuracy.rung import BENDING, TORSION, LadderName, Rung
@@ -206,25 +207,51 @@ def cache(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_frontier_is_kept_with_the_speed_of_its_machine(cache: None, frontier: Frontier) -> None:
     result = frontier.as_json()
-    assert recall("by-hand") is None
-    assert remember(result) == memory.memory_path()
-    found, other = recall("by-hand"), recall("another")
+    assert recall("by-hand", "judge") is None
+    assert remember("by-hand", result) == memory.memory_path()
+    found, other = recall("by-hand", "judge"), recall("another", "judge")
     assert found is not None
     assert other is not None
     assert (found.own, found.slowdown, found.result) == (True, pytest.approx(2.0), result)
     assert (other.own, other.design) == (False, "by-hand")
-    remember({**result, "design": "newer"})
-    newest = recall("another")
+    remember("newer", result)
+    newest = recall("another", "judge")
     assert newest is not None
     assert newest.design == "newer"
-    remember({**result, "machine": replace(MACHINE, cores=64).as_json()})
-    assert recall("by-hand") is None, "times of another machine say nothing"
+    remember("by-hand", {**result, "machine": replace(MACHINE, cores=64).as_json()})
+    assert recall("by-hand", "judge") is None, "times of another machine say nothing"
+
+
+def test_only_a_frontier_that_holds_the_ladder_is_recalled(
+    cache: None, frontier: Frontier, mikron: Scene
+) -> None:
+    """A surface is judged, never optimised; so is a design whose budget ended before the optimiser's turn."""
+    judged = frontier_of(ascent(judge_rung(2, 3.0), judge_rung(1, 8.0))).as_json()
+    remember("web", judged)
+    assert recall(mikron.name, "optimiser") is None
+    remember("by-hand", frontier.as_json())
+    remember(mikron.name, judged)
+    for wanted in (mikron.name, "another"):
+        found = recall(wanted, "optimiser")
+        assert found is not None
+        assert (found.design, found.own) == ("by-hand", False)
+        assert "measured on by-hand" in str(choose_cells(mikron, 5.0, None, found))
+    own, newest = recall(mikron.name, "judge"), recall("another", "judge")
+    assert own is not None
+    assert newest is not None
+    assert (own.own, newest.design) == (True, mikron.name)
+
+
+def test_surfaces_are_kept_under_their_path(mikron: Scene, tmp_path: Path) -> None:
+    run, other = (Target("web", mikron, tmp_path / folder / "web" / "web.stl") for folder in ("a", "b"))
+    assert key_of(Target("web", mikron)) == "web"
+    assert len({key_of(run), key_of(other), "web"}) == 3
 
 
 def test_a_damaged_memory_is_none(cache: None, frontier: Frontier) -> None:
-    remember(frontier.as_json())
+    remember("by-hand", frontier.as_json())
     memory.memory_path().write_text('{"schema_version": 1, "designs": 3}', encoding="utf-8")
-    assert recall("by-hand") is None
+    assert recall("by-hand", "judge") is None
 
 
 def test_the_first_rung_follows_from_what_was_measured(frontier: Frontier) -> None:
