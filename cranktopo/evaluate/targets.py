@@ -27,11 +27,13 @@ class Target:
         scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
             where `file` is None.
         file: STL or STEP of the half throw, mm, or None.
+        run: the run directory that it was taken from, or None.
     """
 
     name: str
     scene: Scene
     file: Path | None = None
+    run: Path | None = None
 
 
 def resolve_targets(texts: Sequence[str], design: str | None = None, fillets: bool = False) -> list[Target]:
@@ -92,7 +94,7 @@ def _run(folder: Path) -> Target:
                 f"target '{folder}': {name} is missing, so this is no finished run.",
                 hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
             )
-    return Target(folder.name, load_simulated(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE)
+    return Target(folder.name, load_simulated(str(folder / _RUN_DESIGN)), folder / _RUN_SURFACE, folder)
 
 
 def load_simulated(design: str, fillets: bool = False) -> Scene:

@@ -2,6 +2,7 @@
 
 from cranktopo.store.cache import user_cache
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from cranktopo.store.destination import check_file, check_folder
 from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
 from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
 from cranktopo.store.lock import locked
@@ -21,6 +22,8 @@ __all__ = [
     "Checkpoint",
     "RunStore",
     "check_destination",
+    "check_file",
+    "check_folder",
     "create_run",
     "list_runs",
     "load_checkpoint",

@@ -105,6 +105,36 @@ def test_a_broken_memory_is_no_obstacle(cache: Path, capsys: pytest.CaptureFixtu
     assert "not measured here: run cranktopo accuracy" in capsys.readouterr().err
 
 
+def test_the_folder_is_checked_before_the_budget_is_spent(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def climbed(*_: object) -> None:
+        raise AssertionError("climbed before the destination was checked")
+
+    monkeypatch.setattr("cranktopo.accuracy.climb.climb", climbed)
+    (tmp_path / "mine").write_text("mine", encoding="utf-8")
+    assert main(["accuracy", "--out", str(tmp_path / "mine" / "folder")]) == 3
+    assert "is a file. Choose another --out." in capsys.readouterr().err
+
+
+def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
+    tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is dropped beside an STL of the user's."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cranktopo.accuracy.climb._ladders", lambda _: {})
+    run = tmp_path / "one"
+    run.mkdir()
+    (run / "design.toml").write_text(CASTING, encoding="utf-8")
+    for path in (tmp_path / "part.stl", run / "web.stl"):
+        path.write_bytes(b"")
+    assert main(["accuracy", "part.stl", "--design", "mikron-iiic"]) == 0
+    assert main(["accuracy", "one"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "part.stl", "runs"]
+    assert (tmp_path / "runs" / "accuracy-part" / "accuracy.json").is_file()
+    assert (run / "accuracy.json").is_file()
+
+
 @pytest.mark.slow
 def test_an_accuracy_chooses_the_cells_of_a_run(
     cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

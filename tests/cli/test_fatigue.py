@@ -140,6 +140,19 @@ def test_rule_has_no_field(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--out" in capsys.readouterr().err
 
 
+def test_a_file_is_no_folder_for_results(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def solved(*_: object) -> None:
+        raise AssertionError("solved before the destination was checked")
+
+    monkeypatch.setattr("cranktopo.evaluate.fatigue.solve_stresses", solved)
+    (tmp_path / "mine").write_text("mine", encoding="utf-8")
+    for out in (tmp_path / "mine", tmp_path / "mine" / "folder"):
+        assert main(["fatigue", "mikron-iiic", "--out", str(out)]) == 3
+        assert f"'{tmp_path / 'mine'}' is a file. Choose another --out." in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_result_and_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """A coarse mesh: the numbers agree with each other and with the files."""
