@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.accuracy.machine import Machine, this_machine
+from cranktopo.accuracy.rung import LadderName
 from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.targets import Target
 from cranktopo.store import read_json, user_cache, write_json
 
 SCHEMA_VERSION = 1
@@ -20,7 +22,7 @@ class Known:
     """What was measured on this machine.
 
     Attributes:
-        design: the design that was measured.
+        design: the design, or the path of the surface, that was measured.
         own: whether that is the design asked for.
         slowdown: how many times slower this machine is now.
         result: what `cranktopo accuracy --json` printed.
@@ -31,7 +33,7 @@ class Known:
     slowdown: float
     result: dict[str, Any]
 
-    def rungs(self, ladder: str) -> list[dict[str, Any]]:
+    def rungs(self, ladder: LadderName) -> list[dict[str, Any]]:
         """Rungs of a ladder."""
         return [rung for rung in self.result["rungs"] if rung["ladder"] == ladder]
 
@@ -41,10 +43,19 @@ def memory_path() -> Path:
     return user_cache() / _FILE
 
 
-def remember(result: Mapping[str, Any]) -> Path | None:
+def key_of(target: Target) -> str:
+    """What a target's frontier is kept under: a design's name, or the path of the surface of a run or file.
+
+    A surface has no name of its own: every run directory `web` would pass for the design `web`.
+    """
+    return target.name if target.file is None else str(target.file.resolve())
+
+
+def remember(key: str, result: Mapping[str, Any]) -> Path | None:
     """Keep a frontier; those of another machine or version are dropped.
 
     Args:
+        key: from `key_of`.
         result: what `cranktopo accuracy --json` prints.
 
     Returns:
@@ -54,8 +65,8 @@ def remember(result: Mapping[str, Any]) -> Path | None:
         return None
     machine = Machine(**result["machine"])
     kept = _of_kind(_stored(), machine)
-    kept.pop(result["design"], None)  # the newest is the last
-    data = {"schema_version": SCHEMA_VERSION, "designs": {**kept, result["design"]: dict(result)}}
+    kept.pop(key, None)  # the newest is the last
+    data = {"schema_version": SCHEMA_VERSION, "designs": {**kept, key: dict(result)}}
     try:
         memory_path().parent.mkdir(parents=True, exist_ok=True)
         write_json(memory_path(), data)
@@ -64,11 +75,12 @@ def remember(result: Mapping[str, Any]) -> Path | None:
     return memory_path()
 
 
-def recall(design: str) -> Known | None:
-    """The frontier of a design on this machine, or else the newest of another design.
+def recall(key: str, ladder: LadderName) -> Known | None:
+    """A frontier on this machine that holds a ladder, or else the newest other one that does.
 
     Args:
-        design: name of the design.
+        key: from `key_of`.
+        ladder: what is wanted of it; surfaces have only the judge's.
 
     Returns:
         What was measured, or None where nothing was measured on a machine of this kind.
@@ -77,12 +89,16 @@ def recall(design: str) -> Known | None:
     if not stored:
         return None
     machine = this_machine()  # timed only when there is something to compare
-    kept = _of_kind(stored, machine)
+    kept = {name: v for name, v in _of_kind(stored, machine).items() if _holds(v, ladder)}
     if not kept:
         return None
-    name = design if design in kept else list(kept)[-1]
+    name = key if key in kept else list(kept)[-1]
     before = Machine(**kept[name]["machine"])
-    return Known(name, name == design, machine.reference_s / before.reference_s, kept[name])
+    return Known(name, name == key, machine.reference_s / before.reference_s, kept[name])
+
+
+def _holds(result: Mapping[str, Any], ladder: LadderName) -> bool:
+    return any(rung["ladder"] == ladder for rung in result["rungs"])
 
 
 def _stored() -> dict[str, Any]:

@@ -61,12 +61,15 @@ class OptimiserModel:
 def optimiser_ladder(scene: Scene) -> Sequence[OptimiserModel]:
     """Cell sizes that double the number of cells; after three of them every other setting at the second.
 
+    Walls so thin that only the finest cells hold them leave one size or none, and no second one.
+
     Args:
         scene: its own resolution is one of the sizes.
     """
     sizes = cell_sizes(scene)
     plain = [OptimiserModel(size) for size in sizes]
-    return (*plain[:3], *settings_rungs(sizes[1]), *plain[3:])
+    settings = settings_rungs(sizes[1]) if len(sizes) > 1 else ()
+    return (*plain[:3], *settings, *plain[3:])
 
 
 def cell_sizes(scene: Scene) -> list[float]:

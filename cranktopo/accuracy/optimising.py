@@ -10,7 +10,12 @@ import numpy as np
 from cranktopo.accuracy.memory import Known
 from cranktopo.accuracy.optimiser_ladder import cell_sizes
 from cranktopo.domain.build import laterally_symmetric
-from cranktopo.domain.limits import available_memory_MiB, estimated_cells, finest_resolution_mm
+from cranktopo.domain.limits import (
+    available_memory_MiB,
+    check_resolution,
+    estimated_cells,
+    estimated_memory_MiB,
+)
 from cranktopo.effects import CostRates, plan, simulated_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.loads import load_cases
@@ -99,17 +104,24 @@ def _for_budget(choices: list[CellChoice], budget_s: float) -> CellChoice:
 
 
 def _choices(scene: Scene, known: Known | None) -> list[CellChoice]:
-    """Usable cell sizes, coarsest first."""
+    """Usable cell sizes, coarsest first; at least one.
+
+    Raises:
+        CranktopoError: the walls ask for finer cells than there are, or none fit into the memory.
+    """
     effects = plan(scene)
     simulated = simulated_scene(scene, effects)
     quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
-    finest = finest_resolution_mm(simulated, quarter, cases, available_memory_MiB())
+    sizes, available = cell_sizes(simulated), available_memory_MiB()
+    fit = [cell for cell in sizes if estimated_memory_MiB(simulated, cell, quarter, cases) <= available]
+    if not fit:
+        nearest = sizes[0] if sizes else scene.optimise.resolution_mm
+        check_resolution(simulated, nearest, quarter, cases, available)
     found = []
-    for cell in cell_sizes(simulated):
-        if cell >= finest:
-            work = estimated_cells(simulated, cell, quarter) * cases
-            error = max(model_error_percent(simulated, cell).values())
-            found.append(CellChoice(cell, error, *_seconds(work, known)))
+    for cell in fit:
+        work = estimated_cells(simulated, cell, quarter) * cases
+        error = max(model_error_percent(simulated, cell).values())
+        found.append(CellChoice(cell, error, *_seconds(work, known)))
     return found
 
 

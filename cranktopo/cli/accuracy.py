@@ -50,14 +50,16 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
     """
     from cranktopo.accuracy.climb import climb
     from cranktopo.accuracy.frontier import frontier_of
-    from cranktopo.accuracy.memory import remember
+    from cranktopo.accuracy.memory import key_of, remember
     from cranktopo.evaluate.targets import resolve_target
+    from cranktopo.store import check_folder
 
     target = resolve_target(design, journals)
     folder = out or _folder(target)
+    check_folder(folder)
     frontier = frontier_of(climb(target, budget_s, say))
     result = frontier.as_json()
-    kept = remember(result)
+    kept = remember(key_of(target), result)
     files = _write(result, folder)
     click.echo(json.dumps({**result, "files": files}) if as_json else _text(result))
     for path in (*files.values(), *([str(kept)] if kept else [])):
@@ -68,7 +70,7 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
 def _folder(target: Target) -> Path:
     from cranktopo.store import RUNS
 
-    return RUNS / f"accuracy-{target.name}" if target.file is None else target.file.parent
+    return target.run or RUNS / f"accuracy-{target.file.stem if target.file else target.name}"
 
 
 def _write(result: dict[str, Any], folder: Path) -> dict[str, str]:

@@ -14,7 +14,6 @@ from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
-from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
     from cranktopo.evaluate.evaluation import Evaluation
@@ -74,20 +73,24 @@ def command(
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
-    if plot is not None and not plot.parent.is_dir():
-        raise CranktopoError(f"--plot '{plot}': its folder does not exist.", code=ExitCode.USAGE)
     if stress and page is None:
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
+    if plot is not None:
+        from cranktopo.report.scatter import check_plot_path
+
+        check_plot_path(plot)
     if page is not None:
         from cranktopo.report.writing import check_report_path
 
         check_report_path(page)
     names = targets if baseline in targets else (baseline, *targets)
     from cranktopo.evaluate.targets import resolve_targets
+    from cranktopo.report.comparison import check_supports
 
     resolved = resolve_targets(names, design)
+    check_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in resolved)
     index = names.index(baseline)
-    judged = None if method is None else _judged(resolved, method, index)
+    judged = None if method is None else _judged(resolve_targets(names, design, fillets=True), method, index)
     evaluations, missed = evaluate_targets(resolved, Meshing(element_size_mm, accuracy, budget))
     comparison = _compared(resolved, evaluations, index, judged)
     click.echo(_text(comparison, "json" if as_json else form))

@@ -10,7 +10,6 @@ import click
 
 from cranktopo.cli.completion import designs as complete_designs
 from cranktopo.cli.group import SuggestingGroup
-from cranktopo.errors import CranktopoError, ExitCode
 
 
 @click.group("designs", cls=SuggestingGroup)
@@ -54,16 +53,9 @@ def copy_command(design: str, file: Path, force: bool) -> None:
     Example: cranktopo designs copy mikron-iiic my-engine.toml
     """
     from cranktopo.scene.copying import copy_of
-    from cranktopo.store import write_text
+    from cranktopo.store import check_file, write_text
 
-    if file.suffix.lower() != ".toml":
-        raise CranktopoError(
-            f"'{file}': must end in .toml.", hint=f"Name it {file.stem}.toml.", code=ExitCode.USAGE
-        )
-    if not file.parent.is_dir():
-        raise CranktopoError(f"'{file}': its folder does not exist.", code=ExitCode.USAGE)
-    if file.exists() and not force:
-        raise CranktopoError(f"'{file}' exists.", hint="Give --force to replace it.", code=ExitCode.USAGE)
+    check_file(file, "file", (".toml",), replace=force)
     write_text(file, copy_of(design, file))
     example = shlex.join(["cranktopo", "compare", str(file), "--baseline", design])
     click.echo(f"{file}: edit it, then for example: {example}")

@@ -106,9 +106,10 @@ def _evaluate(target: Target, wanted: Meshing) -> tuple[Evaluation, bool]:
 
         return evaluate(target, wanted.element_size_mm, say), True
     from cranktopo.accuracy.judging import Wish, evaluate_to
-    from cranktopo.accuracy.memory import recall
+    from cranktopo.accuracy.memory import key_of, recall
 
-    found, reached = evaluate_to(target, Wish(wanted.accuracy, wanted.budget_s), recall(target.name), say)
+    known = recall(key_of(target), "judge")
+    found, reached = evaluate_to(target, Wish(wanted.accuracy, wanted.budget_s), known, say)
     if wanted.budget_s is not None and found.total_seconds > wanted.budget_s:
         say(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
     return found, reached

@@ -11,7 +11,6 @@ import click
 from cranktopo.cli.completion import runs
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import detail, talkative
-from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
     from cranktopo.surface.export import Format
@@ -38,9 +37,7 @@ def command(
 
     Example: cranktopo extract 20250101-120000_mikron-iiic_0123abcd --iteration 12 --format 3mf
     """
-    chosen = _format(form, out)
-    if out is not None:
-        _check(out, force)
+    chosen = _format(form, out, force)
     from cranktopo.fem.precision import double_precision
     from cranktopo.store import open_run
     from cranktopo.surface.export import write_surface
@@ -60,22 +57,14 @@ def command(
         click.echo(_text(found, path))
 
 
-def _format(form: Format | None, out: Path | None) -> Format:
-    suffix = out.suffix.lower().removeprefix(".") if out else ""
-    by_name: Format | None = next((name for name in _FORMATS if name == suffix), None)
-    if out is not None and (by_name is None or form not in (None, by_name)):
-        expected = f".{form}" if form else ".stl, .3mf or .glb"
-        raise CranktopoError(f"--out '{out}': must end in {expected}.", code=ExitCode.USAGE)
-    return form or by_name or "stl"
+def _format(form: Format | None, out: Path | None, force: bool) -> Format:
+    """The format that is asked for, by option or by the name of a file that can be written."""
+    if out is None:
+        return form or "stl"
+    from cranktopo.store import check_file
 
-
-def _check(out: Path, force: bool) -> None:
-    if not out.parent.is_dir():
-        raise CranktopoError(f"--out '{out}': its folder does not exist.", code=ExitCode.USAGE)
-    if out.exists() and not force:
-        raise CranktopoError(
-            f"--out '{out}' exists.", hint="Give --force to replace it.", code=ExitCode.USAGE
-        )
+    check_file(out, "--out", [f".{name}" for name in ((form,) if form else _FORMATS)], replace=force)
+    return next(name for name in _FORMATS if out.suffix.lower() == f".{name}")
 
 
 def _text(found: Extraction, path: Path) -> str:

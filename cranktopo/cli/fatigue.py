@@ -78,8 +78,12 @@ def command(
             hint="Leave --out, or take lsa or fkm.",
             code=ExitCode.USAGE,
         )
+    if out is not None:
+        from cranktopo.store import check_folder
+
+        check_folder(out)
     kind: HistoryKind = next(name for name in get_args(HistoryKind) if name == loads)
-    resolved = resolve_targets(names)
+    resolved = resolve_targets(names, fillets=True)
     for target in resolved:
         check_inputs(target, method, kind)
     index = None if baseline is None else names.index(baseline)

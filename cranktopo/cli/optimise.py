@@ -167,7 +167,7 @@ def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) ->
     from cranktopo.accuracy.memory import recall
     from cranktopo.accuracy.optimising import choose_cells
 
-    choice = choose_cells(scene, accuracy, budget_s, recall(scene.name))
+    choice = choose_cells(scene, accuracy, budget_s, recall(scene.name, "optimiser"))
     say(str(choice))
     return scene.with_optimise(resolution_mm=choice.cell_mm)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from cranktopo.effects import load_rules, structure_rules
@@ -10,7 +10,7 @@ from cranktopo.effects.cost import Costing, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan, Switch
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
-from cranktopo.effects.simulated import simulated_scene
+from cranktopo.effects.simulated import Feature, simulated_scene
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene import Scene
 from cranktopo.scene.schema import Effects
@@ -48,21 +48,39 @@ def plan(scene: Scene, rates: CostRates | None = None) -> EffectPlan:
     costing = Costing(scene, rates or CostRates(), may_mirror(scene, asymmetry))
     facts = Facts(scene, costing, asymmetry)
     decided = tuple(_decide(scene.effects, name, rule(facts)) for name, rule in _RULES.items())
-    cases = sum(effect.state == "on" for effect in decided if effect.name in LOAD_CASES)
-    if cases == 0:
-        raise CranktopoError(
-            "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_CASES)} to 'on' or 'auto'."
+    cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_CASES]
+    _check_cases(scene, cases)
+    return EffectPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
+
+
+def _check_cases(scene: Scene, cases: list[str]) -> None:
+    """At least one load case is on and counts: the objective is divided by the sum of their weights."""
+    weights = scene.optimise.weights.model_dump()
+    if any(weights[name] > 0 for name in cases):
+        return
+    if not any(weights.values()) or cases:
+        raise invalid(
+            "optimise.weights",
+            {name: weights[name] for name in cases or LOAD_CASES},
+            "at least one load case that is on must have a weight above 0",
+            "Raise a weight, or set effects of a case that has one to 'on'.",
         )
-    return EffectPlan(tuple(_for_all_cases(effect, cases) for effect in decided))
+    raise CranktopoError(
+        "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_CASES)} to 'on' or 'auto'."
+    )
 
 
-def planned_scene(scene: Scene) -> Scene:
+def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
     """The scene as its own effects plan has it simulated.
+
+    Args:
+        scene: what the user wrote.
+        kept: features that stay even where the plan leaves them out.
 
     Raises:
         CranktopoError: as `plan`.
     """
-    return simulated_scene(scene, plan(scene))
+    return simulated_scene(scene, plan(scene), kept)
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:

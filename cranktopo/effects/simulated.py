@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Literal
 
 from cranktopo.effects.effect import EffectPlan, Switch
@@ -12,19 +13,20 @@ Feature = Literal["bores", "fillets"]
 _FEATURES: dict[Feature, str] = {"bores": "bore_diameter_mm", "fillets": "fillet_mm"}
 
 
-def simulated_scene(scene: Scene, plan: EffectPlan) -> Scene:
+def simulated_scene(scene: Scene, plan: EffectPlan, kept: Collection[Feature] = ()) -> Scene:
     """The scene without the bores and fillets that are off, its mirror off where the plan has none, and the
     manufacturing constraint on where the plan has it on.
 
     Args:
         scene: what the user wrote.
         plan: its effects.
+        kept: features that stay even where the plan leaves them out.
 
     Returns:
         The scene that is meshed; the same object when nothing is left out.
     """
     for feature in _FEATURES:
-        if feature not in plan.enabled:
+        if feature not in plan.enabled and feature not in kept:
             scene = without(scene, feature)
     if "lateral_symmetry" not in plan.enabled:
         scene = _switched(scene, "lateral_symmetry", "off")

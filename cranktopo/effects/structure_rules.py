@@ -51,7 +51,10 @@ def fillets(facts: Facts) -> Estimate:
     torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
     bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
     because = f"bending stiffness {bending:+.2g} %, torsional {torsion:+.2g} %"
-    needed = "" if _fatigue_absent(facts) or facts.scene.effects.fatigue == "off" else "fatigue needs them"
+    wanted = facts.scene.effects.fatigue
+    needed = (
+        "fatigue needs them" if wanted == "on" or (wanted == "auto" and not _fatigue_absent(facts)) else ""
+    )
     return Estimate(
         max(torsion, bending),
         because,
@@ -105,7 +108,10 @@ def fatigue(facts: Facts) -> Estimate:
     absent = _fatigue_absent(facts)
     changes = "no safety against fatigue"
     if absent:
-        return Estimate(None, "", changes, facts.costing.fatigue(), absent=absent, impossible=absent)
+        # Two of the methods need nothing but the tensile strength; this estimate needs more.
+        possible = facts.scene.material.ultimate_MPa is not None and not facts.unit_loads
+        impossible = "" if possible else absent
+        return Estimate(None, "", changes, facts.costing.fatigue(), absent=absent, impossible=impossible)
     force, torque = _amplitudes(facts)
     bend = force / 2 * web_lever_mm(facts.scene) / web_section_modulus_mm3(facts.scene)
     shear = torque * NMM_PER_NM / journal_torsion_modulus_mm3(facts.scene.throw.crankpin)

@@ -143,8 +143,8 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
     Raises:
         CranktopoError: missing material data or loads, or sharp fillets.
     """
-    check_fillets(target)
     check_material(target.scene, method)
+    check_fillets(target)
     load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
 from cranktopo.evaluate.evaluation import default_element_size_mm
@@ -175,7 +175,7 @@ def check_fillets(target: Target) -> None:
     """Check that both fillets of a target have a radius.
 
     Raises:
-        CranktopoError: a surface file, or a fillet of radius 0.
+        CranktopoError: a surface file, fillets switched off, or a fillet of radius 0.
     """
     if target.file is not None:
         raise CranktopoError(
@@ -183,12 +183,19 @@ def check_fillets(target: Target) -> None:
             "singular.",
             hint="Assess a design whose fillets have a radius; 'cranktopo remodel' makes one of a run.",
         )
+    if target.scene.effects.fillets == "off":
+        raise invalid(
+            f"{target.name}: effects.fillets",
+            "off",
+            "the stress at the sharp edges that this leaves is singular",
+            "Set it to 'auto' or 'on'.",
+        )
     for key in ("main_journal", "crankpin"):
         if getattr(target.scene.throw, key).fillet_mm == 0:
             raise CranktopoError(
                 f"{target.name}: throw.{key}.fillet_mm = 0: the stress at a sharp edge is singular, so "
                 "that any value of it follows from the mesh alone.",
-                hint="Give the fillet a radius, and leave effects.fillets on.",
+                hint="Give the fillet a radius.",
             )
 
 

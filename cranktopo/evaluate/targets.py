@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.effects import planned_scene
+from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
@@ -27,24 +28,27 @@ class Target:
         scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
             where `file` is None.
         file: STL or STEP of the half throw, mm, or None.
+        run: the run directory that it was taken from, or None.
     """
 
     name: str
     scene: Scene
     file: Path | None = None
+    run: Path | None = None
 
 
-def resolve_targets(texts: Sequence[str], design: str | None = None) -> list[Target]:
+def resolve_targets(texts: Sequence[str], design: str | None = None, fillets: bool = False) -> list[Target]:
     """Targets from what the user typed, each with a name of its own.
 
     Args:
         texts: as `resolve_target` takes them.
         design: design for the journals of STL and STEP files.
+        fillets: as `load_simulated` takes it.
 
     Raises:
         CranktopoError: as `resolve_target`.
     """
-    found = [resolve_target(text, design) for text in texts]
+    found = [resolve_target(text, design, fillets) for text in texts]
     for name in (lambda text: Path(text).stem, str):
         taken = Counter(target.name for target in found)
         found = [
@@ -54,12 +58,13 @@ def resolve_targets(texts: Sequence[str], design: str | None = None) -> list[Tar
     return found
 
 
-def resolve_target(text: str, design: str | None = None) -> Target:
+def resolve_target(text: str, design: str | None = None, fillets: bool = False) -> Target:
     """A target from what the user typed.
 
     Args:
         text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
         design: design for the journals of an STL or STEP file.
+        fillets: as `load_simulated` takes it.
 
     Raises:
         CranktopoError: nothing of that name, no finished run of `optimise`, or a geometry file without a
@@ -71,7 +76,7 @@ def resolve_target(text: str, design: str | None = None) -> Target:
     if not path.exists() and text not in builtin_designs() and runs_named(text):
         return _run(open_run(text))
     if path.suffix.lower() not in _GEOMETRY:
-        scene = load_simulated(text)
+        scene = load_simulated(text, fillets)
         return Target(scene.name, scene)
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
@@ -92,16 +97,18 @@ def _run(run: RunStore) -> Target:
             f"target '{run.path}': {_RUN_SURFACE} is missing, so this is no finished run.",
             hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
         )
-    return Target(run.name, planned_scene(scene_of_run(run)), surface)
+    return Target(run.name, planned_scene(scene_of_run(run)), surface, run.path)
 
 
-def load_simulated(design: str) -> Scene:
+def load_simulated(design: str, fillets: bool = False) -> Scene:
     """The scene of a design, without what its effects plan leaves out.
 
     Args:
         design: TOML path or name of a built-in design.
+        fillets: keep the fillets, which stresses need however little they change the stiffness.
 
     Raises:
         CranktopoError: no such design, an invalid scene, or a plan that cannot be made.
     """
-    return planned_scene(load_scene(design))
+    kept: tuple[Feature, ...] = ("fillets",) if fillets else ()
+    return planned_scene(load_scene(design), kept)

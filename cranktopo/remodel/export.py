@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.checks import check_solid
 from cranktopo.remodel.session import cad_session, triangles
 from cranktopo.remodel.throw_solid import (
     add_crankshaft,
@@ -21,11 +20,14 @@ from cranktopo.remodel.throw_solid import (
 from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.remodel.web_solid import DimTags, add_web
 from cranktopo.scene import Scene
+from cranktopo.scene.checks_web import check_solid
+from cranktopo.store import check_file
 
 if TYPE_CHECKING:
     from cranktopo.surface.mesh import SurfaceMesh
 
 PartName = Literal["web", "half", "throw", "crankshaft"]
+SUFFIXES = (".step", ".stp", ".stl")
 STEP_TOLERANCE = 1e-6
 """Largest relative change of the volume when a written STEP file is read back."""
 
@@ -46,12 +48,7 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
         CranktopoError: impossible dimensions, unknown suffix, or a STEP file that does not read back.
     """
     suffix = path.suffix.lower()
-    if suffix not in (".step", ".stp", ".stl"):
-        raise CranktopoError(
-            f"output file '{path}': unknown format {suffix!r}.",
-            hint="Use .step or .stl.",
-            code=ExitCode.USAGE,
-        )
+    check_file(path, "file", SUFFIXES)
     partial = path.with_name(f".{path.stem}.partial{suffix}")
     try:
         with cad_session(f"{part} of {scene.name}") as gmsh:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.checks import check_solid
 from cranktopo.remodel.family import bounds, web_of
 from cranktopo.remodel.leftover import Leftover, leftovers
 from cranktopo.remodel.occupancy import Occupancy, occupancy
@@ -95,9 +94,7 @@ def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     """
     data = scene.model_dump(mode="json", exclude={"web", "published"}, exclude_none=True)
     name = f"{scene.name.removesuffix(_SUFFIX)}{_SUFFIX}"
-    fitted = scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
-    check_solid(fitted)
-    return fitted
+    return scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
 
 
 _SUFFIX = "-remodel"

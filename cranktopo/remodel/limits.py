@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.checks import SHOULDER_MM
 from cranktopo.remodel.family import ROUNDING_MM, Bevel, Part, Pocket, named_parts
 from cranktopo.remodel.fill import bevel_arc_of
 from cranktopo.remodel.rules import Rules
 from cranktopo.scene import Scene
 from cranktopo.scene.bevel import BevelArc
+from cranktopo.scene.checks_web import SHOULDER_MM
 from cranktopo.scene.profile import Flank
 
 Array = NDArray[np.float64]

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.checks import check_solid
-from cranktopo.remodel.features import bores, pockets
 from cranktopo.remodel.volume import half_throw_volume_mm3
 from cranktopo.remodel.web_solid import DimTags, add_feature, add_web
 from cranktopo.scene import Scene
+from cranktopo.scene.checks_web import check_solid
+from cranktopo.scene.features import bores, pockets
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.symmetry import mirror_image
 

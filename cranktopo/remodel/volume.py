@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.features import Feature, Wedge, bores, pockets
 from cranktopo.scene import Scene
 from cranktopo.scene.bevel import bevel_arc, height_range_mm
+from cranktopo.scene.features import Feature, Wedge, bores, pockets
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.outline import half_width_mm, outline_kinks_mm, y_range_mm
 

@@ -6,9 +6,9 @@ import math
 from itertools import pairwise
 from typing import Any
 
-from cranktopo.remodel.features import Disc, Feature, Wedge, bores, pockets
 from cranktopo.scene import Scene
 from cranktopo.scene.bevel import bevel_arc
+from cranktopo.scene.features import Disc, Feature, Wedge, bores, pockets
 from cranktopo.scene.geometry import (
     EllipseWeb,
     EndBevel,

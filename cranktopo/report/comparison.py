@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,13 +101,26 @@ def compare(entries: list[Entry], baseline: str, fatigue: Judged | None = None) 
         raise CranktopoError(
             f"baseline '{baseline}' is not among the targets {', '.join(names)}.", code=ExitCode.USAGE
         )
-    supports = {(e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries}
-    if len(supports) > 1:
+    check_supports((e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries)
+    return Comparison(tuple(entries), names.index(baseline), fatigue)
+
+
+def check_supports(supports: Iterable[tuple[str, str]]) -> None:
+    """Check, before long work, that the stiffnesses of targets can be compared.
+
+    Args:
+        supports: of each target in torsion and in bending.
+
+    Raises:
+        CranktopoError: they differ.
+    """
+    found = dict.fromkeys(supports)
+    if len(found) > 1:
+        named = "; ".join(f"torsion '{torsion}', bending '{bending}'" for torsion, bending in found)
         raise CranktopoError(
-            "the targets have different [supports], so their stiffnesses do not compare.",
+            f"the targets have different [supports], so their stiffnesses do not compare: {named}.",
             hint="Give all of them the same.",
         )
-    return Comparison(tuple(entries), names.index(baseline), fatigue)
 
 
 def value_table(comparison: Comparison) -> Table:

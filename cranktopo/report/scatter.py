@@ -9,8 +9,8 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.report.comparison import Comparison
+from cranktopo.store import check_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,6 +30,11 @@ class Point:
     stiffness: float
 
 
+def check_plot_path(path: Path) -> None:
+    """Check, before long work, that a plot can go there; raises CranktopoError when it cannot."""
+    check_file(path, "--plot", _FORMATS)
+
+
 def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
     """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
 
@@ -38,12 +43,9 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
         path: .png, .svg or .pdf; replaced only when the plot is complete.
 
     Raises:
-        CranktopoError: another suffix.
+        CranktopoError: another suffix, or no such folder.
     """
-    if path.suffix.lower() not in _FORMATS:
-        raise CranktopoError(
-            f"plot file '{path}': unknown format.", hint="Use .png, .svg or .pdf.", code=ExitCode.USAGE
-        )
+    check_plot_path(path)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from cranktopo.domain.build import Domain
-from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Progress
 from cranktopo.report.html import html
 from cranktopo.report.markdown_page import write_markdown
 from cranktopo.report.page import Page
 from cranktopo.report.record import read_record
 from cranktopo.report.run_page import run_page
-from cranktopo.store import RunStore, write_text
+from cranktopo.store import RunStore, check_file, write_text
 
 REPORT = "report.html"
 SUFFIXES = (".html", ".md")
@@ -24,14 +23,7 @@ def check_report_path(path: Path) -> None:
     Raises:
         CranktopoError: another suffix than a report has, or no such folder.
     """
-    if path.suffix.lower() not in SUFFIXES:
-        raise CranktopoError(
-            f"report '{path}': must end in {' or '.join(SUFFIXES)}.",
-            hint=f"Name it {path.stem or 'report'}.html.",
-            code=ExitCode.USAGE,
-        )
-    if not path.parent.is_dir():
-        raise CranktopoError(f"report '{path}': its folder does not exist.", code=ExitCode.USAGE)
+    check_file(path, "report", SUFFIXES)
 
 
 def write_report(page: Page, path: Path) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from cranktopo.errors import invalid
 from cranktopo.scene.bevel import bevel_arc
 from cranktopo.scene.checks_engine import check_engine, check_supports
+from cranktopo.scene.checks_web import check_solid
 from cranktopo.scene.geometry import Journal, ProfileWeb
 from cranktopo.scene.outline import y_range_mm
 from cranktopo.scene.profile import profile_flank
@@ -26,6 +27,7 @@ def check_scene(scene: Scene) -> None:
     check_supports(scene)
     _check_profile(scene)
     _check_bevels(scene)
+    check_solid(scene)
     _check_envelope(scene)
 
 

@@ -2,6 +2,7 @@
 
 from cranktopo.store.cache import user_cache
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from cranktopo.store.destination import check_file, check_folder
 from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
 from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
 from cranktopo.store.kind import (
@@ -33,6 +34,8 @@ __all__ = [
     "RunKind",
     "RunStore",
     "check_destination",
+    "check_file",
+    "check_folder",
     "create_run",
     "kind_of",
     "list_runs",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.errors import CranktopoError, suggest
+from cranktopo.store.destination import check_folder
 from cranktopo.store.files import (
     read_json,
     sweep_temporaries,
@@ -138,13 +138,7 @@ def check_destination(out: Path | None, root: Path = RUNS) -> None:
     """
     if out is not None and out.exists():
         _check_empty(out)
-    existing = root if out is None else out
-    while not existing.exists():
-        existing = existing.parent
-    if not existing.is_dir():
-        raise CranktopoError(f"output '{out or root}': '{existing}' is a file.", hint="Choose another --out.")
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise unwritable(out or root, PermissionError(13, f"'{existing}' is not writable"))
+    check_folder(out or root)
 
 
 def create_run(

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from cranktopo.accuracy.judge_ladder import LADDER
 from cranktopo.cli.main import main
 from cranktopo.scene.loading import designs_folder
 
@@ -31,28 +32,33 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_budget_buys_rungs_a_table_a_plot_and_a_memory(
-    design: str, cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    design: str,
+    cache: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """A ladder of two rungs, and a budget that even a slow or busy machine climbs them in."""
+    monkeypatch.setattr("cranktopo.accuracy.judge_ladder.LADDER", LADDER[:2])
     out = tmp_path / "out"
-    assert main(["accuracy", design, "--budget", "6s", "--out", str(out), "--json"]) == 0
+    assert main(["accuracy", design, "--budget", "10min", "--out", str(out), "--json"]) == 0
     captured = capsys.readouterr()
     result: dict[str, Any] = json.loads(captured.out)
     assert result["schema_version"] == 1
     assert result["design"] == "opposed-piston-casting"
     assert {rung["ladder"] for rung in result["rungs"]} == {"judge"}
-    first, *others = result["rungs"]
+    first, second = result["rungs"]
     assert first["settings"]["graded"] is False
     assert all(rung["seconds"] > 0 and rung["peak_memory_MiB"] > 50 for rung in result["rungs"])
-    if others:  # a machine so slow that one rung takes six seconds has no limit
-        limit = result["limits"]["judge"]["torsion_Nm_per_rad"]
-        assert limit["uncertainty_percent"] > 0
-        assert first["torsion_Nm_per_rad"] > limit["value"]
-        assert Path(result["files"]["picture"]).read_bytes().startswith(b"\x89PNG")
+    limit = result["limits"]["judge"]["torsion_Nm_per_rad"]
+    assert limit["uncertainty_percent"] > 0
+    assert first["torsion_Nm_per_rad"] > second["torsion_Nm_per_rad"] > limit["value"]
+    assert Path(result["files"]["picture"]).read_bytes().startswith(b"\x89PNG")
     stored = json.loads((out / "accuracy.json").read_text())
     assert stored["rungs"] == result["rungs"]
     assert "# What accuracy costs in time: opposed-piston-casting" in (out / "accuracy.md").read_text()
     assert "opposed-piston-casting" in json.loads((cache / "accuracy.json").read_text())["designs"]
-    assert re.search(r"\d of 6 s: judge, uniform [\d.]+ mm", captured.err)
+    assert re.search(r"\d of 600 s: judge, uniform [\d.]+ mm", captured.err)
 
 
 def test_every_evaluation_prints_its_estimate_beside_the_value(
@@ -103,6 +109,36 @@ def test_a_broken_memory_is_no_obstacle(cache: Path, capsys: pytest.CaptureFixtu
     (cache / "accuracy.json").write_text("{", encoding="utf-8")
     assert main(["optimise", "--budget", "0.1s"]) == 2
     assert "not measured here: run cranktopo accuracy" in capsys.readouterr().err
+
+
+def test_the_folder_is_checked_before_the_budget_is_spent(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def climbed(*_: object) -> None:
+        raise AssertionError("climbed before the destination was checked")
+
+    monkeypatch.setattr("cranktopo.accuracy.climb.climb", climbed)
+    (tmp_path / "mine").write_text("mine", encoding="utf-8")
+    assert main(["accuracy", "--out", str(tmp_path / "mine" / "folder")]) == 3
+    assert "is a file. Choose another --out." in capsys.readouterr().err
+
+
+def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
+    tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is dropped beside an STL of the user's."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cranktopo.accuracy.climb._ladders", lambda _: {})
+    run = tmp_path / "one"
+    run.mkdir()
+    (run / "design.toml").write_text(CASTING, encoding="utf-8")
+    for path in (tmp_path / "part.stl", run / "web.stl"):
+        path.write_bytes(b"")
+    assert main(["accuracy", "part.stl", "--design", "mikron-iiic"]) == 0
+    assert main(["accuracy", "one"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "part.stl", "runs"]
+    assert (tmp_path / "runs" / "accuracy-part" / "accuracy.json").is_file()
+    assert (run / "accuracy.json").is_file()
 
 
 @pytest.mark.slow

@@ -89,6 +89,22 @@ def test_design(
         assert words in line
 
 
+@pytest.mark.parametrize(
+    "command", ["loads", "plan", "optimise", "evaluate", "fatigue", "shaft", "accuracy", "iterate"]
+)
+def test_a_web_that_cannot_exist(capsys: pytest.CaptureFixture[str], tmp_path: Path, command: str) -> None:
+    (tmp_path / "mine.toml").write_text(
+        MIKRON.replace("width_mm = 50.0", "width_mm = 20.0"), encoding="utf-8"
+    )
+    assert main([command, "mine.toml"]) == 3
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err == (
+        "error: throw.main_journal.bore_diameter_mm = 24.0: breaks through the web's rim; "
+        "must be smaller than 19.8 mm. Reduce the bore or widen the web.\n"
+    )
+
+
 def test_missing_design_suggests_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
     line = fails(capsys, 3, "mikron")
     assert "no such file or built-in design" in line

@@ -140,12 +140,45 @@ def test_sharp_fillets_are_refused_before_the_work(
     assert "fillet_mm = 0" in err
 
 
-@pytest.mark.parametrize("name", ["page.pdf", "page", "absent/page.html"])
+@pytest.fixture
+def _nothing_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    def solved(*_: object) -> None:
+        raise AssertionError("solved before everything was checked")
+
+    monkeypatch.setattr("cranktopo.evaluate.evaluation.evaluate", solved)
+
+
+@pytest.mark.usefixtures("_nothing_solved")
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [
+        ("--report", "page.pdf"),
+        ("--report", "page"),
+        ("--report", "absent/page.html"),
+        ("--plot", "plot.jpg"),
+        ("--plot", "absent/plot.png"),
+    ],
+)
 def test_bad_name_is_refused_before_the_work(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    option: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["compare", *NAMES, "--baseline", NAMES[0], "--report", str(tmp_path / name)]) == 2
+    assert main(["compare", *NAMES, "--baseline", NAMES[0], option, str(tmp_path / name)]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert len(err.strip().splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("_nothing_solved")
+def test_differing_supports_are_refused_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (designs_folder() / "opposed-piston.toml").read_text(encoding="utf-8")
+    assert 'bending = "pinned"' in text
+    path = tmp_path / "spring.toml"
+    path.write_text(text.replace('bending = "pinned"', 'bending = "spring"'), encoding="utf-8")
+    assert main(["compare", str(path), "--baseline", NAMES[0]]) == 3
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "different [supports]" in err
+    assert "bending 'pinned'; torsion 'free', bending 'spring'" in err

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from cranktopo.cli.main import main
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.targets import Target
 from cranktopo.scene import load_scene
 from cranktopo.scene.loading import designs_folder
 from cranktopo.store import create_run
@@ -18,6 +20,7 @@ from cranktopo.store import create_run
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 NO_DATA = 'name = "31CrMoV9"'
 PLAIN = 'name = "plain"\nE_GPa = 210.0\npoisson = 0.3\ndensity_kg_m3 = 7850.0'
+STEEL = PLAIN.replace("plain", "tensile strength alone") + "\nultimate_MPa = 900.0"
 
 
 def design(tmp_path: Path, *changes: tuple[str, str]) -> str:
@@ -41,9 +44,14 @@ def without_engine() -> tuple[tuple[str, str], ...]:
         (((NO_DATA, PLAIN),), ("material.fatigue_tension_MPa", "missing", "'plain'")),
         ((("fillet_mm = 2.5", "fillet_mm = 0.0"),), ("main_journal.fillet_mm = 0", "singular")),
         (without_engine(), ("engine: is missing", "unit loads")),
-        ((('tangential = "off"', 'fillets = "off"'),), ("fillet_mm = 0", "effects.fillets")),
+        ((('tangential = "off"', 'fillets = "off"'),), ("effects.fillets = 'off'", "'auto' or 'on'")),
+        (
+            ((NO_DATA, STEEL), ("fillet_mm = 2.5", "fillet_mm = 0.8")),
+            ("material.fatigue_tension_MPa: is missing", "'lsa'"),
+        ),
+        (((NO_DATA, PLAIN), ("fillet_mm = 2.5", "fillet_mm = 0.0")), ("material.fatigue_tension_MPa",)),
     ],
-    ids=["material", "fillet", "loads", "fillets left out"],
+    ids=["material", "fillet", "loads", "fillets left out", "small fillets", "material before fillets"],
 )
 def test_mistakes(
     capsys: pytest.CaptureFixture[str],
@@ -70,6 +78,33 @@ def test_each_method_names_what_it_needs(
     assert captured.out == ""
     assert "material.ultimate_MPa" in captured.err
     assert f"'{method}'" in captured.err
+
+
+@pytest.mark.parametrize("effects", ["", 'fatigue = "on"'], ids=["auto", "on"])
+@pytest.mark.parametrize(
+    "command",
+    ["fatigue {} --method fkm", "fatigue {} --method m53", "compare {} --baseline {} --fatigue fkm"],
+)
+def test_small_fillets_stay_where_the_method_needs_no_fatigue_strength(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str, effects: str
+) -> None:
+    """Fillets of 0.8 mm change the stiffness by less than the threshold, so the plan leaves them out."""
+    met = []
+
+    def solved(target: Target, *_: object) -> None:
+        met.append(target.scene.throw.crankpin.fillet_mm)
+        raise CranktopoError("met.")
+
+    monkeypatch.setattr("cranktopo.evaluate.fatigue.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.evaluate.rule_check.solve_stresses", solved)
+    path = design(
+        tmp_path,
+        (NO_DATA, STEEL),
+        ("fillet_mm = 2.5", "fillet_mm = 0.8"),
+        ("[effects]", f"[effects]\n{effects}"),
+    )
+    assert main(command.format(path, path).split()) == 3
+    assert met == [0.8]
 
 
 def test_a_later_target_is_checked_before_the_first_is_solved(
@@ -107,6 +142,19 @@ def test_a_surface_has_no_fillets(capsys: pytest.CaptureFixture[str], tmp_path: 
 def test_rule_has_no_field(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["fatigue", "mikron-iiic", "--method", "m53", "--out", "x"]) == 2
     assert "--out" in capsys.readouterr().err
+
+
+def test_a_file_is_no_folder_for_results(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def solved(*_: object) -> None:
+        raise AssertionError("solved before the destination was checked")
+
+    monkeypatch.setattr("cranktopo.evaluate.fatigue.solve_stresses", solved)
+    (tmp_path / "mine").write_text("mine", encoding="utf-8")
+    for out in (tmp_path / "mine", tmp_path / "mine" / "folder"):
+        assert main(["fatigue", "mikron-iiic", "--out", str(out)]) == 3
+        assert f"'{tmp_path / 'mine'}' is a file. Choose another --out." in capsys.readouterr().err
 
 
 @pytest.mark.slow

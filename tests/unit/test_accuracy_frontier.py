@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,7 +15,8 @@ from cranktopo.accuracy.climb import Ascent, Task, _climb_one, climb
 from cranktopo.accuracy.frontier import Frontier, frontier_of
 from cranktopo.accuracy.judging import RUNGS, Wish, first_rung
 from cranktopo.accuracy.machine import Machine, PeakMemory, reference_seconds
-from cranktopo.accuracy.memory import Known, recall, remember
+from cranktopo.accuracy.memory import Known, key_of, recall, remember
+from cranktopo.accuracy.optimiser_ladder import optimiser_ladder
 from cranktopo.accuracy.optimising import choose_cells
 from cranktopo.accuracy.rung import BENDING, TORSION, LadderName, Rung
 from cranktopo.errors import CranktopoError
@@ -205,25 +207,51 @@ def cache(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_frontier_is_kept_with_the_speed_of_its_machine(cache: None, frontier: Frontier) -> None:
     result = frontier.as_json()
-    assert recall("by-hand") is None
-    assert remember(result) == memory.memory_path()
-    found, other = recall("by-hand"), recall("another")
+    assert recall("by-hand", "judge") is None
+    assert remember("by-hand", result) == memory.memory_path()
+    found, other = recall("by-hand", "judge"), recall("another", "judge")
     assert found is not None
     assert other is not None
     assert (found.own, found.slowdown, found.result) == (True, pytest.approx(2.0), result)
     assert (other.own, other.design) == (False, "by-hand")
-    remember({**result, "design": "newer"})
-    newest = recall("another")
+    remember("newer", result)
+    newest = recall("another", "judge")
     assert newest is not None
     assert newest.design == "newer"
-    remember({**result, "machine": replace(MACHINE, cores=64).as_json()})
-    assert recall("by-hand") is None, "times of another machine say nothing"
+    remember("by-hand", {**result, "machine": replace(MACHINE, cores=64).as_json()})
+    assert recall("by-hand", "judge") is None, "times of another machine say nothing"
+
+
+def test_only_a_frontier_that_holds_the_ladder_is_recalled(
+    cache: None, frontier: Frontier, mikron: Scene
+) -> None:
+    """A surface is judged, never optimised; so is a design whose budget ended before the optimiser's turn."""
+    judged = frontier_of(ascent(judge_rung(2, 3.0), judge_rung(1, 8.0))).as_json()
+    remember("web", judged)
+    assert recall(mikron.name, "optimiser") is None
+    remember("by-hand", frontier.as_json())
+    remember(mikron.name, judged)
+    for wanted in (mikron.name, "another"):
+        found = recall(wanted, "optimiser")
+        assert found is not None
+        assert (found.design, found.own) == ("by-hand", False)
+        assert "measured on by-hand" in str(choose_cells(mikron, 5.0, None, found))
+    own, newest = recall(mikron.name, "judge"), recall("another", "judge")
+    assert own is not None
+    assert newest is not None
+    assert (own.own, newest.design) == (True, mikron.name)
+
+
+def test_surfaces_are_kept_under_their_path(mikron: Scene, tmp_path: Path) -> None:
+    run, other = (Target("web", mikron, tmp_path / folder / "web" / "web.stl") for folder in ("a", "b"))
+    assert key_of(Target("web", mikron)) == "web"
+    assert len({key_of(run), key_of(other), "web"}) == 3
 
 
 def test_a_damaged_memory_is_none(cache: None, frontier: Frontier) -> None:
-    remember(frontier.as_json())
+    remember("by-hand", frontier.as_json())
     memory.memory_path().write_text('{"schema_version": 1, "designs": 3}', encoding="utf-8")
-    assert recall("by-hand") is None
+    assert recall("by-hand", "judge") is None
 
 
 def test_the_first_rung_follows_from_what_was_measured(frontier: Frontier) -> None:
@@ -306,6 +334,36 @@ def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
         choose_cells(mikron, None, 0.1)
     with pytest.raises(CranktopoError, match="evaluate RUN"):
         choose_cells(mikron, 1e-4, None)
+
+
+def throw_with(scene: Scene, bore_mm: float) -> Scene:
+    """The throw with a main journal of another bore, and so of another wall."""
+    journal = scene.throw.main_journal.model_copy(update={"bore_diameter_mm": bore_mm})
+    return scene.model_copy(update={"throw": scene.throw.model_copy(update={"main_journal": journal})})
+
+
+@pytest.mark.parametrize("wish", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+def test_a_wall_thinner_than_any_cells_is_named(mikron: Scene, wish: tuple[float, float]) -> None:
+    words = r"resolution_mm = 1\.5: too coarse: the thinnest journal wall is 0\.25 mm.*at most 0\.125 mm"
+    with pytest.raises(CranktopoError, match=words):
+        choose_cells(throw_with(mikron, 41.5), *wish)
+
+
+@pytest.mark.parametrize("wish", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+def test_a_memory_too_small_for_any_cells_is_named(
+    mikron: Scene, wish: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cranktopo.accuracy.optimising.available_memory_MiB", lambda: 901.0)
+    with pytest.raises(CranktopoError, match=r"resolution_mm = 3\.77.*: too fine: .* GiB available"):
+        choose_cells(mikron, *wish)
+
+
+def test_the_optimisers_ladder_ends_where_walls_end_it(mikron: Scene) -> None:
+    """The finest cells are 1.5 mm over 2 to the power 8/3: they fit twice into 0.5 mm, not into 0.25 mm."""
+    usual, single, none = (optimiser_ladder(throw_with(mikron, bore)) for bore in (24.0, 41.0, 41.5))
+    assert [model.label for model in usual[:4]] == ["", "", "", "10 iterations"]
+    assert [(model.label, model.cell_mm) for model in single] == [("", pytest.approx(1.5 * 2 ** (-8 / 3)))]
+    assert none == ()
 
 
 def test_measured_times_replace_the_rough_ones(mikron: Scene, frontier: Frontier) -> None:

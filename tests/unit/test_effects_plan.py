@@ -16,6 +16,7 @@ from cranktopo.loads import at_speed, extreme_states, load_cases
 from cranktopo.loads.balance import throw_balance
 from cranktopo.scene import load_scene, scene_from_dict
 from cranktopo.scene.geometry import CylinderPocket, Journal, OutlineEnvelope
+from cranktopo.scene.schema import Weights
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
 INERTIA = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
@@ -139,6 +140,32 @@ def test_centrifugal_needs_a_weight_and_grows_with_the_fourth_power_of_speed():
 def test_impossible_switches_are_refused(scene, update, message):
     with pytest.raises(CranktopoError, match=message):
         plan(with_effects(scene, **update))
+
+
+WEIGHTLESS = {"bending": 0.0, "torsion": 0.0, "tangential": 0.0, "centrifugal": 0.0}
+REST = {"tangential": "off", "centrifugal": "off"}
+
+
+@pytest.mark.parametrize(
+    ("scene", "weights", "effects", "named"),
+    [
+        (MIKRON.model_copy(update={"engine": None}), {"tangential": 0.5}, {}, ["bending", "torsion"]),
+        (MIKRON, {"centrifugal": 0.5}, {**REST, "bending": "on", "torsion": "off"}, ["bending"]),
+        (MIKRON, {}, {"torsion": "on", "tangential": "on"}, ["torsion", "tangential"]),
+        (MIKRON, {}, {}, list(WEIGHTLESS)),
+    ],
+    ids=["unit loads", "one", "two", "none"],
+)
+def test_load_cases_without_any_weight_are_refused(scene, weights, effects, named):
+    """The objective of an optimisation is divided by the sum of the weights."""
+    settings = scene.optimise.model_copy(update={"weights": Weights(**{**WEIGHTLESS, **weights})})
+    scene = with_effects(scene.model_copy(update={"optimise": settings}), **effects)
+    with pytest.raises(CranktopoError, match=r"optimise\.weights = .*must have a weight above 0") as told:
+        plan(scene)
+    assert str(dict.fromkeys(named, 0.0)) in str(told.value)
+    enough = settings.model_copy(update={"weights": Weights(**{**WEIGHTLESS, "bending": 0.1})})
+    bent = with_effects(scene.model_copy(update={"optimise": enough}), bending="on")
+    assert plan(bent)["bending"].state == "on"
 
 
 def test_bearing_estimate_is_springs_in_series():

@@ -49,6 +49,6 @@ def test_stl_is_closed_and_near(mikron: Scene, tmp_path: Path) -> None:
 
 
 def test_unknown_suffix_leaves_nothing(mikron: Scene, tmp_path: Path) -> None:
-    with pytest.raises(CranktopoError, match="unknown format"):
+    with pytest.raises(CranktopoError, match=r"must end in \.step, \.stp or \.stl"):
         export_solid(mikron, "web", tmp_path / "web.obj")
     assert not list(tmp_path.iterdir())

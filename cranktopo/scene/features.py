@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.scene import Scene
 from cranktopo.scene.geometry import BoxPocket, CylinderPocket, Pocket
 from cranktopo.scene.outline import largest_half_width_mm
+from cranktopo.scene.schema import Scene
 
 Array = NDArray[np.float64]
 

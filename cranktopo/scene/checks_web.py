@@ -1,15 +1,15 @@
-"""Refusals before any solid is built: dimensions that would give a broken or a silently wrong body."""
+"""Is the web one sound body? Refusals of dimensions that would give a broken or a silently wrong one."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from cranktopo.errors import CranktopoError, invalid
-from cranktopo.remodel.features import Disc, Feature, Wedge, bores, pockets
-from cranktopo.scene import Scene
 from cranktopo.scene.bevel import bevel_arc, height_range_mm
+from cranktopo.scene.features import Disc, Feature, Wedge, bores, pockets
 from cranktopo.scene.geometry import CylinderPocket, Journal, Pocket, RectangleWeb
 from cranktopo.scene.outline import half_width_mm, y_range_mm
+from cranktopo.scene.schema import Scene
 
 SHOULDER_MM = 0.1
 """Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
@@ -21,11 +21,11 @@ def check_solid(scene: Scene) -> None:
     """Check that the throw's dimensions describe one sound body.
 
     Raises:
-        CranktopoError: fillet larger than the shoulder, bore through the rim, pocket outside the web, too
-            deep, or cutting a bore.
+        CranktopoError: corner larger than the web, outline that misses a journal, fillet larger than the
+            shoulder, bore through the rim, pocket outside the web, too deep, or cutting a bore.
     """
     if isinstance(scene.web, RectangleWeb):
-        _check_corner(scene.web)
+        _check_corner(scene.web, scene.throw.radius_mm)
     _check_journal(scene, "throw.main_journal", scene.throw.main_journal, 0.0)
     _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
     _check_bevels(scene)
@@ -51,28 +51,30 @@ def shoulder_mm(scene: Scene, y_mm: float) -> float:
     return float(min(np.hypot(half, y - y_mm).min(), ends))
 
 
-def _check_corner(web: RectangleWeb) -> None:
+def _check_corner(web: RectangleWeb, throw_radius_mm: float) -> None:
+    half_length = throw_radius_mm / 2 + web.overhang_mm
     if web.corner_radius_mm >= web.width_mm / 2:
-        raise invalid(
-            "web.corner_radius_mm",
-            web.corner_radius_mm,
-            f"must be smaller than half of web.width_mm ({web.width_mm / 2:g} mm)",
-            "Use the obround outline for fully round ends.",
-        )
+        allowed = f"must be smaller than half of web.width_mm ({web.width_mm / 2:g} mm)"
+        hint = "Use the obround outline for fully round ends."
+    elif web.corner_radius_mm > half_length:
+        allowed = f"must be at most half of the web's length ({half_length:g} mm)"
+        hint = "Reduce it or increase web.overhang_mm."
+    else:
+        return
+    raise invalid("web.corner_radius_mm", web.corner_radius_mm, allowed, hint)
 
 
 def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
     edge = shoulder_mm(scene, y)
     if edge <= 0:
-        raise CranktopoError(
-            f"web: its outline does not reach around the axis of {key} at y = {y:g} mm.",
-            hint="Widen or lengthen the outline.",
-        )
+        allowed = f"does not reach around the axis of {key} at y = {y:g} mm"
+        raise invalid("web.outline", scene.web.outline, allowed, "Widen or lengthen it.")
     if journal.bore_radius_mm >= edge - SHOULDER_MM:
         raise invalid(
             f"{key}.bore_diameter_mm",
             journal.bore_diameter_mm,
             f"breaks through the web's rim; must be smaller than {2 * (edge - SHOULDER_MM):.4g} mm",
+            "Reduce the bore or widen the web.",
         )
     if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - SHOULDER_MM + _ROUNDING_MM:
         room = edge - SHOULDER_MM - journal.radius_mm
@@ -100,6 +102,7 @@ def _check_bevels(scene: Scene) -> None:
                 bevel.y_mm,
                 f"starts {room + SHOULDER_MM:.4g} mm from the axis of throw.{name}, which needs "
                 f"{journal.radius_mm + journal.fillet_mm + SHOULDER_MM:.4g} mm for its radius and fillet",
+                "Move the bevel outward.",
             )
 
 
@@ -107,8 +110,11 @@ def _check_depth(scene: Scene, key: str, pocket: Pocket) -> None:
     thickness = scene.web.thickness_mm
     if isinstance(pocket, CylinderPocket):
         if (pocket.depth_mm is None) != (pocket.face == "through"):
-            allowed = "is missing" if pocket.depth_mm is None else "has no meaning for a through pocket"
-            raise invalid(f"{key}.depth_mm", pocket.depth_mm, f"{allowed} with face = {pocket.face!r}")
+            if pocket.depth_mm is None:
+                allowed, hint = f"is missing with face = {pocket.face!r}", "Give it, or face = 'through'."
+            else:
+                allowed, hint = "has no meaning with face = 'through'", "Remove it, or name another face."
+            raise invalid(f"{key}.depth_mm", pocket.depth_mm, allowed, hint)
         depth: float | None = pocket.depth_mm
         name = "depth_mm"
     elif pocket.shape == "side":
@@ -119,7 +125,8 @@ def _check_depth(scene: Scene, key: str, pocket: Pocket) -> None:
     else:
         depth, name = pocket.depth_mm, "depth_mm"
     if depth is not None and depth >= thickness:
-        raise invalid(f"{key}.{name}", depth, f"must be smaller than web.thickness_mm = {thickness:g} mm")
+        allowed = f"must be smaller than web.thickness_mm = {thickness:g} mm"
+        raise invalid(f"{key}.{name}", depth, allowed, "Reduce the pocket or thicken the web.")
 
 
 def _check_pocket(scene: Scene, feature: Feature) -> None:
