@@ -69,8 +69,9 @@ def command(
 ) -> None:
     """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
 
-    The stiffnesses are those of the supports in the designs. A star marks the best of each column. The
-    baseline is evaluated too when it is not among the targets.
+    The stiffnesses are those of the supports in the designs, each with its error estimate. A star marks the
+    best of each column, unless another is within the estimate. The baseline is evaluated too when it is not
+    among the targets.
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
