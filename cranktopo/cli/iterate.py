@@ -110,10 +110,11 @@ def summary(data: dict[str, Any], folder: Path) -> str:
         data: content of iterate.json.
         folder: directory of the loop.
     """
-    from cranktopo.report.iterate_report import steps_table
+    from cranktopo.report.iterate_report import steps_estimate, steps_table
     from cranktopo.report.tables import terminal
 
-    lines = [terminal(steps_table(data["steps"])), "", f"ended: {data['stop_reason']}"]
+    lines = [terminal(steps_table(data["steps"])), "", steps_estimate(data["steps"])]
+    lines.append(f"ended: {data['stop_reason']}")
     if data["best_step"] is None:
         lines.append(
             "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"

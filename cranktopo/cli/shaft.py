@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:
     """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies.
 
+    The error estimate comes from a second, coarser mesh; it is the judge's, and no error of the disk model.
+
     Example: cranktopo shaft mikron-iiic --bearings free
     """
     from cranktopo.evaluate.chain import Bearings
@@ -60,9 +62,11 @@ def _text(shaft: ShaftEvaluation) -> str:
         )
     )
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.disks.natural_frequencies_Hz())
+    error = shaft.error_percent
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
     return (
         f"{throws}\n\nmass of the throws        {shaft.mass_kg:.3f} kg\n"
         f"end to end, {shaft.bearings} bearings {end:.2f} kN m/rad\n"
-        f"natural frequencies       {frequencies} Hz (shaft and moving masses alone, free ends)"
+        f"natural frequencies       {frequencies} Hz (shaft and moving masses alone, free ends)\n\n"
+        f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
     )

@@ -9,6 +9,7 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from cranktopo.report.evaluations import estimate_line
 from cranktopo.report.png import png
 from cranktopo.report.tables import Table
 from cranktopo.store.files import write_bytes
@@ -44,6 +45,13 @@ def steps_table(steps: Sequence[dict[str, Any]]) -> Table:
         columns=tuple(name for name, _ in columns),
         rows=tuple(_row(step) for step in steps),
         digits=tuple(digits for _, digits in columns),
+    )
+
+
+def steps_estimate(steps: Sequence[dict[str, Any]]) -> str:
+    """The largest error estimates of the steps' stiffnesses, one line."""
+    return estimate_line(
+        *([step[f"{kind}_error_percent"] for step in steps] for kind in ("torsion", "bending"))
     )
 
 
