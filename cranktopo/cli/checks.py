@@ -13,8 +13,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
+from cranktopo.cli.options import DEFAULT_DESIGN
+
 PYTHON = (3, 11)
-DEFAULT_DESIGN = "mikron-iiic"
 GMSH_LIBRARIES = "apt-get install -y libglu1-mesa libxcursor1 libxft2 libxinerama1"
 
 State = Literal["ok", "missing", "absent"]

@@ -14,7 +14,7 @@ from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.formats import check_plot_path
 
 if TYPE_CHECKING:
     from cranktopo.evaluate.evaluation import Evaluation
@@ -75,8 +75,8 @@ def command(
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
-    if plot is not None and not plot.parent.is_dir():
-        raise CranktopoError(f"--plot '{plot}': its folder does not exist.", code=ExitCode.USAGE)
+    if plot is not None:
+        check_plot_path(plot)
     if stress and page is None:
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
     if page is not None:

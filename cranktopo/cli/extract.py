@@ -12,24 +12,22 @@ from cranktopo.cli.completion import runs
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import detail, talkative
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.formats import SURFACES, SurfaceFormat
 
 if TYPE_CHECKING:
-    from cranktopo.surface.export import Format
     from cranktopo.surface.extraction import Extraction
-
-_FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
 
 
 @click.command("extract")
 @click.argument("run", shell_complete=runs)
 @click.option("--iteration", type=click.IntRange(min=1), help="Design of an earlier iteration.")
-@click.option("--format", "form", type=Choice(_FORMATS), help="Default: by the suffix of --out, or stl.")
+@click.option("--format", "form", type=Choice(SURFACES), help="Default: by the suffix of --out, or stl.")
 @click.option("--out", type=click.Path(path_type=Path), help="File; default: RUN/surface/iteration-N.stl.")
 @click.option("--force", is_flag=True, help="Replace an existing --out.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @talkative
 def command(
-    run: str, iteration: int | None, form: Format | None, out: Path | None, force: bool, as_json: bool
+    run: str, iteration: int | None, form: SurfaceFormat | None, out: Path | None, force: bool, as_json: bool
 ) -> None:
     """Extract the watertight surface of a design of RUN: binary STL or 3MF in mm, or GLB for viewers.
 
@@ -60,9 +58,9 @@ def command(
         click.echo(_text(found, path))
 
 
-def _format(form: Format | None, out: Path | None) -> Format:
+def _format(form: SurfaceFormat | None, out: Path | None) -> SurfaceFormat:
     suffix = out.suffix.lower().removeprefix(".") if out else ""
-    by_name: Format | None = next((name for name in _FORMATS if name == suffix), None)
+    by_name: SurfaceFormat | None = next((name for name in SURFACES if name == suffix), None)
     if out is not None and (by_name is None or form not in (None, by_name)):
         expected = f".{form}" if form else ".stl, .3mf or .glb"
         raise CranktopoError(f"--out '{out}': must end in {expected}.", code=ExitCode.USAGE)

@@ -10,11 +10,10 @@ from typing import Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import refuse_beside_resume, rule_options
+from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, rule_options
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
 
-DEFAULT_DESIGN = "mikron-iiic"
 THIN_SHARE = 0.4
 _FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json"}
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("design", default="mikron-iiic", shell_complete=designs)
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
 @click.option(
     "--bearings",
     type=Choice(["rigid", "spring", "free"]),

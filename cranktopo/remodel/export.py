@@ -21,6 +21,7 @@ from cranktopo.remodel.throw_solid import (
 from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.remodel.web_solid import DimTags, add_web
 from cranktopo.scene import Scene
+from cranktopo.store.files import replacing
 
 if TYPE_CHECKING:
     from cranktopo.surface.mesh import SurfaceMesh
@@ -43,7 +44,8 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
         Volume of the exact body, mm3.
 
     Raises:
-        CranktopoError: impossible dimensions, unknown suffix, or a STEP file that does not read back.
+        CranktopoError: impossible dimensions, unknown suffix, a STEP file that does not read back, or a file
+            that cannot be written.
     """
     suffix = path.suffix.lower()
     if suffix not in (".step", ".stp", ".stl"):
@@ -52,8 +54,8 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
             hint="Use .step or .stl.",
             code=ExitCode.USAGE,
         )
-    partial = path.with_name(f".{path.stem}.partial{suffix}")
-    try:
+    with replacing(path) as temporary:
+        temporary.touch()  # before the work, and with a reason: gmsh gives none when it cannot write
         with cad_session(f"{part} of {scene.name}") as gmsh:
             body = _add(gmsh.model.occ, scene, part)
             volume = float(gmsh.model.occ.getMass(*body[0]))
@@ -61,12 +63,9 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
             if suffix == ".stl":
                 _triangulate(gmsh, body, facet_mm)
             with _quiet_stdout():
-                gmsh.write(str(partial))
+                gmsh.write(str(temporary))
         if suffix != ".stl":
-            _read_back(partial, volume)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+            _read_back(temporary, volume)
     return volume
 
 

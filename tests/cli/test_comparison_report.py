@@ -135,6 +135,13 @@ def test_markdown(tmp_path: Path) -> None:
     assert "| opposed-piston-casting | 1.500* | 90.00 |" in text
 
 
+def test_plot_in_capitals(tmp_path: Path) -> None:
+    path = tmp_path / "plot.PNG"
+    assert main(["compare", *NAMES, "--baseline", NAMES[0], "--plot", str(path), "--quiet"]) == 0
+    assert path.read_bytes().startswith(b"\x89PNG")
+    assert list(tmp_path.iterdir()) == [path]
+
+
 @pytest.fixture
 def lives(monkeypatch: pytest.MonkeyPatch) -> None:
     """Invented safeties by the rule: the casting has 1.05 against 1.3 of the baseline."""
@@ -205,11 +212,15 @@ def test_sharp_fillets_are_refused_before_the_work(
     assert "fillet_mm = 0" in err
 
 
-@pytest.mark.parametrize("name", ["page.pdf", "page", "absent/page.html"])
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [("--report", name) for name in ("page.pdf", "page", "absent/page.html")]
+    + [("--plot", name) for name in ("plot.xyz", "absent/plot.png")],
+)
 def test_bad_name_is_refused_before_the_work(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    option: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["compare", *NAMES, "--baseline", NAMES[0], "--report", str(tmp_path / name)]) == 2
+    assert main(["compare", *NAMES, "--baseline", NAMES[0], option, str(tmp_path / name)]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert len(err.strip().splitlines()) == 1
