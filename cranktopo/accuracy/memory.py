@@ -21,13 +21,11 @@ class Known:
 
     Attributes:
         design: the design that was measured.
-        own: whether that is the design asked for.
         slowdown: how many times slower this machine is now.
         result: what `cranktopo accuracy --json` printed.
     """
 
     design: str
-    own: bool
     slowdown: float
     result: dict[str, Any]
 
@@ -82,7 +80,7 @@ def recall(design: str) -> Known | None:
         return None
     name = design if design in kept else list(kept)[-1]
     before = Machine(**kept[name]["machine"])
-    return Known(name, name == design, machine.reference_s / before.reference_s, kept[name])
+    return Known(name, machine.reference_s / before.reference_s, kept[name])
 
 
 def _stored() -> dict[str, Any]:

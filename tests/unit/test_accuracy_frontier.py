@@ -210,8 +210,8 @@ def test_a_frontier_is_kept_with_the_speed_of_its_machine(cache: None, frontier:
     found, other = recall("by-hand"), recall("another")
     assert found is not None
     assert other is not None
-    assert (found.own, found.slowdown, found.result) == (True, pytest.approx(2.0), result)
-    assert (other.own, other.design) == (False, "by-hand")
+    assert (found.slowdown, found.result) == (pytest.approx(2.0), result)
+    assert other.design == "by-hand"
     remember({**result, "design": "newer"})
     newest = recall("another")
     assert newest is not None
@@ -228,7 +228,7 @@ def test_a_damaged_memory_is_none(cache: None, frontier: Frontier) -> None:
 
 def test_the_first_rung_follows_from_what_was_measured(frontier: Frontier) -> None:
     """Steps 2, 1, 0: 4 + (3 not measured), 8 + 4, 16 + 8 s here, twice as much on the slower machine."""
-    known = Known("by-hand", True, 2.0, frontier.as_json())
+    known = Known("by-hand", 2.0, frontier.as_json())
     bound = frontier.rungs[2].bound_percent
     assert bound is not None
     assert first_rung(Wish(percent=bound + 0.01), known) == 1
@@ -309,7 +309,7 @@ def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
 
 
 def test_measured_times_replace_the_rough_ones(mikron: Scene, frontier: Frontier) -> None:
-    known = Known("by-hand", False, 2.0, frontier.as_json())
+    known = Known("by-hand", 2.0, frontier.as_json())
     guess, found = (choose_cells(mikron, 5.0, None, k) for k in (None, known))
     assert guess.cell_mm == found.cell_mm
     assert "measured on by-hand" in str(found)
