@@ -13,7 +13,14 @@ PLOTS = (".png", ".svg", ".pdf")
 
 
 def check_plot_path(path: Path) -> None:
-    """Check, before long work, that a plot can go there; raises CranktopoError when it cannot."""
+    """Check, before long work, that a plot can go there.
+
+    Args:
+        path: the file that the user asked for.
+
+    Raises:
+        CranktopoError: another ending, or no such folder.
+    """
     if path.suffix.lower() not in PLOTS:
         raise CranktopoError(
             f"--plot '{path}': must end in .png, .svg or .pdf.",

@@ -107,6 +107,10 @@ class Comparison:
         """Whether two entries differ in a column by at least the larger of their error estimates.
 
         Not by their sum: finite elements are too stiff, so both errors go the same way.
+
+        Args:
+            row, other: positions of the entries.
+            column: position of the column.
         """
         values = [self.entries[i].values[column] for i in (row, other)]
         error = self.columns[column].error
@@ -246,7 +250,12 @@ def leading_rows(comparison: Comparison) -> list[int]:
 
 
 def level_rows(comparison: Comparison, column: int) -> list[int]:
-    """Rows that the best value of a column does not beat by as much as the error estimates."""
+    """Rows that the best value of a column does not beat by as much as the error estimates.
+
+    Args:
+        comparison: what is compared.
+        column: position of the column.
+    """
     best = leading_rows(comparison)[column]
     others = (row for row in range(len(comparison.entries)) if row != best)
     return [row for row in others if not comparison.differ(best, row, column)]

@@ -44,7 +44,11 @@ def result_line(e: Evaluation) -> str:
 
 
 def estimate_line(torsion_percent: Iterable[float], bending_percent: Iterable[float]) -> str:
-    """The largest error estimates of several evaluations, for below a table of their stiffnesses."""
+    """The largest error estimates of several evaluations, for below a table of their stiffnesses.
+
+    Args:
+        torsion_percent, bending_percent: error estimates, one per evaluation.
+    """
     torsion, bending = max(torsion_percent), max(bending_percent)
     return f"stiffnesses +-{torsion:.2g} % in torsion, +-{bending:.2g} % in bending at most"
 
