@@ -23,13 +23,11 @@ class Known:
 
     Attributes:
         design: the design, or the path of the surface, that was measured.
-        own: whether that is the design asked for.
         slowdown: how many times slower this machine is now.
         result: what `cranktopo accuracy --json` printed.
     """
 
     design: str
-    own: bool
     slowdown: float
     result: dict[str, Any]
 
@@ -94,7 +92,7 @@ def recall(key: str, ladder: LadderName) -> Known | None:
         return None
     name = key if key in kept else list(kept)[-1]
     before = Machine(**kept[name]["machine"])
-    return Known(name, name == key, machine.reference_s / before.reference_s, kept[name])
+    return Known(name, machine.reference_s / before.reference_s, kept[name])
 
 
 def _holds(result: Mapping[str, Any], ladder: LadderName) -> bool:

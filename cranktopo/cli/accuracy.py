@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import seconds
+from cranktopo.cli.options import DEFAULT_DESIGN, seconds
 from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import ExitCode
 
@@ -20,7 +20,7 @@ _BUDGET_S = 120.0
 
 
 @click.command("accuracy")
-@click.argument("design", default="mikron-iiic", shell_complete=designs)
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
 @click.option(
     "--budget",
     "budget_s",

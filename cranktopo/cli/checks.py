@@ -13,8 +13,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
+from cranktopo.cli.options import DEFAULT_DESIGN
+
 PYTHON = (3, 11)
-DEFAULT_DESIGN = "mikron-iiic"
+NEED_GMSH = "evaluate, compare, accuracy, fatigue, shaft, remodel, iterate, export and report --stress"
 GMSH_LIBRARIES = "apt-get install -y libglu1-mesa libxcursor1 libxft2 libxinerama1"
 
 State = Literal["ok", "missing", "absent"]
@@ -104,7 +106,7 @@ def packages() -> list[Check]:
 
 def gmsh() -> Check:
     """Whether gmsh finds its system libraries."""
-    cost = "no exact solids, no judge, no STEP: evaluate, compare, shaft and export fail"
+    cost = f"no exact solids, no judge, no STEP: {NEED_GMSH} fail"
     try:
         module = importlib.import_module("gmsh")
     except ImportError:

@@ -14,6 +14,7 @@ from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
 from cranktopo.cli.options import mesh_options
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
+from cranktopo.formats import PLOTS
 
 if TYPE_CHECKING:
     from cranktopo.evaluate.evaluation import Evaluation
@@ -68,17 +69,18 @@ def command(
 ) -> None:
     """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
 
-    The stiffnesses are those of the supports in the designs. A star marks the best of each column. The
-    baseline is evaluated too when it is not among the targets.
+    The stiffnesses are those of the supports in the designs, each with its error estimate. A star marks the
+    best of each column, unless another is within the estimate. The baseline is evaluated too when it is not
+    among the targets.
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
     if stress and page is None:
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
     if plot is not None:
-        from cranktopo.report.scatter import check_plot_path
+        from cranktopo.store import check_file
 
-        check_plot_path(plot)
+        check_file(plot, "--plot", PLOTS)
     if page is not None:
         from cranktopo.report.writing import check_report_path
 

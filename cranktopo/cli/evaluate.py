@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import mesh_options
+from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options
 from cranktopo.cli.talk import detail, say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
 
@@ -41,7 +41,7 @@ def command(
     from cranktopo.evaluate.targets import resolve_targets
 
     wanted = Meshing(element_size_mm, accuracy, budget)
-    evaluations, missed = evaluate_targets(resolve_targets(targets or ("mikron-iiic",), design), wanted)
+    evaluations, missed = evaluate_targets(resolve_targets(targets or (DEFAULT_DESIGN,), design), wanted)
     if as_json:
         from cranktopo.evaluate.evaluation import SCHEMA_VERSION
 

@@ -9,6 +9,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.parameters import Choice
+from cranktopo.formats import SOLIDS
 
 if TYPE_CHECKING:
     from cranktopo.remodel.export import PartName
@@ -31,11 +32,11 @@ def command(design: str, file: Path, part: str, facet_mm: float, force: bool) ->
 
     Example: cranktopo export mikron-iiic throw.step
     """
-    from cranktopo.remodel.export import SUFFIXES, PartName, export_solid
+    from cranktopo.remodel.export import PartName, export_solid
     from cranktopo.scene import load_scene
     from cranktopo.store import check_file
 
-    check_file(file, "file", SUFFIXES, replace=force)
+    check_file(file, "file", SOLIDS, replace=force)
     chosen: PartName = next(name for name in get_args(PartName) if name == part)
     volume = export_solid(load_scene(design), chosen, file, facet_mm)
     click.echo(f"{file}: {part}, {volume:.1f} mm3")

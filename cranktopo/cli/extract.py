@@ -11,24 +11,22 @@ import click
 from cranktopo.cli.completion import runs
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import detail, talkative
+from cranktopo.formats import SURFACES, SurfaceFormat
 
 if TYPE_CHECKING:
-    from cranktopo.surface.export import Format
     from cranktopo.surface.extraction import Extraction
-
-_FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
 
 
 @click.command("extract")
 @click.argument("run", shell_complete=runs)
 @click.option("--iteration", type=click.IntRange(min=1), help="Design of an earlier iteration.")
-@click.option("--format", "form", type=Choice(_FORMATS), help="Default: by the suffix of --out, or stl.")
+@click.option("--format", "form", type=Choice(SURFACES), help="Default: by the suffix of --out, or stl.")
 @click.option("--out", type=click.Path(path_type=Path), help="File; default: RUN/surface/iteration-N.stl.")
 @click.option("--force", is_flag=True, help="Replace an existing --out.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @talkative
 def command(
-    run: str, iteration: int | None, form: Format | None, out: Path | None, force: bool, as_json: bool
+    run: str, iteration: int | None, form: SurfaceFormat | None, out: Path | None, force: bool, as_json: bool
 ) -> None:
     """Extract the watertight surface of a design of RUN: binary STL or 3MF in mm, or GLB for viewers.
 
@@ -57,14 +55,14 @@ def command(
         click.echo(_text(found, path))
 
 
-def _format(form: Format | None, out: Path | None, force: bool) -> Format:
+def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> SurfaceFormat:
     """The format that is asked for, by option or by the name of a file that can be written."""
     if out is None:
         return form or "stl"
     from cranktopo.store import check_file
 
-    check_file(out, "--out", [f".{name}" for name in ((form,) if form else _FORMATS)], replace=force)
-    return next(name for name in _FORMATS if out.suffix.lower() == f".{name}")
+    check_file(out, "--out", [f".{name}" for name in ((form,) if form else SURFACES)], replace=force)
+    return next(name for name in SURFACES if out.suffix.lower() == f".{name}")
 
 
 def _text(found: Extraction, path: Path) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
@@ -69,7 +70,7 @@ def command(
     from cranktopo.evaluate.targets import resolve_targets
     from cranktopo.loads.histories import HistoryKind
 
-    names = targets or (baseline or "mikron-iiic",)
+    names = targets or (baseline or DEFAULT_DESIGN,)
     if baseline is not None and baseline not in names:
         names = (baseline, *names)
     if out is not None and method == "m53":

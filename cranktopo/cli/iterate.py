@@ -10,13 +10,12 @@ from typing import Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import refuse_beside_resume, rule_options
+from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, rule_options
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
 
-DEFAULT_DESIGN = "mikron-iiic"
 THIN_SHARE = 0.4
-_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json"}
+_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
 
 
 @click.command("iterate")
@@ -92,7 +91,7 @@ def command(
 
 
 def _write(folder: Path, data: dict[str, Any]) -> dict[str, str]:
-    """steps.csv and steps.png beside iterate.json."""
+    """steps.csv and steps.png beside iterate.json and report.html."""
     from cranktopo.report.iterate_report import save_steps_plot, steps_table
     from cranktopo.report.tables import comma_separated
     from cranktopo.store import write_text
@@ -110,22 +109,12 @@ def summary(data: dict[str, Any], folder: Path) -> str:
         data: content of iterate.json.
         folder: directory of the loop.
     """
-    from cranktopo.report.iterate_report import steps_table
+    from cranktopo.report.iterate_report import best_line, steps_estimate, steps_table
     from cranktopo.report.tables import terminal
 
-    lines = [terminal(steps_table(data["steps"])), "", f"ended: {data['stop_reason']}"]
-    if data["best_step"] is None:
-        lines.append(
-            "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
-        )
-    else:
-        best = data["steps"][data["best_step"]]
-        share = best["percent_of_original"]
-        lines.append(
-            f"best: step {best['number']}, "
-            f"torsional stiffness per mass {share['torsion_per_mass'] - 100:+.1f} %, "
-            f"mass {share['mass'] - 100:+.1f} %, bending stiffness {share['bending'] - 100:+.1f} %"
-        )
-        lines.append(str(folder / f"step-{best['number']:02d}" / "web.toml"))
+    lines = [terminal(steps_table(data["steps"])), "", steps_estimate(data["steps"])]
+    lines += [f"ended: {data['stop_reason']}", best_line(data)]
+    if data["best_step"] is not None:
+        lines.append(str(folder / f"step-{data['best_step']:02d}" / "web.toml"))
     files = (folder / file for file in _FILES.values())
     return "\n".join([*lines, *(str(file) for file in files if file.is_file())])

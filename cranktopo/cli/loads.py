@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.errors import CranktopoError, invalid
+from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.errors import invalid
 
 if TYPE_CHECKING:
     from cranktopo.scene import Scene
@@ -18,7 +19,7 @@ MOST_SPEEDS = 1000
 
 
 @click.command(name="loads")
-@click.argument("design", default="mikron-iiic", shell_complete=designs)
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
 @click.option("--speed", metavar="RPM|FROM:TO:STEP", help="Speed or sweep of speeds instead of the scene's.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write all curves.")
@@ -91,15 +92,14 @@ def _write_csv(scenes: list[Scene], path: Path) -> None:
 
     from cranktopo.loads import analyse
     from cranktopo.loads.summary import curve_columns
+    from cranktopo.store.files import replacing
 
     tables = [curve_columns(analyse(scene)) for scene in scenes]
     if not tables[0]:
         raise invalid("engine.gas", None, "must be given for curves over the cycle")
     values = np.concatenate([np.column_stack(list(table.values())) for table in tables])
-    try:
-        np.savetxt(path, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
-    except OSError as error:
-        raise CranktopoError(f"--csv {path}: cannot be written: {error}.") from None
+    with replacing(path) as temporary:
+        np.savetxt(temporary, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
 
 
 def _plot(scene: Scene, path: Path) -> None:
@@ -107,7 +107,4 @@ def _plot(scene: Scene, path: Path) -> None:
     from cranktopo.report.loads_plot import plot_loads
 
     analysis = analyse(scene)
-    try:
-        plot_loads(analysis, f"{scene.name}, {analysis.engine.speed_rpm:g} rpm", path)
-    except OSError as error:
-        raise CranktopoError(f"--plot {path}: cannot be written: {error}.") from None
+    plot_loads(analysis, f"{scene.name}, {analysis.engine.speed_rpm:g} rpm", path)

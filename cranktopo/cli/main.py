@@ -36,7 +36,7 @@ COMMANDS = {
 
 _EPILOG = (
     "Exit codes: 0 done; 1 internal error; 2 wrong use; 3 invalid design or input; 4 solver failure; "
-    "5 not converged, best result saved; 6 a requested criterion not met; 7 an optional tool is missing; "
+    "5 not converged, best result saved; 6 a requested criterion not met; 7 doctor misses what is needed; "
     "130 interrupted, checkpoint saved."
 )
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.cli.completion import designs, runs
-from cranktopo.cli.options import percent, refuse_beside_resume, seconds
+from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import NORMAL, QUIET, detail, level, say, talkative
 from cranktopo.errors import ExitCode
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from cranktopo.optimise.state import State
     from cranktopo.scene import Scene
 
-DEFAULT_DESIGN = "mikron-iiic"
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 
 
@@ -151,15 +150,9 @@ def _report_time(seconds: dict[str, float]) -> str:
 def _surface_warning(surface: dict[str, Any]) -> list[str]:
     if "refusal" in surface:
         return [f"no STL: {surface['refusal']}"]
-    cavities, undercuts = surface["cavities"], surface["undercuts"]
-    lines = []
-    if cavities:
-        hollows = f"closed hollow{'s' * (cavities > 1)}"
-        lines.append(f"{cavities} {hollows} inside: no forging die or cutter reaches there")
-    if not undercuts["released"]:
-        volume = undercuts["volume_mm3"]
-        lines.append(f"{volume:.0f} mm3 of undercuts along x: no die that parts in x = 0 releases it")
-    return lines
+    from cranktopo.report.release_text import obstacles
+
+    return obstacles(surface["cavities"], surface.get("undercuts"))
 
 
 def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) -> Scene:

@@ -1,4 +1,4 @@
-"""Options that commands share."""
+"""What commands share: the default design, and options."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from click.core import ParameterSource
 
 from cranktopo.remodel.rules import Rules
 
+DEFAULT_DESIGN = "mikron-iiic"
 _TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 
 

@@ -7,10 +7,11 @@ import json
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN
 
 
 @click.command(name="plan")
-@click.argument("design", default="mikron-iiic", shell_complete=designs)
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(design: str, as_json: bool) -> None:
     """The effects of a design: state, reason, what leaving each out changes, and what it costs.

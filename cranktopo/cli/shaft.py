@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("design", default="mikron-iiic", shell_complete=designs)
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
 @click.option(
     "--bearings",
     type=Choice(["rigid", "spring", "free"]),
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 @talkative
 def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:
     """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies.
+
+    The error estimate comes from a second, coarser mesh; it is the judge's, and no error of the disk model.
 
     Example: cranktopo shaft mikron-iiic --bearings free
     """
@@ -60,9 +63,11 @@ def _text(shaft: ShaftEvaluation) -> str:
         )
     )
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.disks.natural_frequencies_Hz())
+    error = shaft.error_percent
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
     return (
         f"{throws}\n\nmass of the throws        {shaft.mass_kg:.3f} kg\n"
         f"end to end, {shaft.bearings} bearings {end:.2f} kN m/rad\n"
-        f"natural frequencies       {frequencies} Hz (shaft and moving masses alone, free ends)"
+        f"natural frequencies       {frequencies} Hz (shaft and moving masses alone, free ends)\n\n"
+        f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, unit_fields
 from cranktopo.loads.load_case import LoadCase
-from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
+from cranktopo.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s
 
 Array = NDArray[np.float64]
 
@@ -26,7 +25,7 @@ _FACTORS: dict[FieldKind, Callable[[LoadCase], float]] = {
     "bending": lambda case: case.radial_N,
     "tangential": lambda case: case.tangential_N,
     "torsion": lambda case: case.torque_Nm * NMM_PER_NM,
-    "centrifugal": lambda case: (case.speed_rpm * math.pi / 30) ** 2,
+    "centrifugal": lambda case: angular_speed_rad_s(case.speed_rpm) ** 2,
 }
 """What a load case holds of each unit field."""
 

@@ -37,6 +37,11 @@ class ShaftStiffness:
     end_to_end_Nm_per_rad: float
     throws_Nm_per_rad: tuple[float, ...]
 
+    def by_name(self) -> dict[str, float]:
+        """Every stiffness, N m/rad, by what it is of."""
+        throws = {f"throw {number}": k for number, k in enumerate(self.throws_Nm_per_rad, start=1)}
+        return {"end to end": self.end_to_end_Nm_per_rad, **throws}
+
 
 def throw_matrix(model: Elasticity, scene: Scene, mirrored: bool) -> Array:
     """Stiffness of the full throw over the six motions of its near and then its far section, (12, 12).

@@ -19,13 +19,6 @@ def von_mises(stress: Array) -> Array:
     return np.sqrt(np.maximum(squared, 0.0))
 
 
-def signed_von_mises(stress: Array) -> Array:
-    """Von Mises stress with the sign of the principal stress that is largest in magnitude."""
-    values = principal_stresses(stress)
-    sign = np.where(values[..., 0] + values[..., 2] >= 0, 1.0, -1.0)
-    return sign * von_mises(stress)
-
-
 def principal_stresses(stress: Array) -> Array:
     """Principal stresses, falling, in the last axis; that of the argument holds the six components."""
     tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)

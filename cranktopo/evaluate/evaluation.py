@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -285,16 +285,20 @@ def evaluation(coarse: Judged, fine: Judged, seconds: float) -> Evaluation:
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,
-        torsion_error_percent=_bound_percent(coarse.stiffness.torsion, fine.stiffness.torsion),
-        bending_error_percent=_bound_percent(coarse.stiffness.bending, fine.stiffness.bending),
+        torsion_error_percent=bound_percent(coarse.stiffness.torsion, fine.stiffness.torsion),
+        bending_error_percent=bound_percent(coarse.stiffness.bending, fine.stiffness.bending),
         total_seconds=seconds,
     )
 
 
-def _bound_percent(coarse: dict[str, float | None], fine: dict[str, float | None]) -> float:
-    """Bound of the relative error of the fine values, %: the largest over all supports.
+def bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float | None]) -> float:
+    """Bound of the relative error of the fine values, %: the largest over all of them.
 
     Two unstructured meshes may happen to agree in one support; hardly in all.
+
+    Args:
+        coarse: stiffnesses on a mesh 1.5 times coarser.
+        fine: the same on the mesh whose values are reported; None where there is none.
     """
     pairs = ((_known(coarse[name]), value) for name, value in fine.items() if value is not None)
     return SAFETY * max(100 * abs(high / low - 1) for high, low in pairs)

@@ -43,7 +43,6 @@ class FkmResult:
         safety: fatigue limit over amplitude; no safety factor of the guideline is applied.
         limit_MPa: amplitude that the point endures at its stress ratio.
         reversed_MPa: fully reversed strength of material.
-        roughness_factor: K_R.
         support_factor: n, from the stress gradient.
         design_factor: K_WK.
         mean_factor: K_AK.
@@ -52,7 +51,6 @@ class FkmResult:
     safety: Array
     limit_MPa: Array
     reversed_MPa: float
-    roughness_factor: float
     support_factor: Array
     design_factor: Array
     mean_factor: Array
@@ -86,7 +84,6 @@ def fkm(stress: LocalStress, strength: FkmStrength) -> FkmResult:
         limit / np.maximum(stress.amplitude_MPa, 1e-9 * limit),
         limit,
         float(reversed_MPa[0]),
-        float(rough[0]),
         np.asarray(support),
         np.asarray(design),
         np.asarray(mean),

@@ -15,6 +15,7 @@ import scipy.sparse.linalg as sla
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.store.manifest import SEED
 
 Array = NDArray[np.float64]
 
@@ -118,7 +119,7 @@ def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
 def _largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
     """Of the Jacobi-scaled matrix, by Lanczos: one bad element may hold it, where power iteration is slow."""
     root = sp.diags(np.sqrt(inverse[:, 0]))
-    start = np.random.default_rng(0).standard_normal(matrix.shape[0])
+    start = np.random.default_rng(SEED).standard_normal(matrix.shape[0])
     return float(
         sla.eigsh(root @ matrix @ root, k=1, v0=start, tol=_EIGENVALUE_TOLERANCE, return_eigenvectors=False)[
             0

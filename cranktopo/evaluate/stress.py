@@ -1,4 +1,4 @@
-"""Stresses of displacement fields on ten-node tetrahedra: at quadrature points, and averaged at nodes."""
+"""Stresses of displacement fields on ten-node tetrahedra, from quadrature points to the nodes."""
 
 from __future__ import annotations
 
@@ -17,44 +17,6 @@ Array = NDArray[np.float64]
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _ORDER = 2
 """Four points, where stresses of quadratic tetrahedra are most accurate."""
-
-
-@dataclass(frozen=True)
-class PointStress:
-    """Stresses at the quadrature points of some elements.
-
-    Attributes:
-        points_mm: shape (3, elements, points).
-        volume_mm3: quadrature weight of each point, shape (elements, points).
-        stress_MPa: shape (fields, elements, points, 6), components as `COMPONENTS`.
-    """
-
-    points_mm: Array
-    volume_mm3: Array
-    stress_MPa: Array
-
-
-def point_stress(
-    model: Elasticity,
-    displacement_mm: Array,
-    youngs_MPa: float,
-    poisson: float,
-    elements: NDArray[np.intp] | None = None,
-) -> PointStress:
-    """Stresses of displacement fields at the quadrature points.
-
-    Args:
-        model: the body.
-        displacement_mm: shape (fields, unknowns).
-        youngs_MPa, poisson: elastic constants.
-        elements: which elements; all by default.
-    """
-    from skfem import Basis, ElementTetP2
-
-    basis = Basis(model.mesh, ElementTetP2(), intorder=_ORDER, elements=elements)
-    strain = _strain(basis, displacement_mm)
-    points = np.asarray(basis.global_coordinates())
-    return PointStress(points, np.asarray(basis.dx), hooke(strain, youngs_MPa, poisson))
 
 
 @dataclass(frozen=True)

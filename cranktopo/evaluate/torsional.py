@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.scene import Scene
-
-_MM2_PER_M2 = 1e6
+from cranktopo.units import MM2_PER_M2
 
 
 @dataclass(frozen=True)
@@ -64,6 +63,6 @@ def disk_model(scene: Scene, throw_inertia_kg_mm2: float, throws_Nm_per_rad: tup
         masses = scene.engine.masses
         reciprocating = masses.piston_group_kg + masses.rod_reciprocating_kg
         moving = (masses.rod_rotating_kg + reciprocating / 2) * scene.throw.radius_mm**2
-    inertia = (throw_inertia_kg_mm2 + moving) / _MM2_PER_M2
+    inertia = (throw_inertia_kg_mm2 + moving) / MM2_PER_M2
     ends, inner = inertia / 2, len(throws_Nm_per_rad) - 1
     return DiskModel((ends, *[inertia] * inner, ends), throws_Nm_per_rad)

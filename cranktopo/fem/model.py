@@ -130,8 +130,8 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
         return CaseSupports(fixed_x, fixed_z, tuple(first))
     # Two sections: the first one is the axial and rotational reference of the whole throw.
     last = [SectionMotion(-1, m.motion, m.stiffness, torque if m.motion == "rz" else 0.0) for m in first]
-    if torsion or "tz" in kept:
-        last.append(SectionMotion(-1, "tz")) if "tz" not in kept else None
+    if torsion and "tz" not in kept:
+        last.append(SectionMotion(-1, "tz"))
     first = [m for m in first if m.motion not in ("tz", "rz")]
     return CaseSupports(fixed_x, fixed_z, (*first, *last))
 

@@ -21,6 +21,8 @@ from cranktopo.remodel.fit import fit_web
 from cranktopo.remodel.imported import read_surface
 from cranktopo.remodel.rules import Rules
 from cranktopo.remodel.volume import web_volume_mm3
+from cranktopo.report.iterate_page import iterate_page
+from cranktopo.report.writing import REPORT, write_report
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.loading import input_files
@@ -192,8 +194,21 @@ def _loop(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
         if found != "better":
             reason = _reason(found, steps, settings)
             break
+        if left > 1:
+            _write_page(run, _outcome(run, scene, steps, f"step {number} of {settings.steps} done", settings))
+    outcome = _outcome(run, scene, steps, reason, settings)
+    _write_page(run, outcome)
+    return outcome
+
+
+def _outcome(run: RunStore, scene: Scene, steps: Sequence[Step], reason: str, settings: Settings) -> Outcome:
     best = best_step(steps, settings.least_transition_mm)
     return Outcome(run.path, scene.name, tuple(steps), reason, best, settings)
+
+
+def _write_page(run: RunStore, outcome: Outcome) -> None:
+    """The report of what is done so far."""
+    write_report(iterate_page(outcome.as_json(), run.manifest(), run.path), run.path / REPORT)
 
 
 def _original(folder: Path, scene: Scene, settings: Settings, say: Say) -> Step:

@@ -14,8 +14,7 @@ import numpy as np
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.web_section import Moments, web_moments
-
-KG_PER_MM3 = 1e-9  # times a density in kg/m3
+from cranktopo.units import density_kg_per_mm3
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     U = m_pin r + 2 m_web e_web + m_rod,rot r, with the fillets among them.
     """
     throw, radius = scene.throw, scene.throw.radius_mm
-    density = scene.material.density_kg_m3 * KG_PER_MM3
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
     web = web_moments(scene).times(density)
     journal = _cylinder(throw.main_journal, 0.0).times(density)
     crankpin = _cylinder(throw.crankpin, radius).times(density)

@@ -2,29 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cranktopo.errors import invalid
 from cranktopo.loads.gas import gas_force_N, pressure_curve
 from cranktopo.scene import Scene
 from cranktopo.scene.supports import RollerBearing
-
-
-@dataclass(frozen=True)
-class LinearFit:
-    """Straight line through the load-displacement table of one roller.
-
-    Attributes:
-        slope_N_per_mm: tangent stiffness of a roller, N/mm.
-        intercept_N: force of the line at zero displacement, N (negative: Hertzian contact starts soft).
-        r2: coefficient of determination.
-    """
-
-    slope_N_per_mm: float
-    intercept_N: float
-    r2: float
 
 
 def bearing_spring_N_per_mm(scene: Scene) -> float | None:
@@ -65,17 +48,15 @@ def clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) ->
     return 0.5 * max_piston_force_N / (0.8 * clearance_mm)
 
 
-def fit_roller_table(bearing: RollerBearing) -> LinearFit:
-    """Least-squares line through reaction (N) over displacement (mm) of one roller.
+def roller_spring_N_per_mm(bearing: RollerBearing) -> float:
+    """Tangent stiffness of one roller, N/mm: slope of the least-squares line of reaction over displacement.
 
     Source of the method: M. Kral, Stress-strain analysis of balancing shaft support, Brno University of
     Technology, 2014.
     """
     x, y = np.array(bearing.displacement_mm), np.array(bearing.reaction_N)
     dx, dy = x - x.mean(), y - y.mean()
-    slope = float((dx * dy).sum() / (dx**2).sum())
-    r2 = float((dx * dy).sum() ** 2 / ((dx**2).sum() * (dy**2).sum()))
-    return LinearFit(slope, float(y.mean() - slope * x.mean()), r2)
+    return float((dx * dy).sum() / (dx**2).sum())
 
 
 def roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
@@ -84,4 +65,4 @@ def roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
     A radial displacement d compresses the roller at angle t by d cos t on the loaded half only; the sum of
     k d cos^2 t over these Z / 2 rollers is Z k d / 4.
     """
-    return bearing.rollers * fit_roller_table(bearing).slope_N_per_mm / 4
+    return bearing.rollers * roller_spring_N_per_mm(bearing) / 4

@@ -31,15 +31,15 @@ class Motion:
 class ForceRatios:
     """Forces of the mechanism per unit of force along the cylinder axis, one value per crank angle.
 
+    The angle of the rod to that axis is b.
+
     Attributes:
-        rod_angle_rad: angle b of the rod to the cylinder axis, rad.
         side: force of the piston on the cylinder wall, tan b.
         rod: force along the rod, 1 / cos b.
         radial: force on the crankpin toward the crank axis, cos(a + b) / cos b.
         tangential: force on the crankpin in the direction of rotation, sin(a + b) / cos b.
     """
 
-    rod_angle_rad: Array
     side: Array
     rod: Array
     radial: Array
@@ -99,7 +99,6 @@ def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Fo
     rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
     cos_b = np.cos(rod_angle)
     return ForceRatios(
-        rod_angle_rad=rod_angle,
         side=np.tan(rod_angle),
         rod=1.0 / cos_b,
         radial=np.cos(angle_rad + rod_angle) / cos_b,

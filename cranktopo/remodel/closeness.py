@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.remodel.export import surface_of
 from cranktopo.scene import Scene
+from cranktopo.store.manifest import SEED
 from cranktopo.surface.fidelity import distances_mm
 from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.surface.solids import web_slab
@@ -85,7 +86,7 @@ def surface_distance_mm(
     Returns:
         Mean, largest, and the point of the largest, mm.
     """
-    random = np.random.default_rng(0)
+    random = np.random.default_rng(SEED)
     points, others = (_samples(mesh, random) for mesh in (one, other))
     places = np.vstack([points, others])
     distances = np.concatenate([distances_mm(points, other), distances_mm(others, one)])

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.formats import SOLIDS
 from cranktopo.remodel.session import cad_session, triangles
 from cranktopo.remodel.throw_solid import (
     add_crankshaft,
@@ -21,13 +22,12 @@ from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.remodel.web_solid import DimTags, add_web
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
-from cranktopo.store import check_file
+from cranktopo.store import check_file, replacing
 
 if TYPE_CHECKING:
     from cranktopo.surface.mesh import SurfaceMesh
 
 PartName = Literal["web", "half", "throw", "crankshaft"]
-SUFFIXES = (".step", ".stp", ".stl")
 STEP_TOLERANCE = 1e-6
 """Largest relative change of the volume when a written STEP file is read back."""
 
@@ -45,12 +45,13 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
         Volume of the exact body, mm3.
 
     Raises:
-        CranktopoError: impossible dimensions, unknown suffix, or a STEP file that does not read back.
+        CranktopoError: impossible dimensions, unknown suffix, a STEP file that does not read back, or a file
+            that cannot be written.
     """
     suffix = path.suffix.lower()
-    check_file(path, "file", SUFFIXES)
-    partial = path.with_name(f".{path.stem}.partial{suffix}")
-    try:
+    check_file(path, "file", SOLIDS)
+    with replacing(path) as temporary:
+        temporary.touch()  # before the work, and with a reason: gmsh gives none when it cannot write
         with cad_session(f"{part} of {scene.name}") as gmsh:
             body = _add(gmsh.model.occ, scene, part)
             volume = float(gmsh.model.occ.getMass(*body[0]))
@@ -58,12 +59,9 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
             if suffix == ".stl":
                 _triangulate(gmsh, body, facet_mm)
             with _quiet_stdout():
-                gmsh.write(str(partial))
+                gmsh.write(str(temporary))
         if suffix != ".stl":
-            _read_back(partial, volume)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+            _read_back(temporary, volume)
     return volume
 
 

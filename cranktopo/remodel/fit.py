@@ -16,6 +16,7 @@ from cranktopo.remodel.rules import Rules
 from cranktopo.remodel.search import Problem
 from cranktopo.remodel.select import Candidate, Trial, fit_from, model_fill, select
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.store.manifest import SEED
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -107,7 +108,7 @@ def _problem(body: Manifold, scene: Scene, rules: Rules, cell_mm: float) -> Prob
 
 def _final_fits(problem: Problem, chosen: Candidate) -> list[Candidate]:
     """Fits from the chosen web and from scattered copies of it, best first."""
-    random = np.random.default_rng(0)
+    random = np.random.default_rng(SEED)
     low, high = bounds(chosen.layout, problem.scene, problem.rules)
     starts = [chosen.values]
     for _ in range(problem.rules.starts - 1):

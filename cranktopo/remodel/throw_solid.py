@@ -84,16 +84,12 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
         scene: the throw, and an engine with a firing order.
 
     Raises:
-        CranktopoError: no firing order in the scene, or as `add_half_throw`.
+        CranktopoError: no engine in the scene, or as `add_half_throw`.
     """
-    if scene.engine is None or not scene.engine.firing_order:
-        raise CranktopoError(
-            "engine.firing_order is missing: the crankshaft needs it.",
-            hint="Add cylinders = 4 and firing_order = [1, 3, 4, 2] to [engine].",
-        )
+    angles = scene.shaft_angles_deg
     throw = add_full_throw(occ, scene)
     bodies: DimTags = []
-    for index, angle in enumerate(scene.engine.throw_angles_deg):
+    for index, angle in enumerate(angles):
         copy = occ.copy(throw)
         occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(angle))
         occ.translate(copy, 0, 0, index * scene.pitch_mm)
@@ -101,8 +97,7 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     occ.remove(throw, recursive=True)
     if len(bodies) > 1:
         bodies, _ = occ.fuse(bodies[:1], bodies[1:])
-    throws = len(scene.engine.firing_order)
-    check_body(occ, bodies, 2 * throws * half_throw_volume_mm3(scene), "crankshaft")
+    check_body(occ, bodies, 2 * len(angles) * half_throw_volume_mm3(scene), "crankshaft")
     return bodies
 
 

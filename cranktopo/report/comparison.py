@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import SCHEMA_VERSION, Evaluation
@@ -12,17 +12,37 @@ from cranktopo.report.fatigue_tables import Judged
 from cranktopo.report.tables import Table, records
 from cranktopo.scene.schema import Published
 
-_COLUMNS: tuple[tuple[str, int, int], ...] = (
-    ("mass_kg", 3, -1),
-    ("torsion_kNm_per_rad", 2, 1),
-    ("bending_kN_per_mm", 2, 1),
-    ("torsion_per_mass_kNm_per_rad_kg", 2, 1),
-    ("bending_per_mass_kN_per_mm_kg", 2, 1),
-    ("inertia_kg_mm2", 0, -1),
-    ("unbalance_kg_mm", 2, -1),
+_TORSION_ERROR, _BENDING_ERROR = "torsion_error_percent", "bending_error_percent"
+
+
+class Column(NamedTuple):
+    """A compared quantity.
+
+    Attributes:
+        name: machine name, unit included.
+        digits: decimals.
+        better: +1 where more is better, -1 where less is.
+        error: the evaluation's bound of its error, or None where it is exact.
+    """
+
+    name: str
+    digits: int
+    better: int
+    error: str | None = None
+
+
+_COLUMNS = (
+    Column("mass_kg", 3, -1),
+    Column("torsion_kNm_per_rad", 2, 1, _TORSION_ERROR),
+    Column("bending_kN_per_mm", 2, 1, _BENDING_ERROR),
+    Column("torsion_per_mass_kNm_per_rad_kg", 2, 1, _TORSION_ERROR),
+    Column("bending_per_mass_kN_per_mm_kg", 2, 1, _BENDING_ERROR),
+    Column("inertia_kg_mm2", 0, -1),
+    Column("unbalance_kg_mm", 2, -1),
 )
-"""Name, decimals, and which way is better (+1 more, -1 less)."""
-_SAFETY = ("safety", 3, 1)
+_SAFETY = Column("safety", 3, 1)
+_ERRORS_AT = 4
+"""Where the error estimates stand in the table of values: behind the target, its mass and stiffnesses."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +91,8 @@ class Comparison:
     fatigue: Judged | None = None
 
     @property
-    def columns(self) -> tuple[tuple[str, int, int], ...]:
-        """Name, decimals, and which way is better of each column."""
+    def columns(self) -> tuple[Column, ...]:
+        """What is compared, in the order of the entries' values."""
         return _COLUMNS if self.fatigue is None else (*_COLUMNS, _SAFETY)
 
     def percent(self, row: int, column: int) -> float:
@@ -83,6 +103,22 @@ class Comparison:
             column: position of the value in `columns`.
         """
         return 100 * self.entries[row].values[column] / self.entries[self.baseline].values[column]
+
+    def differ(self, row: int, other: int, column: int) -> bool:
+        """Whether two entries differ in a column by at least the larger of their error estimates.
+
+        Not by their sum: finite elements are too stiff, so both errors go the same way.
+
+        Args:
+            row, other: positions of the entries.
+            column: position of the column.
+        """
+        values = [self.entries[i].values[column] for i in (row, other)]
+        error = self.columns[column].error
+        if error is None:
+            return True
+        estimate = max(getattr(self.entries[i].evaluation, error) for i in (row, other))
+        return 100 * abs(values[0] / values[1] - 1) >= estimate
 
 
 def compare(entries: list[Entry], baseline: str, fatigue: Judged | None = None) -> Comparison:
@@ -124,16 +160,26 @@ def check_supports(supports: Iterable[tuple[str, str]]) -> None:
 
 
 def value_table(comparison: Comparison) -> Table:
-    """Absolute values, the best of each column marked."""
-    names = [name for name, _, _ in comparison.columns]
-    return _table(comparison, names, [entry.values for entry in comparison.entries])
+    """Absolute values and the error estimates of the stiffnesses, the best of each column marked."""
+    names = [column.name for column in comparison.columns]
+    table = _table(comparison, names, [entry.values for entry in comparison.entries])
+    estimates = [
+        (e.evaluation.torsion_error_percent, e.evaluation.bending_error_percent) for e in comparison.entries
+    ]
+    at = _ERRORS_AT
+    return Table(
+        columns=(*table.columns[:at], _TORSION_ERROR, _BENDING_ERROR, *table.columns[at:]),
+        rows=tuple((*row[:at], *pair, *row[at:]) for row, pair in zip(table.rows, estimates, strict=True)),
+        digits=(*table.digits[:at], 2, 2, *table.digits[at:]),
+        marks=frozenset((row, column + 2 * (column >= at)) for row, column in table.marks),
+    )
 
 
 def percent_table(comparison: Comparison) -> Table:
     """Percent of the baseline, the best of each column marked."""
     columns = range(len(comparison.columns))
     rows = [tuple(comparison.percent(r, c) for c in columns) for r in range(len(comparison.entries))]
-    names = [f"{_quantity(name)}_percent" for name, _, _ in comparison.columns]
+    names = [f"{_quantity(column.name)}_percent" for column in comparison.columns]
     return _table(comparison, names, rows, digits=1)
 
 
@@ -182,8 +228,8 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
         "evaluations": [entry.evaluation.as_json() for entry in comparison.entries],
         "percent_of_baseline": records(percent_table(comparison)),
         "best": {
-            name: comparison.entries[row].evaluation.target
-            for (name, _, _), row in zip(comparison.columns, best_rows(comparison), strict=True)
+            column.name: None if row is None else comparison.entries[row].evaluation.target
+            for column, row in zip(comparison.columns, best_rows(comparison), strict=True)
         },
         "published": None if published is None else records(published),
         "fatigue": None if comparison.fatigue is None else comparison.fatigue.json,
@@ -202,19 +248,37 @@ def _table(
         rows=tuple(
             (entry.evaluation.target, *row) for entry, row in zip(comparison.entries, values, strict=True)
         ),
-        digits=(0, *(decimals if digits is None else digits for _, decimals, _ in comparison.columns)),
-        marks=frozenset((row, column + 1) for column, row in enumerate(best)),
+        digits=(0, *(column.digits if digits is None else digits for column in comparison.columns)),
+        marks=frozenset((row, column + 1) for column, row in enumerate(best) if row is not None),
     )
 
 
-def best_rows(comparison: Comparison) -> list[int]:
-    """Row of the best entry of each column of the value table, in the order of its columns."""
+def leading_rows(comparison: Comparison) -> list[int]:
+    """Row of the entry with the best value of each column of the comparison, by however little."""
     values = [entry.values for entry in comparison.entries]
     rows = range(len(values))
     return [
-        max(rows, key=lambda row: better * values[row][column])
-        for column, (_, _, better) in enumerate(comparison.columns)
+        max(rows, key=lambda row: column.better * values[row][number])
+        for number, column in enumerate(comparison.columns)
     ]
+
+
+def level_rows(comparison: Comparison, column: int) -> list[int]:
+    """Rows that the best value of a column does not beat by as much as the error estimates.
+
+    Args:
+        comparison: what is compared.
+        column: position of the column.
+    """
+    best = leading_rows(comparison)[column]
+    others = (row for row in range(len(comparison.entries)) if row != best)
+    return [row for row in others if not comparison.differ(best, row, column)]
+
+
+def best_rows(comparison: Comparison) -> list[int | None]:
+    """Row of the best entry of each column, None where another one is level with it."""
+    leading = enumerate(leading_rows(comparison))
+    return [None if level_rows(comparison, column) else row for column, row in leading]
 
 
 def _quantity(name: str) -> str:

@@ -13,7 +13,8 @@ from cranktopo.remodel.export import surface_of
 from cranktopo.report.accuracy import error_picture
 from cranktopo.report.comparison import (
     Comparison,
-    best_rows,
+    leading_rows,
+    level_rows,
     percent_table,
     published_table,
     value_table,
@@ -85,37 +86,36 @@ def _change(comparison: Comparison, row: int, column: int) -> str:
 
 
 def _headline(comparison: Comparison) -> str:
-    row, baseline = best_rows(comparison)[_TORSION_PER_MASS], _name(comparison, comparison.baseline)
+    row, baseline = leading_rows(comparison)[_TORSION_PER_MASS], _name(comparison, comparison.baseline)
     if row == comparison.baseline:
         return f"None is stiffer in torsion per kilogram than {baseline}."
+    level = level_rows(comparison, _TORSION_PER_MASS)
+    names = " and ".join(_name(comparison, other) for other in level)
+    doubt = f", {names} within the error estimate" if level else ""
     return (
-        f"{_name(comparison, row)} is the stiffest in torsion per kilogram: "
+        f"{_name(comparison, row)} is the stiffest in torsion per kilogram{doubt}: "
         f"{_change(comparison, row, _TORSION_PER_MASS)} against {baseline}, bending per kilogram "
         f"{_change(comparison, row, _BENDING_PER_MASS)}, mass {_change(comparison, row, 0)}."
     )
 
 
 def _facts(comparison: Comparison) -> tuple[Fact, ...]:
-    best, judged = best_rows(comparison), comparison.fatigue is not None
-    found = []
-    for column, label in {**_VERDICT, **({_SAFETY: "Safest against fatigue"} if judged else {})}.items():
-        row = best[column]
-        note = f"{_change(comparison, row, column)} of the baseline"
-        mood: Mood = "good"
-        if row == comparison.baseline:
-            note, mood = "the baseline itself", "neutral"
-        elif abs(comparison.percent(row, column) - 100) < _error_percent(comparison, row, column):
-            note, mood = f"{note}, less than the error estimate", "neutral"
-        found.append(Fact(label, _name(comparison, row), note, mood))
-    return tuple(found) if judged else (*found, fatigue_fact(None, "stiffness was compared, not life"))
+    judged = comparison.fatigue is not None
+    labels = {**_VERDICT, **({_SAFETY: "Safest against fatigue"} if judged else {})}
+    found = tuple(_best(comparison, column, label) for column, label in labels.items())
+    return found if judged else (*found, fatigue_fact(None, "stiffness was compared, not life"))
 
 
-def _error_percent(comparison: Comparison, row: int, column: int) -> float:
-    """Larger error estimate of an entry and the baseline in a column, 0 where it has none."""
-    pair = (comparison.entries[i].evaluation for i in (row, comparison.baseline))
-    if column == _TORSION_PER_MASS:
-        return max(e.torsion_error_percent for e in pair)
-    return max(e.bending_error_percent for e in pair) if column == _BENDING_PER_MASS else 0.0
+def _best(comparison: Comparison, column: int, label: str) -> Fact:
+    """Which entry has the best value of a column, and who is level with it."""
+    row, level = leading_rows(comparison)[column], level_rows(comparison, column)
+    change = f"{_change(comparison, row, column)} of the baseline"
+    rivals = [_name(comparison, other) for other in level if other != comparison.baseline]
+    note = "the baseline itself" if row == comparison.baseline else change
+    note += ", less than the error estimate" if comparison.baseline in level else ""
+    note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
+    mood: Mood = "neutral" if comparison.baseline in (row, *level) else "good"
+    return Fact(label, _name(comparison, row), note, mood)
 
 
 def _variants(comparison: Comparison, releases: Sequence[Release]) -> Section:
@@ -128,8 +128,8 @@ def _variants(comparison: Comparison, releases: Sequence[Release]) -> Section:
     return Section(
         "variants",
         "Variants",
-        "A star marks the best of each column. Stiffnesses are those of the full throw with the supports of "
-        "its design." + _lives(comparison),
+        "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
+        "those of the full throw with the supports of its design." + _lives(comparison),
         tuple(tables),
         scatter_pictures(scatter_points(comparison), comparison.baseline),
     )

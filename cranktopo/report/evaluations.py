@@ -1,6 +1,8 @@
-"""The table that `evaluate` prints."""
+"""The table that `evaluate` prints, and what other commands say of error estimates."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from cranktopo.evaluate.evaluation import Evaluation
 from cranktopo.report.tables import Table
@@ -39,6 +41,16 @@ def result_line(e: Evaluation) -> str:
         f"+-{e.torsion_error_percent:.2g} %; bending {e.bending_N_per_mm / 1000:.2f} kN/mm, "
         f"+-{e.bending_error_percent:.2g} %; {e.total_seconds:.1f} s"
     )
+
+
+def estimate_line(torsion_percent: Iterable[float], bending_percent: Iterable[float]) -> str:
+    """The largest error estimates of several evaluations, for below a table of their stiffnesses.
+
+    Args:
+        torsion_percent, bending_percent: error estimates, one per evaluation.
+    """
+    torsion, bending = max(torsion_percent), max(bending_percent)
+    return f"stiffnesses +-{torsion:.2g} % in torsion, +-{bending:.2g} % in bending at most"
 
 
 def _row(e: Evaluation) -> tuple[str | float | None, ...]:

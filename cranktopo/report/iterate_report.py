@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from cranktopo.report.evaluations import estimate_line
 from cranktopo.report.png import png
 from cranktopo.report.tables import Table
 from cranktopo.store.files import write_bytes
@@ -47,7 +48,26 @@ def steps_table(steps: Sequence[dict[str, Any]]) -> Table:
     )
 
 
-def save_steps_plot(path: Path, data: dict[str, Any]) -> None:
+def steps_estimate(steps: Sequence[dict[str, Any]]) -> str:
+    """The largest error estimates of the steps' stiffnesses, one line."""
+    return estimate_line(
+        *([step[f"{kind}_error_percent"] for step in steps] for kind in ("torsion", "bending"))
+    )
+
+
+def best_line(data: Mapping[str, Any]) -> str:
+    """Which step is best and what it gains on the original web; `data` as iterate.json holds it."""
+    if data["best_step"] is None:
+        return "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
+    share = data["steps"][data["best_step"]]["percent_of_original"]
+    return (
+        f"best: step {data['best_step']}, "
+        f"torsional stiffness per mass {share['torsion_per_mass'] - 100:+.1f} %, "
+        f"mass {share['mass'] - 100:+.1f} %, bending stiffness {share['bending'] - 100:+.1f} %"
+    )
+
+
+def save_steps_plot(path: Path, data: Mapping[str, Any]) -> None:
     """Draw every step in percent of the original web.
 
     Args:
@@ -57,6 +77,11 @@ def save_steps_plot(path: Path, data: dict[str, Any]) -> None:
     Raises:
         CranktopoError: the file cannot be written.
     """
+    write_bytes(path, png(steps_figure(data)))
+
+
+def steps_figure(data: Mapping[str, Any]) -> Figure:
+    """Every step in percent of the original web; `data` as iterate.json holds it."""
     figure = Figure(figsize=(9, 5.2), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -70,7 +95,7 @@ def save_steps_plot(path: Path, data: dict[str, Any]) -> None:
     axes.set(xlabel="step (0: original web)", ylabel="percent of the original web", xticks=numbers)
     axes.set_title(f"{data['design']}: {data['stop_reason']}", fontsize=9)
     axes.legend(fontsize=8)
-    write_bytes(path, png(figure))
+    return figure
 
 
 def _row(step: dict[str, Any]) -> tuple[str | float | None, ...]:

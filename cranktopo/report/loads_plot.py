@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.errors import invalid
+from cranktopo.formats import PLOTS
 from cranktopo.loads.analysis import Cycle, LoadAnalysis
+from cranktopo.store import check_file, replacing
 
 
 def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
@@ -16,24 +18,22 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
     Args:
         analysis: an analysis with a cycle.
         title: heading, usually the design and the speed.
-        path: file to write.
+        path: file to write, replaced only when the plot is complete.
 
     Raises:
-        CranktopoError: no cycle to plot, or an ending that is no plot format.
+        CranktopoError: no cycle to plot, an ending that is no plot format, or it cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     _cycle(analysis)
-    formats = FigureCanvasAgg.get_supported_filetypes()
-    if path.suffix.lstrip(".") not in formats:
-        raise invalid("--plot", str(path), "must end in .png, .svg or .pdf")
+    check_file(path, "--plot", PLOTS)
     figure = Figure(figsize=(9, 10), layout="constrained")
     for axes, panel in zip(figure.subplots(3, 1, sharex=True), PANELS, strict=True):
         panel(axes, analysis)
         axes.label_outer()
     figure.suptitle(title)
-    figure.savefig(path, dpi=120)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=120)
 
 
 def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:

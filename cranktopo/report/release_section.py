@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cranktopo.report.page import Fact, Mood
+from cranktopo.report.release_text import obstacles
 from cranktopo.report.tables import Table
 from cranktopo.scene import Scene
 from cranktopo.surface.gates import shell_volumes_mm3
@@ -32,7 +33,7 @@ class Release:
     @property
     def released(self) -> bool:
         """Whether a die lets go of the web, and a cutter reaches all of it."""
-        return not self.hollows and self.undercuts.released
+        return not obstacles(self.hollows, self.undercuts.as_json())
 
 
 def release_of(name: str, half_throw: SurfaceMesh, scene: Scene) -> Release:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from cranktopo.report.evaluations import estimate_line
 from cranktopo.report.tables import Table, terminal
+
+_JUDGED = ("body", "fitted_without_fillets", "fitted")
 
 
 def remodel_text(data: dict[str, Any]) -> str:
@@ -51,9 +54,11 @@ def _closeness(data: dict[str, Any]) -> list[str]:
 def _stiffness(stiffness: dict[str, Any] | None) -> list[str]:
     if stiffness is None:
         return []
+    found = [stiffness[which]["error_estimate_percent"] for which in _JUDGED]
     return [
         _stiffness_line("torsion, kN m/rad", stiffness, "torsion", "Nm_per_rad"),
         _stiffness_line("bending, kN/mm", stiffness, "bending", "N_per_mm"),
+        estimate_line(*([errors[kind] for errors in found] for kind in ("torsion", "bending"))),
     ]
 
 

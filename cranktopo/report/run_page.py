@@ -113,7 +113,7 @@ def _provenance(record: RunRecord) -> Section:
         ("started", manifest["started"]),
         ("settings, SHA-256", manifest["settings_sha256"]),
         *((f"{role}, SHA-256", entry["sha256"]) for role, entry in manifest.get("inputs", {}).items()),
-        ("seed", manifest["seed"]),
+        ("seed of random starts", manifest["seed"]),
         ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
         ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
         ("solver", metrics["solver"]["precision"]),

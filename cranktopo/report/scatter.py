@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cranktopo.formats import PLOTS
 from cranktopo.report.comparison import Comparison
-from cranktopo.store import check_file
+from cranktopo.store import check_file, replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 TORSION_LABEL, BENDING_LABEL = "torsional stiffness, kN m/rad", "bending stiffness, kN/mm"
 _MARKERS = "osD^vP*X"
 _LINES = (0.8, 0.9, 1.0, 1.1, 1.2)
-_FORMATS = (".png", ".svg", ".pdf")
 
 
 @dataclass(frozen=True)
@@ -30,11 +29,6 @@ class Point:
     stiffness: float
 
 
-def check_plot_path(path: Path) -> None:
-    """Check, before long work, that a plot can go there; raises CranktopoError when it cannot."""
-    check_file(path, "--plot", _FORMATS)
-
-
 def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
     """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
 
@@ -43,9 +37,9 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
         path: .png, .svg or .pdf; replaced only when the plot is complete.
 
     Raises:
-        CranktopoError: another suffix, or no such folder.
+        CranktopoError: another suffix, no such folder, or the file cannot be written.
     """
-    check_plot_path(path)
+    check_file(path, "--plot", PLOTS)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -53,12 +47,8 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
     FigureCanvasAgg(figure)
     for axes, (label, points) in zip(figure.subplots(1, 2), scatter_points(comparison).items(), strict=True):
         draw_stiffness_over_mass(axes, points, comparison.baseline, label)
-    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
-    try:
-        figure.savefig(partial, dpi=130)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=130)
 
 
 def draw_stiffness_over_mass(axes: Axes, points: Sequence[Point], baseline: int, label: str) -> None:

@@ -6,9 +6,7 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
-
-Format = Literal["table", "markdown", "csv", "json"]
+from typing import Any
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from typing import Any
 
 from cranktopo.report.page import Fact, Mood
 from cranktopo.report.record import RunRecord
+from cranktopo.report.release_text import obstacles
 
 _NOTICEABLE_PERCENT = 0.05
 _ADJECTIVES = {"torsion": "Torsional"}
@@ -72,16 +73,13 @@ def release_fact(metrics: dict[str, Any]) -> Fact:
     label = "Releasable"
     if "refusal" in surface:
         return Fact(label, "no", "the density has no surface", "bad")
-    if surface["cavities"]:
-        hollows = f"{surface['cavities']} closed hollow{'s' * (surface['cavities'] > 1)} inside"
-        return Fact(label, "no", f"{hollows}: no die or cutter reaches there", "bad")
     undercuts = surface.get("undercuts")
-    if undercuts is None:
+    found = obstacles(surface["cavities"], undercuts)
+    if found:
+        return Fact(label, "no", "; ".join(found), "bad")
+    if undercuts is None:  # a run of an earlier version
         return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
-    if undercuts["released"]:
-        return Fact(label, "yes", "a die that parts in x = 0 releases it", "good")
-    volume = undercuts["volume_mm3"]
-    return Fact(label, "no", f"{volume:.0f} mm3 of undercuts along x hold the die", "bad")
+    return Fact(label, "yes", "a die that parts in x = 0 releases it", "good")
 
 
 def _mass(metrics: dict[str, Any]) -> Fact:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from cranktopo.errors import invalid, suggest
+from cranktopo.errors import CranktopoError, invalid, suggest
 from cranktopo.scene.base import Fraction, NonNegative, Positive, Table
 from cranktopo.scene.engine import Engine
 from cranktopo.scene.fatigue import Fatigue
@@ -157,3 +157,17 @@ class Scene(Table):
         """Axial range (journal face, pin face) of the web of the half throw, mm."""
         start = self.throw.main_journal.length_mm / 2
         return start, start + self.web.thickness_mm
+
+    @property
+    def shaft_angles_deg(self) -> tuple[float, ...]:
+        """Angle of every throw of the shaft about the crank axis, deg, cylinder 1 first and at 0.
+
+        Raises:
+            CranktopoError: no engine, so nothing says how many throws the shaft has.
+        """
+        if self.engine is None:
+            raise CranktopoError(
+                f"{self.name}: [engine] is missing: the whole shaft needs its cylinders and firing order.",
+                hint="Add [engine] with bore_mm, rod_length_mm, speed_rpm, cylinders and firing_order.",
+            )
+        return self.engine.throw_angles_deg

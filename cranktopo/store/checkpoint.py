@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -59,18 +59,17 @@ def save_checkpoint(path: Path, arrays: Mapping[str, NDArray[Any]], state: Mappi
     write_npz(path, content)
 
 
-def load_checkpoint(path: Path, required: Sequence[str] = ()) -> Checkpoint:
+def load_checkpoint(path: Path) -> Checkpoint:
     """Load and verify a checkpoint.
 
     Args:
         path: the .npz file.
-        required: names of arrays that must be there.
 
     Raises:
-        CranktopoError: missing, corrupted, of another version, or without a required array.
+        CranktopoError: missing, corrupted, of another version.
     """
     content = _read(path)
-    missing = [name for name in (_STATE, _CHECKSUM, *required) if name not in content]
+    missing = [name for name in (_STATE, _CHECKSUM) if name not in content]
     if missing:
         raise _bad(path, f"incomplete, {', '.join(missing)} missing")
     checksum = content.pop(_CHECKSUM).tobytes()

@@ -24,7 +24,7 @@ _TEMPORARY = ".tmp"
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path beside `path`, with the same suffix, that becomes `path` when the block ends well.
+    """A temporary path beside `path`, suffix in small letters, that becomes `path` when the block ends well.
 
     For libraries that insist on writing a file by name. When the block fails, `path` keeps what it held.
 
@@ -34,7 +34,7 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises:
         CranktopoError: the file cannot be written.
     """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{_TEMPORARY}{path.suffix}")
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}{_TEMPORARY}{path.suffix.lower()}")
     try:
         yield temporary
         _flush(temporary)

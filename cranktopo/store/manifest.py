@@ -14,6 +14,8 @@ from cranktopo.errors import CranktopoError
 from cranktopo.store.files import json_text
 
 SCHEMA_VERSION = 1
+SEED = 0
+"""Of every random choice: starts of the re-model and of the eigenvalue bound, samples of its closeness."""
 RunStatus = Literal["running", "done", "interrupted", "failed"]
 _PACKAGES = (
     "cranktopo",
@@ -39,7 +41,6 @@ def new_manifest(
     command: Sequence[str],
     scene: Mapping[str, Any],
     options: Mapping[str, Any],
-    seed: int,
     inputs: Mapping[str, Path],
 ) -> dict[str, Any]:
     """Manifest of a run that starts now.
@@ -50,7 +51,6 @@ def new_manifest(
         command: the command line as given.
         scene: the resolved scene, plain values.
         options: what the command line added to the scene.
-        seed: seed of every random choice.
         inputs: input files by role, hashed here.
 
     Raises:
@@ -65,7 +65,7 @@ def new_manifest(
         "started": timestamp(),
         "ended": None,
         "resumed": [],
-        "seed": seed,
+        "seed": SEED,
         "settings_sha256": settings_hash(scene, options),
         "inputs": {role: {"path": str(path), "sha256": file_hash(path)} for role, path in inputs.items()},
         "versions": versions(),

@@ -148,7 +148,6 @@ def create_run(
     scene: Mapping[str, Any],
     options: Mapping[str, Any],
     command: Sequence[str],
-    seed: int = 0,
     inputs: Mapping[str, Path] | None = None,
     out: Path | None = None,
     root: Path = RUNS,
@@ -163,7 +162,6 @@ def create_run(
         scene: the resolved scene, plain values.
         options: what the command line added to the scene, plain values.
         command: the command line as given.
-        seed: seed of every random choice.
         inputs: other input files by role, hashed into the manifest.
         out: directory to use; it must not exist or be empty. By default
             `root/<date-time>_<design>_<hash>`, hash over scene and options.
@@ -181,7 +179,6 @@ def create_run(
         command=command,
         scene=scene,
         options=options,
-        seed=seed,
         inputs=inputs or {},
     )
     run = RunStore(_fresh(root, stem) if out is None else _own(out))

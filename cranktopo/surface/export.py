@@ -5,15 +5,13 @@ from __future__ import annotations
 import io
 import zipfile
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
+from cranktopo.formats import SurfaceFormat
 from cranktopo.store.files import write_bytes
 from cranktopo.surface.mesh import SurfaceMesh
 
-Format = Literal["stl", "3mf", "glb"]
-FORMATS: tuple[Format, ...] = ("stl", "3mf", "glb")
 _METRES_PER_MM = 1e-3
 _3MF_TYPES = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -36,7 +34,7 @@ _3MF_HEAD = (
 _3MF_TAIL = '</triangles></mesh></object></resources><build><item objectid="1"/></build></model>'
 
 
-def write_surface(path: Path, mesh: SurfaceMesh, form: Format) -> None:
+def write_surface(path: Path, mesh: SurfaceMesh, form: SurfaceFormat) -> None:
     """Write a mesh atomically.
 
     Args:

@@ -31,7 +31,6 @@ class GateReport:
         volume_mm3: enclosed volume of the half throw.
         web_volume_mm3: volume of the web part.
         web_volume_error_percent: against the volume of the density, with sign.
-        smallest_face_mm2: area of the smallest face.
     """
 
     vertices: int
@@ -41,7 +40,6 @@ class GateReport:
     volume_mm3: float
     web_volume_mm3: float
     web_volume_error_percent: float
-    smallest_face_mm2: float
 
 
 def surface_json(surface: WebSurface, gates: GateReport) -> dict[str, Any]:
@@ -101,7 +99,6 @@ def check_surface(surface: WebSurface) -> GateReport:
         volume_mm3=mesh.volume_mm3,
         web_volume_mm3=surface.volume_mm3,
         web_volume_error_percent=error,
-        smallest_face_mm2=float(mesh.areas_mm2.min()),
     )
 
 

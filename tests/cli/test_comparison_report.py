@@ -15,6 +15,7 @@ from cranktopo.evaluate.m53 import Factors, FilletCheck, Nominal
 from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.evaluate.stress_model import Quality
 from cranktopo.evaluate.targets import Target
+from cranktopo.report.comparison import Entry, best_rows, compare
 from cranktopo.scene.loading import designs_folder
 
 NAMES = ["opposed-piston", "opposed-piston-casting"]
@@ -27,6 +28,11 @@ def judged(target: Target, *_: object) -> Evaluation:
     fine = Stiffness({"free": torsion}, {"pinned": bending}, 1234, 4.0, 1.0, 2.0)
     mass = 1.5 if light else 2.0
     return Evaluation(target.name, mass, mass / 3, 5000, 50, fine, "free", "pinned", 0.3, 0.4, 3.0 + light)
+
+
+def evaluated(name: str, torsion: float, error: float) -> Evaluation:
+    fine = Stiffness({"free": torsion}, {"pinned": 50e3}, 1234, 4.0, 1.0, 2.0)
+    return Evaluation(name, 2.0, 0.6, 5000, 50, fine, "free", "pinned", error, 0.4, 3.0)
 
 
 @pytest.fixture(autouse=True)
@@ -49,15 +55,74 @@ def test_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "SHA-256 of the scene" in text
 
 
-def test_gain_below_the_error_estimate_is_no_gain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def alike(target: Target, *_: object) -> Evaluation:
+@pytest.fixture
+def alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both weigh the same; the torsional stiffnesses differ by 0.17 N m/rad, the estimate is 0.3 %."""
+
+    def near(target: Target, *_: object) -> Evaluation:
         found = judged(target)
         return replace(found, throw_kg=2.0, fine=replace(found.fine, torsion={"free": 100e3 + found.web_kg}))
 
-    monkeypatch.setattr("cranktopo.evaluate.evaluation.evaluate", alike)
+    monkeypatch.setattr("cranktopo.evaluate.evaluation.evaluate", near)
+
+
+@pytest.mark.usefixtures("alike")
+def test_gain_below_the_error_estimate_is_no_gain(tmp_path: Path) -> None:
     path = tmp_path / "page.md"
     assert main(["compare", *NAMES, "--baseline", NAMES[1], "--report", str(path), "--quiet"]) == 0
-    assert "+0.0 % of the baseline, less than the error estimate" in path.read_text(encoding="utf-8")
+    text = path.read_text(encoding="utf-8")
+    assert "+0.0 % of the baseline, less than the error estimate" in text
+    leader = "opposed-piston is the stiffest in torsion per kilogram, opposed-piston-casting within the error"
+    assert leader in text
+
+
+@pytest.mark.usefixtures("alike")
+@pytest.mark.parametrize("baseline", NAMES)
+def test_no_star_below_the_error_estimate(baseline: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Bending differs by 29 %, torsion by less than its estimate, whichever of them is the baseline."""
+    assert main(["compare", *NAMES, "--baseline", baseline, "--json", "--quiet"]) == 0
+    best = json.loads(capsys.readouterr().out)["best"]
+    assert best["torsion_kNm_per_rad"] is None
+    assert best["torsion_per_mass_kNm_per_rad_kg"] is None
+    assert best["bending_kN_per_mm"] == best["bending_per_mass_kN_per_mm_kg"] == NAMES[0]
+    assert main(["compare", *NAMES, "--baseline", baseline, "--format", "markdown", "--quiet"]) == 0
+    text = capsys.readouterr().out
+    assert "| opposed-piston | 2.000* | 100.00 | 70.00* | 0.30 | 0.40 | 50.00 | 35.00* | 5000* |" in text
+
+
+def test_the_next_best_takes_the_star_too() -> None:
+    """The best of three is 0.25 % above the next, which has the larger estimate of 0.3 %."""
+    entries = [
+        Entry(evaluated(name, torsion, error))
+        for name, torsion, error in (("a", 90e3, 0.1), ("b", 100e3, 0.3), ("c", 100.25e3, 0.1))
+    ]
+    comparison = compare(entries, "a")
+    assert best_rows(comparison)[1] is None
+    assert [comparison.differ(2, row, 1) for row in (0, 1)] == [True, False]
+    assert best_rows(compare([entries[0], entries[2]], "a"))[1] == 1
+
+
+@pytest.mark.parametrize("form", ["table", "markdown", "csv"])
+def test_estimates_beside_the_values(form: str, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["compare", *NAMES, "--baseline", NAMES[0], "--format", form, "--quiet"]
+    assert main(arguments) == 0
+    header, *rest = capsys.readouterr().out.splitlines()
+    if form == "csv":
+        names = header.split(",")
+        assert names[:6] == [
+            "target",
+            "mass_kg",
+            "torsion_kNm_per_rad",
+            "bending_kN_per_mm",
+            "torsion_error_percent",
+            "bending_error_percent",
+        ]
+        assert len(set(names)) == len(names)
+        assert [line.split(",")[4:6] for line in rest] == [["0.3", "0.4"]] * 2
+    else:
+        assert "torsion error" in header
+        assert "bending error" in header
+        assert sum("0.30" in line and "0.40" in line for line in rest) == 2
 
 
 def test_markdown(tmp_path: Path) -> None:
@@ -68,6 +133,13 @@ def test_markdown(tmp_path: Path) -> None:
     assert len(names) >= 3
     assert all((tmp_path / name).is_file() for name in names)
     assert "| opposed-piston-casting | 1.500* | 90.00 |" in text
+
+
+def test_plot_in_capitals(tmp_path: Path) -> None:
+    path = tmp_path / "plot.PNG"
+    assert main(["compare", *NAMES, "--baseline", NAMES[0], "--plot", str(path), "--quiet"]) == 0
+    assert path.read_bytes().startswith(b"\x89PNG")
+    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.fixture

@@ -119,8 +119,15 @@ def test_bad_speeds(capsys, speed):
     assert len(err.splitlines()) == 1
 
 
+def test_suffix_of_a_plot_in_capitals(capsys, tmp_path):
+    assert run(capsys, "loads", "--plot", str(tmp_path / "a.PNG"))[0] == 0
+    assert (tmp_path / "a.PNG").read_bytes().startswith(b"\x89PNG")
+
+
 def test_bad_outputs(capsys, tmp_path):
-    assert "must end in .png" in run(capsys, "loads", "--plot", str(tmp_path / "a.xyz"))[2]
+    code, _, err = run(capsys, "loads", "--plot", str(tmp_path / "a.xyz"))
+    assert (code, "must end in .png" in err) == (2, True)
+    assert run(capsys, "loads", "--plot", str(tmp_path / "no" / "a.png"))[0] == 2
     missing = tmp_path / "no" / "a.csv"
     assert run(capsys, "loads", "--csv", str(missing))[0] == 3
     assert run(capsys, "loads", "opposed-piston", "--plot", str(tmp_path / "a.png"))[0] == 3

@@ -20,7 +20,7 @@ def shaft(folder: Path, effects: str, capsys: pytest.CaptureFixture[str]) -> dic
     path = folder / "mine.toml"
     assert "[effects]\n" in MIKRON
     path.write_text(MIKRON.replace("[effects]\n", f"[effects]\n{effects}\n"), encoding="utf-8")
-    assert main(["shaft", str(path), "--element-size-mm", "16", "--json", "--quiet"]) == 0
+    assert main(["shaft", str(path), "--element-size-mm", "24", "--json", "--quiet"]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     data: dict[str, Any] = json.loads(out)
@@ -35,3 +35,37 @@ def test_shaft_obeys_the_effects_plan(tmp_path: Path, capsys: pytest.CaptureFixt
     missing = 4 * STEEL_KG_PER_MM3 * math.pi / 4 * 24.0**2 * length
     assert solid["mass_kg"] - bored["mass_kg"] == pytest.approx(missing, rel=1e-6)
     assert solid["torsion"]["end_to_end_Nm_per_rad"] > 1.02 * bored["torsion"]["end_to_end_Nm_per_rad"]
+
+
+def test_estimate_covers_a_finer_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Stiffness end to end on a finer mesh is within the estimate, which is not a wide guess."""
+    found = []
+    for size in ("16", "10"):
+        assert main(["shaft", "mikron-iiic", "--element-size-mm", size, "--json", "--quiet"]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    coarse, fine = (data["torsion"]["end_to_end_Nm_per_rad"] for data in found)
+    estimate = found[0]["error_estimate_percent"]["torsion"]
+    assert 0.05 < 100 * (coarse / fine - 1) < estimate < 10
+
+
+def test_engine_of_one_cylinder_has_a_shaft_of_one_throw(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["shaft", "opposed-piston", "--element-size-mm", "20", "--quiet"]) == 0
+    text = capsys.readouterr().out
+    throw = next(line for line in text.splitlines() if line.startswith("1 "))
+    end = next(line for line in text.splitlines() if line.startswith("end to end"))
+    assert throw.split()[-1] == end.split()[-3]
+    assert text.rstrip().splitlines()[-1].startswith("stiffnesses +-")
+
+
+@pytest.mark.parametrize("command", [["shaft"], ["export", "--part", "crankshaft"]])
+def test_without_an_engine_there_is_no_shaft(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    head, tail = MIKRON.split("[engine]", 1)
+    path = tmp_path / "bare.toml"
+    path.write_text(head + "[" + tail[tail.index("[engine.masses]") :].split("\n[", 1)[1], encoding="utf-8")
+    files = [str(tmp_path / "shaft.step")] if command[0] == "export" else ["--quiet"]
+    assert main([command[0], str(path), *files, *command[1:]]) == 3
+    (error,) = capsys.readouterr().err.splitlines()
+    assert "mikron-iiic: [engine] is missing" in error
+    assert list(tmp_path.iterdir()) == [path]

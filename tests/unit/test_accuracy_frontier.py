@@ -212,8 +212,8 @@ def test_a_frontier_is_kept_with_the_speed_of_its_machine(cache: None, frontier:
     found, other = recall("by-hand", "judge"), recall("another", "judge")
     assert found is not None
     assert other is not None
-    assert (found.own, found.slowdown, found.result) == (True, pytest.approx(2.0), result)
-    assert (other.own, other.design) == (False, "by-hand")
+    assert (found.slowdown, found.result) == (pytest.approx(2.0), result)
+    assert other.design == "by-hand"
     remember("newer", result)
     newest = recall("another", "judge")
     assert newest is not None
@@ -234,12 +234,12 @@ def test_only_a_frontier_that_holds_the_ladder_is_recalled(
     for wanted in (mikron.name, "another"):
         found = recall(wanted, "optimiser")
         assert found is not None
-        assert (found.design, found.own) == ("by-hand", False)
+        assert found.design == "by-hand"
         assert "measured on by-hand" in str(choose_cells(mikron, 5.0, None, found))
     own, newest = recall(mikron.name, "judge"), recall("another", "judge")
     assert own is not None
     assert newest is not None
-    assert (own.own, newest.design) == (True, mikron.name)
+    assert (own.design, newest.design) == (mikron.name, mikron.name)
 
 
 def test_surfaces_are_kept_under_their_path(mikron: Scene, tmp_path: Path) -> None:
@@ -256,7 +256,7 @@ def test_a_damaged_memory_is_none(cache: None, frontier: Frontier) -> None:
 
 def test_the_first_rung_follows_from_what_was_measured(frontier: Frontier) -> None:
     """Steps 2, 1, 0: 4 + (3 not measured), 8 + 4, 16 + 8 s here, twice as much on the slower machine."""
-    known = Known("by-hand", True, 2.0, frontier.as_json())
+    known = Known("by-hand", 2.0, frontier.as_json())
     bound = frontier.rungs[2].bound_percent
     assert bound is not None
     assert first_rung(Wish(percent=bound + 0.01), known) == 1
@@ -367,7 +367,7 @@ def test_the_optimisers_ladder_ends_where_walls_end_it(mikron: Scene) -> None:
 
 
 def test_measured_times_replace_the_rough_ones(mikron: Scene, frontier: Frontier) -> None:
-    known = Known("by-hand", False, 2.0, frontier.as_json())
+    known = Known("by-hand", 2.0, frontier.as_json())
     guess, found = (choose_cells(mikron, 5.0, None, k) for k in (None, known))
     assert guess.cell_mm == found.cell_mm
     assert "measured on by-hand" in str(found)

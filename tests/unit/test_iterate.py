@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +28,7 @@ from cranktopo.iterate.transition import transition_mm
 from cranktopo.loads.balance import throw_balance
 from cranktopo.remodel.rules import Rules
 from cranktopo.remodel.volume import web_volume_mm3
+from cranktopo.report.iterate_report import best_line
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
 from cranktopo.scene.writing import toml_text
@@ -159,7 +161,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             torsion_Nm_per_rad=1e-3 / own.torsion_rad_per_Nmm,
             bending_N_per_mm=1 / own.bending_mm_per_N,
             torsion_error_percent=0.1,
-            bending_error_percent=0.1,
+            bending_error_percent=0.2,
         )
 
     monkeypatch.setattr(solids, "FACET_MM", 6.0)
@@ -206,6 +208,20 @@ def test_steps_files_and_table(quick: list[str], tmp_path: Path, capsys: Capture
     assert (out / "steps.png").read_bytes().startswith(b"\x89PNG")
     assert json.loads((out / "iterate.json").read_text())["steps"] == data["steps"]
     assert json.loads((out / "manifest.json").read_text())["status"] == "done"
+    assert data["files"]["report"] == str(out / "report.html")
+    page_holds(data, (out / "report.html").read_text(encoding="utf-8"))
+
+
+def page_holds(data: dict[str, Any], text: str) -> None:
+    """Verdict, a row of values and a body for every step, the command."""
+    names = ["original web", *(f"step {row['number']}" for row in data["steps"][1:])]
+    assert re.findall(r"<option[^>]*>([^<]*)</option>", text) == names
+    assert best_line(data) in text
+    for row in data["steps"]:
+        assert f'data-value="{row["throw_kg"]}"' in text
+    number = data["best_step"] or len(names) - 1
+    change = data["steps"][number]["percent_of_original"]["torsion_per_mass"] - 100
+    assert f"{change:+.1f} %" in text
 
 
 def test_interrupted_loop_goes_on_where_it_was(
@@ -230,8 +246,10 @@ def test_interrupted_loop_goes_on_where_it_was(
     assert not (out / "step-02" / "step.json").exists()
     monkeypatch.setattr(loop, "evaluate", judge)
     before = (out / "step-01" / "step.json").read_bytes()
+    assert "step 1 of 3 done" in (out / "report.html").read_text(encoding="utf-8")
     done = len(quick)
     assert main(["iterate", "--resume", str(out)]) == 0
+    assert "\nstiffnesses +-0.1 % in torsion, +-0.2 % in bending at most\n" in capsys.readouterr().out
     assert (out / "step-01" / "step.json").read_bytes() == before
     assert quick[done:] == everything[2:]  # step 2 and what follows, not step 1
     first, second = (json.loads((p / "iterate.json").read_text()) for p in (whole, out))

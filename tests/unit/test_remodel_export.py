@@ -52,3 +52,23 @@ def test_unknown_suffix_leaves_nothing(mikron: Scene, tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match=r"must end in \.step, \.stp or \.stl"):
         export_solid(mikron, "web", tmp_path / "web.obj")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["web.STL", "web.Step"])
+def test_suffix_in_capitals(name: str, mikron: Scene, tmp_path: Path) -> None:
+    export_solid(mikron, "web", tmp_path / name, facet_mm=4.0)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).stat().st_size > 10_000
+
+
+def test_unwritable_target_is_named_with_its_reason(mikron: Scene, tmp_path: Path) -> None:
+    """No folder, and a folder in its place: not a failure of gmsh, and nothing about dimensions."""
+    (tmp_path / "taken.step").mkdir()
+    for path, reason in (
+        (tmp_path / "absent" / "web.step", "its folder does not exist"),
+        (tmp_path / "taken.step", "is a folder"),
+    ):
+        with pytest.raises(CranktopoError, match=reason) as caught:
+            export_solid(mikron, "web", path)
+        assert caught.value.code == 2
+    assert [path.name for path in tmp_path.rglob("*")] == ["taken.step"]

@@ -17,6 +17,7 @@ ORDER = [
     "errors",
     "units",
     "frames",
+    "formats",
     "scene",
     "loads",
     "domain",

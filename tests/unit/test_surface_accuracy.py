@@ -15,8 +15,9 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
+from cranktopo.formats import SURFACES
 from cranktopo.surface import DensityGrid, SurfaceMesh, extract_half_throw
-from cranktopo.surface.export import FORMATS, write_surface
+from cranktopo.surface.export import write_surface
 from cranktopo.surface.extract import SIMPLIFY_MM, find_iso
 from cranktopo.surface.fidelity import distances_mm, iso_distance_mm, minimum_member_mm
 from cranktopo.surface.isosurface import iso_solid, resample, unsmoothed_solid
@@ -121,7 +122,7 @@ def box() -> SurfaceMesh:
     )
 
 
-@pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.parametrize("form", SURFACES)
 def test_formats_hold_the_body_in_their_units(box: SurfaceMesh, tmp_path: Path, form: str) -> None:
     path = tmp_path / f"box.{form}"
     write_surface(path, box, form)

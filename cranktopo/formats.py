@@ -1,0 +1,10 @@
+"""What the program writes, by file ending; it loads nothing, so that command lines can offer it."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+SurfaceFormat = Literal["stl", "3mf", "glb"]
+SURFACES: tuple[SurfaceFormat, ...] = get_args(SurfaceFormat)
+PLOTS = (".png", ".svg", ".pdf")
+SOLIDS = (".step", ".stp", ".stl")
