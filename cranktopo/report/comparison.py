@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import SCHEMA_VERSION, Evaluation
-from cranktopo.report.fatigue_tables import Judged
+from cranktopo.report.fatigue_tables import SAME, Judged
 from cranktopo.report.tables import Table, records
 from cranktopo.scene.schema import Published
 
@@ -22,13 +22,13 @@ class Column(NamedTuple):
         name: machine name, unit included.
         digits: decimals.
         better: +1 where more is better, -1 where less is.
-        error: the evaluation's bound of its error, or None where it is exact.
+        error: name of the evaluation's bound of its error, or a fixed one, %; None where it is exact.
     """
 
     name: str
     digits: int
     better: int
-    error: str | None = None
+    error: str | float | None = None
 
 
 _COLUMNS = (
@@ -40,7 +40,7 @@ _COLUMNS = (
     Column("inertia_kg_mm2", 0, -1),
     Column("unbalance_kg_mm", 2, -1),
 )
-_SAFETY = Column("safety", 3, 1)
+_SAFETY = Column("safety", 3, 1, 100 * SAME)
 _ERRORS_AT = 4
 """Where the error estimates stand in the table of values: behind the target, its mass and stiffnesses."""
 
@@ -117,8 +117,9 @@ class Comparison:
         error = self.columns[column].error
         if error is None:
             return True
-        estimate = max(getattr(self.entries[i].evaluation, error) for i in (row, other))
-        return 100 * abs(values[0] / values[1] - 1) >= estimate
+        if isinstance(error, str):
+            error = max(getattr(self.entries[i].evaluation, error) for i in (row, other))
+        return bool(100 * abs(values[0] / values[1] - 1) >= error)
 
 
 def compare(entries: list[Entry], baseline: str, fatigue: Judged | None = None) -> Comparison:

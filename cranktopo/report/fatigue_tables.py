@@ -11,7 +11,7 @@ from cranktopo.evaluate.fatigue import FatigueField
 from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.report.tables import Table
 
-_SAME = 0.02
+SAME = 0.02
 """Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
 
 
@@ -113,7 +113,7 @@ def verdicts(results: Sequence[FatigueField] | Sequence[RuleCheck], baseline: in
         if index == baseline:
             continue
         ratio = safeties[index] / safeties[baseline]
-        lives = "as long as" if abs(ratio - 1) <= _SAME else "longer than" if ratio > 1 else "less long than"
+        lives = "as long as" if abs(ratio - 1) <= SAME else "longer than" if ratio > 1 else "less long than"
         mass = 100 * (masses[index] / masses[baseline] - 1)
         lines.append(
             f"{name}: {mass:+.1f} % mass, {100 * (ratio - 1):+.1f} % safety: it lives {lives} "

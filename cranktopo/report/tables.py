@@ -96,6 +96,7 @@ _UNITS = {
     "Nm": "N m",
     "percent": "%",
     "mm": "mm",
+    "mm3": "mm3",
     "s": "s",
     "deg": "deg",
     "MPa": "MPa",

@@ -14,8 +14,9 @@ from cranktopo.evaluate.evaluation import Evaluation, Stiffness
 from cranktopo.evaluate.m53 import Factors, FilletCheck, Nominal
 from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.evaluate.stress_model import Quality
-from cranktopo.evaluate.targets import Target
+from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.report.comparison import Entry, best_rows, compare
+from cranktopo.report.fatigue_tables import Judged
 from cranktopo.scene.loading import designs_folder
 
 NAMES = ["opposed-piston", "opposed-piston-casting"]
@@ -254,3 +255,14 @@ def test_differing_supports_are_refused_before_the_work(
     assert out == ""
     assert "different [supports]" in err
     assert "bending 'pinned'; torsion 'free', bending 'spring'" in err
+
+
+@pytest.mark.parametrize(("other", "best"), [(1.319, None), (1.281, None), (1.34, 1), (1.26, 0)])
+def test_safeties_within_two_percent_are_level(other: float, best: int | None) -> None:
+    """The worst node moves as much from mesh to mesh."""
+    targets = [resolve_target(name) for name in NAMES]
+    entries = [
+        Entry(judged(target), None, safety) for target, safety in zip(targets, (1.3, other), strict=True)
+    ]
+    fatigue = Judged((1.3, other), (), {"fatigue": []})
+    assert best_rows(compare(entries, NAMES[0], fatigue))[-1] == best
