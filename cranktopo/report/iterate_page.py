@@ -39,12 +39,16 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], folder: P
     return Page(
         title=f"Loop over the crank web of {data['design']}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
-        headline=f"{best_line(data)}.",
+        headline=_sentence(best_line(data)),
         facts=(*_facts(data), Fact("Ended", f"{len(bodies) - 1} steps", data["stop_reason"], "neutral")),
         sections=(_steps(data), _provenance(manifest)),
         scenery=Scenery(bodies),
         picture=_gallery(bodies),
     )
+
+
+def _sentence(line: str) -> str:
+    return f"{line[0].upper()}{line[1:]}."
 
 
 def _body(folder: Path, number: int) -> Body:
