@@ -1,4 +1,4 @@
-"""What the program writes, by file ending; it loads nothing, so that command lines can offer it."""
+"""What the program writes, by file ending or part; it loads nothing, so that command lines can offer it."""
 
 from __future__ import annotations
 
@@ -8,3 +8,5 @@ SurfaceFormat = Literal["stl", "3mf", "glb"]
 SURFACES: tuple[SurfaceFormat, ...] = get_args(SurfaceFormat)
 PLOTS = (".png", ".svg", ".pdf")
 SOLIDS = (".step", ".stp", ".stl")
+Part = Literal["throw", "half", "web", "crankshaft"]
+PARTS: tuple[Part, ...] = get_args(Part)

@@ -11,7 +11,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
-from cranktopo.cli.options import mesh_options
+from cranktopo.cli.options import FATIGUE_METHODS, mesh_options
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.talk import say, talkative
 from cranktopo.formats import PLOTS
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 @click.option(
     "--fatigue",
     "method",
-    type=Choice(["lsa", "fkm", "m53"]),
+    type=Choice(FATIGUE_METHODS),
     help="Also judge the fatigue safety by this method; see 'cranktopo fatigue --help'.",
 )
 @mesh_options

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.talk import say, talkative
 from cranktopo.errors import CranktopoError, ExitCode
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
 @click.option(
     "--method",
-    type=Choice(["lsa", "fkm", "m53"]),
+    type=Choice(FATIGUE_METHODS),
     default="lsa",
     show_default=True,
     help="Local stress analysis, FKM guideline, or the rule IACS UR M53.",

@@ -10,6 +10,7 @@ from click.core import ParameterSource
 from cranktopo.remodel.rules import Rules
 
 DEFAULT_DESIGN = "mikron-iiic"
+FATIGUE_METHODS = ("lsa", "fkm", "m53")
 _TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 
 

@@ -7,10 +7,10 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.formats import SOLIDS
+from cranktopo.formats import SOLIDS, Part
 from cranktopo.remodel.session import cad_session, triangles
 from cranktopo.remodel.throw_solid import (
     add_crankshaft,
@@ -27,12 +27,11 @@ from cranktopo.store import check_file, replacing
 if TYPE_CHECKING:
     from cranktopo.surface.mesh import SurfaceMesh
 
-PartName = Literal["web", "half", "throw", "crankshaft"]
 STEP_TOLERANCE = 1e-6
 """Largest relative change of the volume when a written STEP file is read back."""
 
 
-def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0) -> float:
+def export_solid(scene: Scene, part: Part, path: Path, facet_mm: float = 1.0) -> float:
     """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
 
     Args:
@@ -65,7 +64,7 @@ def export_solid(scene: Scene, part: PartName, path: Path, facet_mm: float = 1.0
     return volume
 
 
-def surface_of(scene: Scene, part: PartName, facet_mm: float = 1.0) -> SurfaceMesh:
+def surface_of(scene: Scene, part: Part, facet_mm: float = 1.0) -> SurfaceMesh:
     """Closed triangle mesh of a part of a scene.
 
     Args:
@@ -93,7 +92,7 @@ def step_volume_mm3(path: Path) -> float:
         return sum(float(gmsh.model.occ.getMass(*pair)) for pair in bodies if pair[0] == 3)
 
 
-def _add(occ: Any, scene: Scene, part: PartName) -> DimTags:
+def _add(occ: Any, scene: Scene, part: Part) -> DimTags:
     if part == "web":
         check_solid(scene)
         web = add_web(occ, scene)

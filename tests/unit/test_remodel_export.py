@@ -9,7 +9,8 @@ import pytest
 import trimesh
 
 from cranktopo.errors import CranktopoError
-from cranktopo.remodel.export import PartName, export_solid, step_volume_mm3
+from cranktopo.formats import Part
+from cranktopo.remodel.export import export_solid, step_volume_mm3
 from cranktopo.scene import Scene
 from tests.physics.judge_cases import LOPSIDED, mikron_with
 
@@ -17,7 +18,7 @@ SHARP_WEB_MM3 = 19.0 * (50 * 48 + math.pi * 25**2 - 2 * math.pi * 12**2)
 
 
 @pytest.mark.parametrize("part", ["web", "half", "throw", "crankshaft"])
-def test_step_keeps_the_volume(part: PartName, mikron: Scene, tmp_path: Path) -> None:
+def test_step_keeps_the_volume(part: Part, mikron: Scene, tmp_path: Path) -> None:
     path = tmp_path / f"{part}.step"
     volume = export_solid(mikron, part, path)
     assert step_volume_mm3(path) == pytest.approx(volume, rel=1e-6)
@@ -25,7 +26,7 @@ def test_step_keeps_the_volume(part: PartName, mikron: Scene, tmp_path: Path) ->
 
 
 def test_parts_add_up(mikron: Scene, tmp_path: Path) -> None:
-    parts: tuple[PartName, ...] = ("web", "half", "throw")
+    parts: tuple[Part, ...] = ("web", "half", "throw")
     volumes = {part: export_solid(mikron, part, tmp_path / f"{part}.step") for part in parts}
     assert volumes["web"] == pytest.approx(SHARP_WEB_MM3, rel=1e-6)
     assert volumes["throw"] == pytest.approx(2 * volumes["half"], rel=1e-6)
