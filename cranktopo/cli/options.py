@@ -118,6 +118,8 @@ def refuse_beside_resume(*allowed: str) -> None:
         typed = context.get_parameter_source(name) == ParameterSource.COMMANDLINE
         if typed and parameter.expose_value and name not in ("resume", "as_json", *allowed):
             what = parameter.opts[0] if isinstance(parameter, click.Option) else name.upper()
+            free = [p.opts[0] for p in context.command.params if p.name in allowed]
+            but = f"; only {' and '.join(free)} may be given" if free else ""
             raise click.UsageError(
-                f"--resume takes the design and its options from the run: leave out {what}"
+                f"--resume takes the design and its options from the run{but}: leave out {what}"
             )

@@ -11,7 +11,9 @@ import pytest
 
 from cranktopo.accuracy.judge_ladder import LADDER
 from cranktopo.cli.main import main
+from cranktopo.scene import load_scene
 from cranktopo.scene.loading import designs_folder
+from cranktopo.store import create_run
 
 CASTING = (designs_folder() / "opposed-piston-casting.toml").read_text(encoding="utf-8")
 """No envelope, so there is nothing to optimise."""
@@ -129,9 +131,9 @@ def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
     """Nothing is dropped beside an STL of the user's."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("cranktopo.accuracy.climb._ladders", lambda _: {})
-    run = tmp_path / "one"
-    run.mkdir()
-    (run / "design.toml").write_text(CASTING, encoding="utf-8")
+    run, scene = tmp_path / "one", load_scene("opposed-piston-casting").model_dump(mode="json")
+    command = ["cranktopo", "optimise"]
+    create_run(design="casting", design_toml=CASTING, scene=scene, options={}, command=command, out=run)
     for path in (tmp_path / "part.stl", run / "web.stl"):
         path.write_bytes(b"")
     assert main(["accuracy", "part.stl", "--design", "mikron-iiic"]) == 0
