@@ -41,17 +41,24 @@ def test_original_web_at_half_a_mm(float64: None, mikron: Scene) -> None:
     assert result["bending"] == pytest.approx(PINNED_N_PER_MM, rel=0.015)
 
 
+FREE = {"torsion": "free", "bending": "pinned"}
+SPRINGS = {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": 2e5}
+
+
 @pytest.mark.parametrize(
-    "supports",
+    ("supports", "extents"),
     [
-        pytest.param({"torsion": "free", "bending": "pinned"}, marks=pytest.mark.slow),
-        {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": 2e5},
+        (SPRINGS, ("quarter", "half")),
+        pytest.param(FREE, ("quarter", "half"), marks=pytest.mark.slow),
+        pytest.param(SPRINGS, ("half", "full"), marks=pytest.mark.slow),
+        pytest.param(FREE, ("half", "full"), marks=pytest.mark.slow),
     ],
 )
-def test_quarter_half_and_full_agree(float64: None, mikron: Scene, supports: dict[str, object]) -> None:
-    half = stiffnesses(mikron, 4.0, "half", **supports)
-    for extent in ("quarter", "full"):
-        assert stiffnesses(mikron, 4.0, extent, **supports) == pytest.approx(half, rel=1e-6)  # type: ignore[arg-type]
+def test_extents_agree(
+    float64: None, mikron: Scene, supports: dict[str, object], extents: tuple[Extent, Extent]
+) -> None:
+    small, large = (stiffnesses(mikron, 4.0, extent, **supports) for extent in extents)
+    assert small == pytest.approx(large, rel=1e-6)
 
 
 def test_half_and_full_agree_on_an_asymmetric_web(float64: None, mikron: Scene) -> None:
