@@ -71,9 +71,8 @@ def resolve_target(text: str, design: str | None = None, fillets: bool = False) 
             design.
     """
     path = Path(text)
-    if path.is_dir():
-        return _run(open_run(text))
-    if not path.exists() and text not in builtin_designs() and runs_named(text):
+    named = not path.exists() and text not in builtin_designs() and runs_named(text)
+    if path.is_dir() or named:
         return _run(open_run(text))
     if path.suffix.lower() not in _GEOMETRY:
         scene = load_simulated(text, fillets)

@@ -19,11 +19,17 @@ from cranktopo.report.comparison import (
     published_table,
     value_table,
 )
-from cranktopo.report.page import Fact, Mood, Page, Picture, Section
-from cranktopo.report.picture import gallery_figure
+from cranktopo.report.page import Fact, Mood, Page, Section
 from cranktopo.report.release_section import Release, release_fact, release_of, release_table
 from cranktopo.report.scatter import scatter_points
-from cranktopo.report.sections import effects_section, loads_section, pairs, scatter_pictures
+from cranktopo.report.sections import (
+    effects_section,
+    gallery_picture,
+    loads_section,
+    pairs,
+    scatter_pictures,
+    versions_table,
+)
 from cranktopo.report.stress_scale import stress_scales
 from cranktopo.report.stress_section import stress_section
 from cranktopo.report.tables import Table
@@ -73,7 +79,7 @@ def comparison_page(
             _provenance(targets, command),
         ),
         scenery=scenery,
-        picture=_gallery(scenery.bodies) if scenery else None,
+        picture=gallery_picture(scenery.bodies) if scenery else None,
     )
 
 
@@ -179,12 +185,11 @@ def _provenance(targets: Sequence[Target], command: Sequence[str]) -> Section:
         for t in targets
     ]
     files = [(f"{t.name}, SHA-256 of {t.file.name}", file_hash(t.file)) for t in targets if t.file]
-    installed = [(name, text or "not installed") for name, text in versions().items()]
     rows = [("command", " ".join(command)), ("written", timestamp()), *hashes, *files]
     return Section(
         "provenance",
         "Where this comes from",
-        tables=(("Comparison", pairs(rows)), ("Versions", pairs(installed))),
+        tables=(("Comparison", pairs(rows)), ("Versions", versions_table(versions()))),
     )
 
 
@@ -212,9 +217,3 @@ def _surface(target: Target) -> SurfaceMesh | None:
     if target.file is not None:
         return read_stl(target.file) if target.file.suffix.lower() == ".stl" else None
     return surface_of(target.scene, "half", _FACET_MM)
-
-
-def _gallery(bodies: Sequence[Body]) -> Picture:
-    alt = f"Half throws of {', '.join(body.name for body in bodies)}; journals grey, webs blue"
-    figure = gallery_figure([(body.name, body.mesh, body.web_z_mm) for body in bodies])
-    return Picture("gallery", figure, alt)

@@ -8,8 +8,7 @@ from typing import Any
 
 from cranktopo.report.iterate_report import best_line, steps_estimate, steps_figure, steps_table
 from cranktopo.report.page import Fact, Mood, Page, Picture, Section
-from cranktopo.report.picture import gallery_figure
-from cranktopo.report.sections import pairs
+from cranktopo.report.sections import gallery_picture, origin_rows, pairs, versions_table
 from cranktopo.report.viewer import Body, Scenery
 from cranktopo.scene import scene_from_dict
 from cranktopo.store import read_json
@@ -43,7 +42,7 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], folder: P
         facts=(*_facts(data), Fact("Ended", f"{len(bodies) - 1} steps", data["stop_reason"], "neutral")),
         sections=(_steps(data), _provenance(manifest)),
         scenery=Scenery(bodies),
-        picture=_gallery(bodies),
+        picture=gallery_picture(bodies),
     )
 
 
@@ -92,20 +91,8 @@ def _steps(data: Mapping[str, Any]) -> Section:
 
 
 def _provenance(manifest: Mapping[str, Any]) -> Section:
-    rows = [
-        ("command", " ".join(manifest["command"])),
-        ("started", manifest["started"]),
-        ("settings, SHA-256", manifest["settings_sha256"]),
-        *((f"{role}, SHA-256", entry["sha256"]) for role, entry in manifest.get("inputs", {}).items()),
-    ]
-    installed = [(name, text or "not installed") for name, text in manifest["versions"].items()]
-    return Section(
-        "provenance",
-        "Where this comes from",
-        tables=(("Loop", pairs(rows)), ("Versions", pairs(installed))),
+    tables = (
+        ("Loop", pairs(origin_rows(manifest))),
+        ("Versions", versions_table(manifest["versions"])),
     )
-
-
-def _gallery(bodies: tuple[Body, ...]) -> Picture:
-    alt = f"Half throws of {', '.join(body.name for body in bodies)}; journals grey, webs blue"
-    return Picture("gallery", gallery_figure([(b.name, b.mesh, b.web_z_mm) for b in bodies]), alt)
+    return Section("provenance", "Where this comes from", tables=tables)

@@ -10,7 +10,15 @@ from cranktopo.report.page import Page, Picture, Section
 from cranktopo.report.picture import views_figure
 from cranktopo.report.record import RunRecord
 from cranktopo.report.scatter import BENDING_LABEL, TORSION_LABEL, Point
-from cranktopo.report.sections import effects_section, loads_section, pairs, picture, scatter_pictures
+from cranktopo.report.sections import (
+    effects_section,
+    loads_section,
+    origin_rows,
+    pairs,
+    picture,
+    scatter_pictures,
+    versions_table,
+)
 from cranktopo.report.stress_scale import stress_scales
 from cranktopo.report.stress_section import stress_section
 from cranktopo.report.tables import Table
@@ -109,10 +117,7 @@ def _convergence(record: RunRecord) -> Section:
 def _provenance(record: RunRecord) -> Section:
     manifest, metrics = record.manifest, record.metrics
     rows = [
-        ("command", " ".join(manifest["command"])),
-        ("started", manifest["started"]),
-        ("settings, SHA-256", manifest["settings_sha256"]),
-        *((f"{role}, SHA-256", entry["sha256"]) for role, entry in manifest.get("inputs", {}).items()),
+        *origin_rows(manifest),
         ("seed of random starts", manifest["seed"]),
         ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
         ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
@@ -120,14 +125,13 @@ def _provenance(record: RunRecord) -> Section:
         ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
         ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
     ]
-    versions = tuple((name, text or "not installed") for name, text in manifest["versions"].items())
     files = [(what, name) for what, name in metrics["files"].items()]
     return Section(
         "provenance",
         "Where this comes from",
         tables=(
             ("Run", pairs(rows)),
-            ("Versions", pairs(versions)),
+            ("Versions", versions_table(manifest["versions"])),
             ("Files beside this page", pairs(files)),
         ),
     )

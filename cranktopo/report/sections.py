@@ -8,8 +8,10 @@ from typing import Any
 from cranktopo.loads import analyse
 from cranktopo.report.loads_plot import PANELS
 from cranktopo.report.page import Picture, Section
+from cranktopo.report.picture import gallery_figure
 from cranktopo.report.scatter import Point, draw_stiffness_over_mass
 from cranktopo.report.tables import Table
+from cranktopo.report.viewer import Body
 from cranktopo.scene import Scene
 
 _PANEL_INCHES, _AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74)
@@ -104,6 +106,29 @@ def scatter_pictures(points: Mapping[str, Sequence[Point]], baseline: int) -> tu
 def _words(label: str, points: Sequence[Point]) -> str:
     values = "; ".join(f"{p.name} {p.mass_kg:.3f} kg, {p.stiffness:.1f}" for p in points)
     return f"{label} over mass: {values}"
+
+
+def gallery_picture(bodies: Sequence[Body]) -> Picture:
+    """Still picture of half throws, side by side."""
+    alt = f"Half throws of {', '.join(body.name for body in bodies)}; journals grey, webs blue"
+    figure = gallery_figure([(body.name, body.mesh, body.web_z_mm) for body in bodies])
+    return Picture("gallery", figure, alt)
+
+
+def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Where a run comes from, for `pairs`: its command, start, settings and input files."""
+    inputs = manifest.get("inputs", {}).items()
+    return [
+        ("command", " ".join(manifest["command"])),
+        ("started", manifest["started"]),
+        ("settings, SHA-256", manifest["settings_sha256"]),
+        *((f"{role}, SHA-256", entry["sha256"]) for role, entry in inputs),
+    ]
+
+
+def versions_table(versions: Mapping[str, str | None]) -> Table:
+    """Versions of what took part; none of what is not installed."""
+    return pairs([(name, text or "not installed") for name, text in versions.items()])
 
 
 def pairs(rows: Sequence[tuple[str, Any]]) -> Table:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
 from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.surface.solids import web_bores
+from cranktopo.surface.solids import web_bores, web_slab
 
 Array = NDArray[np.float64]
 RELEASED_SHARE = 1e-4
@@ -87,10 +87,8 @@ def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) 
         scene: its bores and web faces.
         step_mm: distance between rays.
     """
-    start, end = scene.web_z_mm
     body = solid_of(half_throw.vertices_mm, half_throw.faces, "half throw")
-    web = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
-    return undercuts(mesh_of(web), scene, step_mm)
+    return undercuts(mesh_of(web_slab(body, scene)), scene, step_mm)
 
 
 def _centres(low: float, high: float, step: float) -> Array:
