@@ -1,10 +1,11 @@
 """Topology and shape optimisation workbench for crankshaft webs.
 
-The stages, in the order in which data flows through them; each is a function of what the one before returned:
+The stages, in the order in which data flows through them; each takes what the one before returned:
 
-    load_scene -> plan -> load_cases -> prepare -> optimise_density -> skin_of -> fit_web -> judge -> compare
+    load_scene -> plan -> load_cases -> prepare -> optimise_density -> checked_surface
+    -> fit_web -> evaluate -> compare
 
-The judge is `cranktopo.evaluate.evaluation.evaluate`: its name is taken here by the package it lives in. A
+`evaluate` is `cranktopo.evaluate.evaluation.evaluate`: its name is taken here by the package it lives in. A
 name loads its module when it is first used, so that importing the package costs nothing.
 """
 
@@ -14,18 +15,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from cranktopo.cad.solid_files import export_solid
     from cranktopo.effects import EffectPlan, plan
     from cranktopo.errors import CranktopoError
     from cranktopo.evaluate.targets import Target, resolve_target
     from cranktopo.fem.precision import double_precision
     from cranktopo.loads import LoadCase, load_cases
-    from cranktopo.pipeline import Optimum, Prepared, optimise_density, prepare
-    from cranktopo.remodel.export import export_solid
+    from cranktopo.optimise.stage import Optimum, Prepared, optimise_density, prepare
     from cranktopo.remodel.fit import FittedWeb, fit_web
     from cranktopo.report.comparison import Comparison, Entry, compare
     from cranktopo.scene import Scene, load_scene
-    from cranktopo.surface import write_stl
-    from cranktopo.surface.skin import Skin, skin_of
+    from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
+    from cranktopo.triangles.surface_files import write_stl
 
 _HOMES = {
     "CranktopoError": "errors",
@@ -36,16 +37,16 @@ _HOMES = {
     "LoadCase": "loads",
     "load_cases": "loads",
     "double_precision": "fem.precision",
-    "Prepared": "pipeline",
-    "prepare": "pipeline",
-    "Optimum": "pipeline",
-    "optimise_density": "pipeline",
-    "Skin": "surface.skin",
-    "skin_of": "surface.skin",
-    "write_stl": "surface",
+    "Prepared": "optimise.stage",
+    "prepare": "optimise.stage",
+    "Optimum": "optimise.stage",
+    "optimise_density": "optimise.stage",
+    "CheckedSurface": "surface.checked_surface",
+    "checked_surface": "surface.checked_surface",
+    "write_stl": "triangles.surface_files",
     "FittedWeb": "remodel.fit",
     "fit_web": "remodel.fit",
-    "export_solid": "remodel.export",
+    "export_solid": "cad.solid_files",
     "Target": "evaluate.targets",
     "resolve_target": "evaluate.targets",
     "Comparison": "report.comparison",
@@ -54,6 +55,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "CheckedSurface",
     "Comparison",
     "CranktopoError",
     "EffectPlan",
@@ -63,8 +65,8 @@ __all__ = [
     "Optimum",
     "Prepared",
     "Scene",
-    "Skin",
     "Target",
+    "checked_surface",
     "compare",
     "double_precision",
     "export_solid",
@@ -75,7 +77,6 @@ __all__ = [
     "plan",
     "prepare",
     "resolve_target",
-    "skin_of",
     "write_stl",
 ]
 

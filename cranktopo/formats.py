@@ -8,5 +8,5 @@ SurfaceFormat = Literal["stl", "3mf", "glb"]
 SURFACES: tuple[SurfaceFormat, ...] = get_args(SurfaceFormat)
 PLOTS = (".png", ".svg", ".pdf")
 SOLIDS = (".step", ".stp", ".stl")
-Part = Literal["throw", "half", "web", "crankshaft"]
-PARTS: tuple[Part, ...] = get_args(Part)
+SolidPart = Literal["throw", "half", "web", "crankshaft"]
+PARTS: tuple[SolidPart, ...] = get_args(SolidPart)

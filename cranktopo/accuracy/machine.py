@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import platform
+import resource
+import sys
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
-
-from cranktopo.report.metrics import peak_memory_MiB
 
 _SIDE, _PRODUCTS, _DENSE = 40, 20, 700
 _REPEATS = 3
@@ -70,6 +70,12 @@ def reference_seconds() -> float:
         np.linalg.cholesky(dense)
         times.append(time.perf_counter() - began)
     return min(times)
+
+
+def peak_memory_MiB() -> float:
+    """Largest resident memory of this process so far, MiB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(peak / (1024.0**2 if sys.platform == "darwin" else 1024.0), 1)
 
 
 class PeakMemory:

@@ -10,7 +10,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, seconds
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.verbosity import say, verbosity_options
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ _BUDGET_S = 120.0
     help="Folder for JSON, Markdown and PNG; default: runs/accuracy-DESIGN, or the run itself.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-@talkative
+@verbosity_options
 def command(design: str, budget_s: float, journals: str | None, out: Path | None, as_json: bool) -> int:
     """Climb the ladders of DESIGN (or of a run or surface file) from cheap to exact until the budget is used.
 
@@ -48,16 +48,16 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
 
     Example: cranktopo accuracy mikron-iiic --budget 120s
     """
-    from cranktopo.accuracy.climb import climb
-    from cranktopo.accuracy.frontier import frontier_of
-    from cranktopo.accuracy.memory import key_of, remember
+    from cranktopo.accuracy.pareto import pareto_front
+    from cranktopo.accuracy.stored_studies import key_of, remember
+    from cranktopo.accuracy.study import climb
     from cranktopo.evaluate.targets import resolve_target
     from cranktopo.store import check_folder
 
     target = resolve_target(design, journals)
     folder = out or _folder(target)
     check_folder(folder)
-    frontier = frontier_of(climb(target, budget_s, say))
+    frontier = pareto_front(climb(target, budget_s, say))
     result = frontier.as_json()
     kept = remember(key_of(target), result)
     files = _write(result, folder)

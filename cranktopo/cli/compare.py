@@ -13,14 +13,14 @@ from cranktopo.cli.completion import designs
 from cranktopo.cli.evaluate import Meshing, evaluate_targets, warn_missed
 from cranktopo.cli.options import FATIGUE_METHODS, mesh_options
 from cranktopo.cli.parameters import Choice
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.verbosity import say, verbosity_options
 from cranktopo.formats import PLOTS
 
 if TYPE_CHECKING:
     from cranktopo.evaluate.evaluation import Evaluation
     from cranktopo.evaluate.targets import Target
     from cranktopo.report.comparison import Comparison
-    from cranktopo.report.fatigue_tables import Judged
+    from cranktopo.report.fatigue_tables import FatigueComparison
 
 
 @click.command()
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     help="Also judge the fatigue safety by this method; see 'cranktopo fatigue --help'.",
 )
 @mesh_options
-@talkative
+@verbosity_options
 def command(
     targets: tuple[str, ...],
     baseline: str,
@@ -92,7 +92,7 @@ def command(
     resolved = resolve_targets(names, design)
     check_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in resolved)
     index = names.index(baseline)
-    judged = None if method is None else _judged(resolve_targets(names, design, fillets=True), method, index)
+    judged = None if method is None else _fatigue(resolve_targets(names, design, fillets=True), method, index)
     evaluations, missed = evaluate_targets(resolved, Meshing(element_size_mm, accuracy, budget))
     comparison = _compared(resolved, evaluations, index, judged)
     click.echo(_text(comparison, "json" if as_json else form))
@@ -111,21 +111,21 @@ def command(
     warn_missed(missed, accuracy)
 
 
-def _judged(targets: list[Target], method: str, baseline: int) -> Judged:
-    from cranktopo.evaluate.fatigue import FieldMethod, assess, check_inputs
+def _fatigue(targets: list[Target], method: str, baseline: int) -> FatigueComparison:
     from cranktopo.evaluate.rule_check import check_rule
-    from cranktopo.report.fatigue_tables import judged
+    from cranktopo.evaluate.safety_field import FieldMethod, assess, check_inputs
+    from cranktopo.report.fatigue_tables import compare_fatigue
 
     for target in targets:
         check_inputs(target, method, "extremes")
     if method == "m53":
-        return judged([check_rule(target, progress=say) for target in targets], "extremes", baseline)
+        return compare_fatigue([check_rule(target, progress=say) for target in targets], "extremes", baseline)
     chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
-    return judged([assess(target, chosen, progress=say) for target in targets], "extremes", baseline)
+    return compare_fatigue([assess(target, chosen, progress=say) for target in targets], "extremes", baseline)
 
 
 def _compared(
-    targets: list[Target], evaluations: list[Evaluation], baseline: int, judged: Judged | None
+    targets: list[Target], evaluations: list[Evaluation], baseline: int, judged: FatigueComparison | None
 ) -> Comparison:
     from cranktopo.report.comparison import Entry, compare
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cranktopo.cli.talk import coloured
+from cranktopo.cli.verbosity import coloured
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
-    from cranktopo.cli.checks import Check
+    from cranktopo.cli.doctor_checks import Check
 
 _COLOURS = {"ok": "green", "missing": "red", "absent": "yellow"}
 
@@ -26,7 +26,7 @@ def command(as_json: bool) -> int:
 
     Example: cranktopo doctor
     """
-    from cranktopo.cli.checks import all_checks
+    from cranktopo.cli.doctor_checks import all_checks
 
     checks = all_checks()
     missing = [check.name for check in checks if check.state == "missing"]

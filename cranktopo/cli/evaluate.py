@@ -10,7 +10,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options
-from cranktopo.cli.talk import detail, say, talkative
+from cranktopo.cli.verbosity import detail, say, verbosity_options
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
 @mesh_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-@talkative
+@verbosity_options
 def command(
     targets: tuple[str, ...],
     element_size_mm: float | None,
@@ -105,11 +105,11 @@ def _evaluate(target: Target, wanted: Meshing) -> tuple[Evaluation, bool]:
         from cranktopo.evaluate.evaluation import evaluate
 
         return evaluate(target, wanted.element_size_mm, say), True
-    from cranktopo.accuracy.judging import Wish, evaluate_to
-    from cranktopo.accuracy.memory import key_of, recall
+    from cranktopo.accuracy.error_target import ErrorTarget, evaluate_to
+    from cranktopo.accuracy.stored_studies import key_of, recall
 
     known = recall(key_of(target), "judge")
-    found, reached = evaluate_to(target, Wish(wanted.accuracy, wanted.budget_s), known, say)
+    found, reached = evaluate_to(target, ErrorTarget(wanted.accuracy, wanted.budget_s), known, say)
     if wanted.budget_s is not None and found.total_seconds > wanted.budget_s:
         say(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
     return found, reached

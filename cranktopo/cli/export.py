@@ -8,7 +8,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.parameters import Choice
-from cranktopo.formats import PARTS, SOLIDS, Part
+from cranktopo.formats import PARTS, SOLIDS, SolidPart
 
 
 @click.command()
@@ -19,14 +19,14 @@ from cranktopo.formats import PARTS, SOLIDS, Part
     "--facet-mm", type=click.FloatRange(min=0.1), default=1.0, show_default=True, help="STL facets."
 )
 @click.option("--force", is_flag=True, help="Replace an existing file.")
-def command(design: str, file: Path, part: Part, facet_mm: float, force: bool) -> None:
+def command(design: str, file: Path, part: SolidPart, facet_mm: float, force: bool) -> None:
     """Write the exact solid of DESIGN to FILE (.step or .stl), mm.
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
 
     Example: cranktopo export mikron-iiic throw.step
     """
-    from cranktopo.remodel.export import export_solid
+    from cranktopo.cad.solid_files import export_solid
     from cranktopo.scene import load_scene
     from cranktopo.store import check_file
 

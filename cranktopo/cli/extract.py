@@ -10,11 +10,11 @@ import click
 
 from cranktopo.cli.completion import runs
 from cranktopo.cli.parameters import Choice
-from cranktopo.cli.talk import detail, talkative
+from cranktopo.cli.verbosity import detail, verbosity_options
 from cranktopo.formats import SURFACES, SurfaceFormat
 
 if TYPE_CHECKING:
-    from cranktopo.surface.extraction import Extraction
+    from cranktopo.pipeline.extract import Extraction
 
 
 @click.command("extract")
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--out", type=click.Path(path_type=Path), help="File; default: RUN/surface/iteration-N.stl.")
 @click.option("--force", is_flag=True, help="Replace an existing --out.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-@talkative
+@verbosity_options
 def command(
     run: str, iteration: int | None, form: SurfaceFormat | None, out: Path | None, force: bool, as_json: bool
 ) -> None:
@@ -37,9 +37,9 @@ def command(
     """
     chosen = _format(form, out, force)
     from cranktopo.fem.precision import double_precision
+    from cranktopo.pipeline.extract import extract_run
     from cranktopo.store import open_run
-    from cranktopo.surface.export import write_surface
-    from cranktopo.surface.extraction import extract_run
+    from cranktopo.triangles.surface_files import write_surface
 
     store = open_run(run)
     detail(f"{store.name}: extracting the surface")
@@ -66,8 +66,8 @@ def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> Surfac
 
 
 def _text(found: Extraction, path: Path) -> str:
+    from cranktopo.pipeline.extract import LEAST_MEMBER_CELLS
     from cranktopo.report.release_text import undercut_text
-    from cranktopo.surface.extraction import LEAST_MEMBER_CELLS
 
     surface, gates = found.surface, found.gates
     cells = found.minimum_member_mm / found.cell_mm

@@ -11,11 +11,11 @@ import click
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS
 from cranktopo.cli.parameters import Choice, Number
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.verbosity import say, verbosity_options
 from cranktopo.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
-    from cranktopo.evaluate.fatigue import FatigueField
+    from cranktopo.evaluate.safety_field import FatigueField
     from cranktopo.evaluate.targets import Target
     from cranktopo.loads.histories import HistoryKind
 
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     help="Folder for fatigue.json, and VTU and picture of each target; a run shows it.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-@talkative
+@verbosity_options
 def command(
     targets: tuple[str, ...],
     method: str,
@@ -65,7 +65,7 @@ def command(
 
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
-    from cranktopo.evaluate.fatigue import check_inputs
+    from cranktopo.evaluate.safety_field import check_inputs
     from cranktopo.evaluate.stress_model import RULE_FRACTION
     from cranktopo.evaluate.targets import resolve_targets
     from cranktopo.loads.histories import HistoryKind
@@ -123,7 +123,7 @@ def _field(
     as_json: bool,
     out: Path | None,
 ) -> None:
-    from cranktopo.evaluate.fatigue import FieldMethod, assess
+    from cranktopo.evaluate.safety_field import FieldMethod, assess
     from cranktopo.report import fatigue_tables as report
     from cranktopo.report.tables import terminal
     from cranktopo.store import write_json

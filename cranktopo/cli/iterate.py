@@ -12,7 +12,7 @@ import click
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, rule_options
 from cranktopo.cli.parameters import Choice, Number
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.verbosity import say, verbosity_options
 
 THIN_SHARE = 0.4
 _FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
@@ -44,7 +44,7 @@ _FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "repo
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print the steps as one JSON object.")
-@talkative
+@verbosity_options
 def command(
     design: str | None,
     steps: int,
@@ -67,8 +67,8 @@ def command(
     """
     if resume:
         refuse_beside_resume()
-    from cranktopo.iterate import Settings, continue_loop, start_loop
-    from cranktopo.remodel.rules import Rules
+    from cranktopo.pipeline.iterate import Settings, continue_loop, start_loop
+    from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 
     if resume:
         outcome = continue_loop(resume, say)
@@ -83,7 +83,7 @@ def command(
             volume_fraction=volume_fraction, resolution_mm=resolution_mm, process=process
         )
         least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
-        settings = Settings(steps, least_mm, element_size_mm, Rules(**rules))
+        settings = Settings(steps, least_mm, element_size_mm, ManufacturingLimits(**rules))
         outcome = start_loop(scene, text, settings, ["cranktopo", *sys.argv[1:]], out, say)
     data = outcome.as_json()
     files = _write(outcome.folder, data)

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from cranktopo.cli.group import LazyGroup
-from cranktopo.cli.talk import coloured
+from cranktopo.cli.verbosity import coloured
 from cranktopo.errors import CranktopoError, ExitCode
 
 # Command -> module that holds a click command of the same name. Modules load only when called for, so
@@ -25,7 +25,7 @@ COMMANDS = {
     "fatigue": "Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.",
     "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
-    "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, closeness.",
+    "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, shape error.",
     "iterate": "The whole loop: remove a little, extract, re-model, judge, again inside the new solid.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
     "designs": "List the built-in designs, or copy one to edit.",

@@ -13,11 +13,11 @@ import click
 from cranktopo.cli.completion import designs, runs
 from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
 from cranktopo.cli.parameters import Choice, Number
-from cranktopo.cli.talk import NORMAL, QUIET, detail, level, say, talkative
+from cranktopo.cli.verbosity import NORMAL, QUIET, detail, level, say, verbosity_options
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
-    from cranktopo.optimise.loop import Problem
+    from cranktopo.optimise.loop import DensityProblem
     from cranktopo.optimise.state import State
     from cranktopo.scene import Scene
 
@@ -51,7 +51,7 @@ _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
     "--resume", metavar="RUN", shell_complete=runs, help="Continue an interrupted, stopped or killed run."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as one JSON object.")
-@talkative
+@verbosity_options
 def command(
     design: str | None,
     volume_fraction: float | None,
@@ -75,7 +75,7 @@ def command(
         raise click.UsageError(
             "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
         )
-    from cranktopo import pipeline
+    from cranktopo.pipeline import optimise as pipeline
 
     if resume:
         run, prepared = pipeline.reopen(resume, max_iterations, say)
@@ -157,8 +157,8 @@ def _surface_warning(surface: dict[str, Any]) -> list[str]:
 
 def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) -> Scene:
     """The scene with the cell size that an accuracy or a time asks for, said on stderr."""
-    from cranktopo.accuracy.memory import recall
-    from cranktopo.accuracy.optimising import choose_cells
+    from cranktopo.accuracy.cell_choice import choose_cells
+    from cranktopo.accuracy.stored_studies import recall
 
     choice = choose_cells(scene, accuracy, budget_s, recall(scene.name, "optimiser"))
     say(str(choice))
@@ -181,7 +181,7 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         self._bar.close()
 
-    def __call__(self, problem: Problem, state: State) -> None:
+    def __call__(self, problem: DensityProblem, state: State) -> None:
         from cranktopo.optimise.loop import iterations_left
 
         row = state.last

@@ -7,7 +7,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 
 DEFAULT_DESIGN = "mikron-iiic"
 FATIGUE_METHODS = ("lsa", "fkm", "m53")
@@ -81,7 +81,7 @@ def mesh_options(function: Any) -> Any:
 def rule_options(function: Any) -> Any:
     """Add --min-wall-mm, --min-radius-mm, --draft-deg and --cell-mm to a command that fits webs.
 
-    Their parameters are named as the fields of `Rules`.
+    Their parameters are named as the fields of `ManufacturingLimits`.
     """
     for names, bounds, text in (
         (
@@ -98,7 +98,7 @@ def rule_options(function: Any) -> Any:
         (("--min-wall-mm",), click.FloatRange(min=0.5), "Least wall."),
     ):
         field = names[-1].removeprefix("--").replace("-", "_")
-        default = getattr(Rules, field)
+        default = getattr(ManufacturingLimits, field)
         function = click.option(*names, type=bounds, default=default, show_default=True, help=text)(function)
     return function
 

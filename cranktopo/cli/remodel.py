@@ -10,7 +10,7 @@ import click
 
 from cranktopo.cli.completion import runs
 from cranktopo.cli.options import rule_options
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.verbosity import say, verbosity_options
 
 
 @click.command()
@@ -19,7 +19,7 @@ from cranktopo.cli.talk import say, talkative
 @rule_options
 @click.option("--no-judge", is_flag=True, help="Leave out the stiffness comparison.")
 @click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")
-@talkative
+@verbosity_options
 def command(
     run: str,
     out: Path | None,
@@ -34,9 +34,9 @@ def command(
 
     Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
     """
-    from cranktopo.pipeline_remodel import remodel
-    from cranktopo.remodel.rules import Rules
+    from cranktopo.pipeline.remodel import remodel
+    from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.remodel_text import remodel_text
 
-    data = remodel(run, out, Rules(**rules), not no_judge, say)
+    data = remodel(run, out, ManufacturingLimits(**rules), not no_judge, say)
     click.echo(json.dumps(data) if as_json else remodel_text(data))

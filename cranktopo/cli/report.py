@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cranktopo.cli.completion import runs
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.verbosity import say, verbosity_options
 
 
 @click.command(name="report")
@@ -23,7 +23,7 @@ from cranktopo.cli.talk import say, talkative
     help="Solve the surface for its load cases with the judge and show the stresses.",
 )
 @click.option("--markdown", "as_markdown", is_flag=True, help="Markdown with PNGs beside it.")
-@talkative
+@verbosity_options
 def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None:
     """Write the report of RUN: one HTML file that opens from disk, or Markdown with pictures.
 

@@ -10,11 +10,11 @@ import click
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN
 from cranktopo.cli.parameters import Choice
-from cranktopo.cli.talk import say, talkative
+from cranktopo.cli.verbosity import say, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.evaluate.chain import Bearings
     from cranktopo.evaluate.shaft import ShaftEvaluation
+    from cranktopo.evaluate.shaft_assembly import Bearings
 
 
 @click.command()
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 )
 @click.option("--element-size-mm", type=click.FloatRange(min=0, min_open=True), help="General element size.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
-@talkative
+@verbosity_options
 def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:
     """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies.
 
@@ -36,8 +36,8 @@ def command(design: str, bearings: str, element_size_mm: float | None, as_json: 
 
     Example: cranktopo shaft mikron-iiic --bearings free
     """
-    from cranktopo.evaluate.chain import Bearings
     from cranktopo.evaluate.shaft import evaluate_shaft
+    from cranktopo.evaluate.shaft_assembly import Bearings
     from cranktopo.evaluate.targets import load_simulated
 
     scene = load_simulated(design)
@@ -48,10 +48,10 @@ def command(design: str, bearings: str, element_size_mm: float | None, as_json: 
 
 
 def _text(shaft: ShaftEvaluation) -> str:
-    from cranktopo.report.tables import Table, terminal
+    from cranktopo.report.tables import ResultTable, terminal
 
     throws = terminal(
-        Table(
+        ResultTable(
             columns=("throw", "angle_deg", "torsion_kNm_per_rad"),
             rows=tuple(
                 (str(i + 1), angle, k / 1000)

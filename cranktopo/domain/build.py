@@ -26,7 +26,7 @@ from cranktopo.domain.outline import (
     web_bounds_mm,
     web_outline,
 )
-from cranktopo.domain.stl import check_symmetric
+from cranktopo.domain.stl_envelope import check_symmetric
 from cranktopo.errors import invalid
 from cranktopo.scene.bevel import bevel_cuts_mm
 from cranktopo.scene.geometry import Envelope, Journal, SidePocket, Web

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.domain.stl import bounds_mm, section
+from cranktopo.domain.stl_envelope import bounds_mm, section
 from cranktopo.scene.bevel import throw_range_mm
 from cranktopo.scene.geometry import Envelope, Web
 from cranktopo.scene.outline import half_width_mm, largest_half_width_mm, y_range_mm

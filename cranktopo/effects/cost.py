@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.domain.build import Target
-from cranktopo.domain.limits import estimated_cells
+from cranktopo.domain.resolution import estimated_cells
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.meshing import TetMesh
+from cranktopo.meshing.solid_mesh import TetMesh
 
 Array = NDArray[np.float64]
 Order = Literal[1, 2]

@@ -10,10 +10,10 @@ from typing import Any
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.condense import condense
 from cranktopo.evaluate.elasticity import Order, assemble
-from cranktopo.evaluate.supports import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
+from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
-from cranktopo.remodel.meshing import Part, mesh_throw
+from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
@@ -132,7 +132,7 @@ def default_element_size_mm(scene: Scene) -> float:
 
 
 @dataclass(frozen=True)
-class Judged:
+class MeshResult:
     """A target on one mesh.
 
     Attributes:
@@ -143,7 +143,7 @@ class Judged:
     """
 
     target: Target
-    part: Part
+    part: MeshedThrow
     stiffness: Stiffness
     graded: bool = True
 
@@ -167,19 +167,19 @@ def evaluate(
         CranktopoError: impossible geometry or a failed solve.
     """
     size = element_size_mm or default_element_size_mm(target.scene)
-    coarse = judge(target, size * RATIO, progress=progress)
-    fine = judge(target, size, progress=progress)
+    coarse = evaluate_on_mesh(target, size * RATIO, progress=progress)
+    fine = evaluate_on_mesh(target, size, progress=progress)
     return evaluation(coarse, fine, coarse.seconds + fine.seconds)
 
 
-def judge(
+def evaluate_on_mesh(
     target: Target,
     element_size_mm: float,
     *,
     graded: bool = True,
     order: Order = 2,
     progress: Progress = lambda _: None,
-) -> Judged:
+) -> MeshResult:
     """A target on one mesh.
 
     Args:
@@ -196,13 +196,13 @@ def judge(
     start = time.perf_counter()
     part = mesh_target(target, element_size_mm, graded)
     meshed = time.perf_counter() - start
-    return Judged(
+    return MeshResult(
         target, part, condensed_stiffness(part, target.scene, element_size_mm, meshed, order), graded
     )
 
 
 def condensed_stiffness(
-    part: Part, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
+    part: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
 ) -> Stiffness:
     """Stiffnesses of a meshed half throw for every support: two condensations.
 
@@ -237,7 +237,7 @@ def condensed_stiffness(
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds)
 
 
-def _check_volume(part: Part, meshed_mm3: float) -> None:
+def _check_volume(part: MeshedThrow, meshed_mm3: float) -> None:
     if abs(meshed_mm3 - part.half.volume_mm3) > _VOLUME_TOLERANCE * part.half.volume_mm3:
         raise CranktopoError(
             f"mesh: holds {meshed_mm3:.1f} mm3, the half throw {part.half.volume_mm3:.1f} mm3.",
@@ -246,7 +246,7 @@ def _check_volume(part: Part, meshed_mm3: float) -> None:
         )
 
 
-def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> Part:
+def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> MeshedThrow:
     """Mesh of a target's half throw.
 
     Args:
@@ -259,12 +259,12 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
     """
     if target.file is None:
         return mesh_throw(target.scene, element_size_mm, graded=graded)
-    from cranktopo.remodel.imported import mesh_file
+    from cranktopo.meshing.imported_body import mesh_file
 
     return mesh_file(target.file, target.scene, element_size_mm)
 
 
-def evaluation(coarse: Judged, fine: Judged, seconds: float) -> Evaluation:
+def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluation:
     """All that is reported, with a bound of the finer mesh's error from what the coarser one says.
 
     Args:

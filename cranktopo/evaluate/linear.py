@@ -1,7 +1,8 @@
 """Sparse symmetric solves: direct for small systems, two-level p-multigrid CG for large ones.
 
 SuperLU is the quickest to about 15 000 unknowns and then grows fast in time and memory; conjugate gradients
-with linear tetrahedra as the coarse level grow about linearly (`python -m tests.benchmarks.judge_solvers`).
+with linear tetrahedra as the coarse level grow about
+linearly (`python -m tests.benchmarks.evaluation_solvers`).
 Both need nothing but SciPy.
 """
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from cranktopo.effects.beam import web_lever_mm
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
-from cranktopo.evaluate.fatigue import Progress, check_material, load_kinds
 from cranktopo.evaluate.m53 import (
     LEAST_FACTOR,
     Dimensions,
@@ -24,6 +23,7 @@ from cranktopo.evaluate.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
+from cranktopo.evaluate.safety_field import Progress, check_material, load_kinds
 from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history

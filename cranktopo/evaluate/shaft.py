@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.chain import (
+from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.evaluation import RATIO, SCHEMA_VERSION, bound_percent, default_element_size_mm
+from cranktopo.evaluate.shaft_assembly import (
     Bearings,
     ShaftStiffness,
     shaft_matrix,
     shaft_stiffness,
     throw_matrix,
 )
-from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.evaluation import RATIO, SCHEMA_VERSION, bound_percent, default_element_size_mm
 from cranktopo.evaluate.torsional import DiskModel, disk_model
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
-from cranktopo.remodel.meshing import Part, mesh_throw
+from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
@@ -95,7 +95,7 @@ def evaluate_shaft(scene: Scene, bearings: Bearings, element_size_mm: float | No
     return ShaftEvaluation(scene.name, angles, bearings, mass, stiffness, error, disks)
 
 
-def _throw(part: Part, scene: Scene) -> NDArray[np.float64]:
+def _throw(part: MeshedThrow, scene: Scene) -> NDArray[np.float64]:
     """Stiffness of a throw over the motions of its two sections, (12, 12)."""
     model = assemble(part.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
     return throw_matrix(model, scene, part.mesh.mirrored)

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import Elasticity
-from cranktopo.remodel.curving import EDGES
+from cranktopo.meshing.curving import EDGES
 
 Array = NDArray[np.float64]
 

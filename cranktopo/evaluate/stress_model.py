@@ -18,7 +18,7 @@ from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
-from cranktopo.remodel.meshing import mesh_throw
+from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cranktopo.evaluate.elasticity import Elasticity
 from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.stress import NodalStress
-from cranktopo.remodel.curving import EDGES, shape_gradients
+from cranktopo.meshing.curving import EDGES, shape_gradients
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

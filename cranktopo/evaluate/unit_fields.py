@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.condense import RX, Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
-from cranktopo.evaluate.supports import bending_motion, torsion_motion
+from cranktopo.evaluate.support_stiffness import bending_motion, torsion_motion
 from cranktopo.frames import Parity
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.loads.load_case import LoadKind

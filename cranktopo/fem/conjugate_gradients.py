@@ -9,9 +9,9 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
+from cranktopo.fem.boundary_conditions import BoundaryConditions, add_section, section_coordinates
 from cranktopo.fem.multigrid import Hierarchy, apply_cycle, project
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
-from cranktopo.fem.supports import Supports, add_section, section_coordinates
 
 # Aim a little lower: the recursive residual that is watched drifts from the true one by rounding.
 _AIM = 0.9
@@ -30,7 +30,7 @@ class System(NamedTuple):
     """
 
     blocks: jax.Array
-    supports: Supports
+    supports: BoundaryConditions
     moduli: jax.Array
     forces: jax.Array
 

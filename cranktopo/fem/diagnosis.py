@@ -9,10 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.fem.boundary_conditions import BoundaryConditions
 from cranktopo.fem.conjugate_gradients import System, dot
 from cranktopo.fem.multigrid import project
 from cranktopo.fem.operator import strain_energy_densities
-from cranktopo.fem.supports import Supports
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -78,7 +78,7 @@ def unsupported_load(system: System, threshold: float, across: Across = "corners
     return None
 
 
-def _unsupported(supports: Supports, case: int, forces: Array, labels: NDArray[np.int32]) -> str:
+def _unsupported(supports: BoundaryConditions, case: int, forces: Array, labels: NDArray[np.int32]) -> str:
     """What is wrong with one case's load, or nothing."""
     loaded = np.abs(forces).max(axis=0) > 1e-9 * np.abs(forces).max()
     held = _held_planes(supports, case, forces, loaded.shape)
@@ -125,13 +125,13 @@ def _on_plane(shape: tuple[int, ...], plane: int) -> Mask:
     return nodes
 
 
-def _moving_planes(supports: Supports, case: int) -> list[int]:
+def _moving_planes(supports: BoundaryConditions, case: int) -> list[int]:
     """Rigid sections with a free motion: 0 for the first z plane, -1 for the last."""
     basis = np.asarray(supports.basis[case])
     return [plane for plane, side in ((0, 0), (-1, 1)) if np.any(basis[:, side])]
 
 
-def _held_planes(supports: Supports, case: int, forces: Array, shape: tuple[int, ...]) -> Mask:
+def _held_planes(supports: BoundaryConditions, case: int, forces: Array, shape: tuple[int, ...]) -> Mask:
     """Nodes on mirrors and sections; a section that carries the load itself does not support it."""
     held = np.zeros(shape, bool)
     held[0] = bool(np.any(np.asarray(supports.free_x0[case]) == 0))

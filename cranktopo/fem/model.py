@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
+from cranktopo.fem.boundary_conditions import BoundaryConditions, CaseSupports, SectionMotion, build_supports
 from cranktopo.fem.lattice import Lattice
-from cranktopo.fem.supports import CaseSupports, SectionMotion, Supports, build_supports
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.loads.cases import LoadCase
 from cranktopo.scene.schema import Scene
@@ -44,7 +44,7 @@ class ThrowModel:
 
     lattice: Lattice
     levels: int
-    supports: Supports
+    supports: BoundaryConditions
     forces: jax.Array
     cases: tuple[LoadCase, ...]
     modulus_MPa: float
@@ -66,7 +66,7 @@ class ThrowModel:
 def build_model(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, plain: bool = False
 ) -> ThrowModel:
-    """Supports and nodal loads of the load cases on a domain's grid.
+    """BoundaryConditions and nodal loads of the load cases on a domain's grid.
 
     Call inside `double_precision()`.
 

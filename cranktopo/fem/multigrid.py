@@ -9,6 +9,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from cranktopo.fem.boundary_conditions import (
+    BoundaryConditions,
+    add_section,
+    interior_mask,
+    section_coordinates,
+)
 from cranktopo.fem.galerkin import (
     CoarseMap,
     apply_stencil,
@@ -21,7 +27,6 @@ from cranktopo.fem.galerkin import (
 )
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
-from cranktopo.fem.supports import Supports, add_section, interior_mask, section_coordinates
 
 _Smoothing = tuple[jax.Array, jax.Array, jax.Array]
 Precision = Literal["float32", "float64"]
@@ -81,7 +86,7 @@ def build_tables(lattice: Lattice, levels: int) -> Tables:
 
 @partial(jax.jit, static_argnames=("precision",))
 def build_hierarchy(
-    tables: Tables, supports: Supports, moduli: jax.Array, precision: Precision = "float32"
+    tables: Tables, supports: BoundaryConditions, moduli: jax.Array, precision: Precision = "float32"
 ) -> Hierarchy:
     """Coarse operators and smoothers for one set of moduli.
 
@@ -109,7 +114,7 @@ def build_hierarchy(
 
 
 def apply_cycle(
-    hierarchy: Hierarchy, supports: Supports, degree: jax.Array, residual: jax.Array
+    hierarchy: Hierarchy, supports: BoundaryConditions, degree: jax.Array, residual: jax.Array
 ) -> jax.Array:
     """One V-cycle: an approximate, symmetric positive definite inverse applied to a residual.
 
@@ -131,7 +136,7 @@ def apply_cycle(
 
 
 def _cycle(
-    hierarchy: Hierarchy, supports: Supports, degree: jax.Array, residual: jax.Array, level: int
+    hierarchy: Hierarchy, supports: BoundaryConditions, degree: jax.Array, residual: jax.Array, level: int
 ) -> jax.Array:
     """Smoothing, coarse correction, smoothing, as one loop: the product is compiled once per level.
 
@@ -177,7 +182,7 @@ def _cycle(
     return field + last
 
 
-def _coarser_nodes(hierarchy: Hierarchy, supports: Supports, level: int) -> Cells:
+def _coarser_nodes(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Cells:
     if level + 1 < len(hierarchy.steps):
         _, nx, ny, nz = hierarchy.steps[level + 1].shape
     else:
@@ -191,7 +196,7 @@ def _solve_coarse(hierarchy: Hierarchy, residual: jax.Array) -> jax.Array:
     return jnp.einsum("bij,bj->bi", hierarchy.coarse_inverse, flat).reshape(residual.shape)
 
 
-def _coarse_inverse(dense: jax.Array, supports: Supports) -> jax.Array:
+def _coarse_inverse(dense: jax.Array, supports: BoundaryConditions) -> jax.Array:
     """Dense inverse per case in the space of free nodes and section motions; 0 where it has none."""
     nodes = (supports.coarse_basis.shape[4], supports.coarse_basis.shape[5])
     size = dense.shape[0]
@@ -260,7 +265,7 @@ def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
     return field
 
 
-def project(supports: Supports, field: jax.Array) -> jax.Array:
+def project(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
     """Orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
 
     For nodal forces it is the part that admissible displacements feel.

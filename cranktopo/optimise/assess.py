@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.fem.model import ThrowModel, case_forces
 from cranktopo.fem.response import compliances, solve, stiffness
-from cranktopo.optimise.loop import Problem
+from cranktopo.optimise.loop import DensityProblem
 from cranktopo.optimise.material import relative_moduli
 from cranktopo.scene.schema import Scene
 from cranktopo.units import density_kg_per_mm3
@@ -60,7 +60,7 @@ class Assessment:
         return {c.name: c.stiffness / self.throw_kg for c in self.cases if c.stiffness is not None}
 
 
-def assess(problem: Problem, scene: Scene, domain: Domain, density: Array) -> Assessment:
+def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:
     """Stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
 
     Args:
@@ -79,7 +79,7 @@ def assess(problem: Problem, scene: Scene, domain: Domain, density: Array) -> As
     return _assess(problem.model, scene, domain, moduli, solid)
 
 
-def assess_original(problem: Problem, scene: Scene, domain: Domain) -> Assessment:
+def assess_original(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
     """The scene's own web on the same grid, in the same model.
 
     Args:

@@ -22,8 +22,7 @@ from cranktopo.fem.response import (
     solve,
 )
 from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise.criteria import update
-from cranktopo.optimise.draw import open_cells
+from cranktopo.optimise.forging_constraint import open_cells
 from cranktopo.optimise.material import (
     Interpolation,
     build_interpolation,
@@ -34,6 +33,7 @@ from cranktopo.optimise.material import (
     solid_fraction,
     volume_fraction,
 )
+from cranktopo.optimise.optimality_criteria import update
 from cranktopo.optimise.state import Record, State
 from cranktopo.scene.schema import Scene
 
@@ -72,7 +72,7 @@ class Solving:
 
 
 @dataclass(frozen=True)
-class Problem:
+class DensityProblem:
     """Everything constant during an optimisation.
 
     Attributes:
@@ -107,7 +107,7 @@ class Design:
 
 def build_problem(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: Solving | None = None
-) -> Problem:
+) -> DensityProblem:
     """The optimisation problem of a scene on a domain; call inside `double_precision()`.
 
     Args:
@@ -119,7 +119,7 @@ def build_problem(
     solving = solving or Solving()
     settings = scene.optimise
     weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
-    return Problem(
+    return DensityProblem(
         model=build_model(scene, domain, cases, plain=solving.plain),
         chain=build_chain(scene, domain),
         weights=tuple(weights[case.kind] for case in cases),
@@ -146,13 +146,13 @@ def default_filter_radius_mm(domain: Domain) -> float:
     return max(3.0, 2.5 * domain.grid.largest_edge_mm)
 
 
-def init(problem: Problem) -> State:
+def init(problem: DensityProblem) -> State:
     """The uniform start design."""
     x = np.full(problem.chain.design.shape, problem.target)
     return State(x=x, evaluated=x, displacements=np.zeros(problem.model.forces.shape), beta=BETA_FIRST)
 
 
-def step(problem: Problem, state: State) -> State:
+def step(problem: DensityProblem, state: State) -> State:
     """Evaluate the state's design, record it and update the design.
 
     Args:
@@ -214,7 +214,7 @@ def _slopes(
     return by_moduli, jnp.einsum("b,bxyz->xyz", factors, each)
 
 
-def final_design(problem: Problem, state: State) -> Design:
+def final_design(problem: DensityProblem, state: State) -> Design:
     """Densities of the last design evaluated.
 
     Args:
@@ -236,7 +236,7 @@ def design_of(chain: Interpolation, x: Array, beta: float) -> Design:
     return Design(filtered=np.asarray(filtered), physical=np.asarray(physical))
 
 
-def with_limit(problem: Problem, state: State) -> State:
+def with_limit(problem: DensityProblem, state: State) -> State:
     """A stopped state set running again when the problem's iteration limit allows more.
 
     Args:
@@ -248,7 +248,7 @@ def with_limit(problem: Problem, state: State) -> State:
     return state
 
 
-def iterations_left(problem: Problem, state: State) -> int:
+def iterations_left(problem: DensityProblem, state: State) -> int:
     """Upper estimate of the iterations still needed, for the progress display.
 
     Args:
@@ -260,7 +260,7 @@ def iterations_left(problem: Problem, state: State) -> int:
     return min(problem.max_iterations - len(state.history), max(1, stages * STAGE_ITERATIONS - in_stage))
 
 
-def _advance(problem: Problem, state: State, new_x: Array) -> State:
+def _advance(problem: DensityProblem, state: State, new_x: Array) -> State:
     """The next design, its projection, and whether the evaluated one ends the run."""
     in_stage = len(state.history) - state.stage_start
     plateau = _plateau(state, in_stage) if in_stage > WINDOW else np.inf

@@ -1,6 +1,6 @@
 """From design variables to relative moduli: density filter, projection, SIMP.
 
-The design variables live on the cells of the web slab. The chain is x -> filtered (and, for a die, drawn)
+The design variables live on the cells of the web. The chain is x -> filtered (for a die, without undercuts)
 -> projected density (the physical one) -> modulus; every function is differentiable by JAX.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
-from cranktopo.optimise.draw import drawn, parting_index, reachable
+from cranktopo.optimise.forging_constraint import parting_index, reachable, without_undercuts
 
 Array = NDArray[np.float64]
 
@@ -114,7 +114,7 @@ def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
         x: design variables (nx, ny, nw) in [0, 1].
     """
     smooth = filtered(data, x)
-    return smooth if data.parting is None else drawn(smooth, data.design > 0, data.parting)
+    return smooth if data.parting is None else without_undercuts(smooth, data.design > 0, data.parting)
 
 
 def projected(density: jax.Array, beta: float | jax.Array) -> jax.Array:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.scene.profile import Flank, flank_through, largest_half_width_mm
 
@@ -62,7 +62,7 @@ class Pocket:
         return (*place, *size, *(() if self.face == "through" else ("depth",)))
 
 
-Part = Bevel | Pocket
+FittedFeature = Bevel | Pocket
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Layout:
     """
 
     stations: int
-    parts: tuple[Part, ...] = ()
+    parts: tuple[FittedFeature, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -83,12 +83,14 @@ class Layout:
         outline = ("y_low", "y_high", *(f"half_width_{i}" for i in range(1, self.stations - 1)))
         return (*outline, *(f"{label(part)}.{name}" for part in self.parts for name in part.names))
 
-    def split(self, values: Any) -> Iterator[tuple[Part, dict[str, Any]]]:
+    def split(self, values: Any) -> Iterator[tuple[FittedFeature, dict[str, Any]]]:
         """Each part with its parameters by name."""
         return named_parts(self.parts, values[self.stations :])
 
 
-def named_parts(parts: tuple[Part, ...], values: Any) -> Iterator[tuple[Part, dict[str, Any]]]:
+def named_parts(
+    parts: tuple[FittedFeature, ...], values: Any
+) -> Iterator[tuple[FittedFeature, dict[str, Any]]]:
     """Each part with its parameters by name.
 
     Args:
@@ -102,7 +104,7 @@ def named_parts(parts: tuple[Part, ...], values: Any) -> Iterator[tuple[Part, di
         first += count
 
 
-def label(part: Part) -> str:
+def label(part: FittedFeature) -> str:
     """Short name of a part, such as `bevel-journal` or `cylinder-through-pair`."""
     if isinstance(part, Bevel):
         return f"bevel-{part.face}"
@@ -130,7 +132,7 @@ def flank_of(xp: Any, layout: Layout, values: Any) -> Flank:
     return flank_through(xp, xp.concatenate([zero, values[2:n], zero]), stations, (True, True))
 
 
-def bounds(layout: Layout, scene: Scene, rules: Rules) -> tuple[Array, Array]:
+def bounds(layout: Layout, scene: Scene, rules: ManufacturingLimits) -> tuple[Array, Array]:
     """Lower and upper bounds of the parameters, (n,) each, mm or degrees.
 
     Args:

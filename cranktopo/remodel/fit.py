@@ -10,25 +10,25 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.family import bounds, web_of
-from cranktopo.remodel.leftover import Leftover, leftovers
-from cranktopo.remodel.occupancy import Occupancy, occupancy
-from cranktopo.remodel.rules import Rules
-from cranktopo.remodel.search import Problem
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.residual_regions import ResidualRegion, residual_regions
+from cranktopo.remodel.search import FitProblem
 from cranktopo.remodel.select import Candidate, Trial, fit_from, model_fill, select
+from cranktopo.remodel.voxel_fill import VoxelFill, voxel_fill
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store.manifest import SEED
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-    from cranktopo.surface.mesh import SurfaceMesh
+    from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 Array = NDArray[np.float64]
 _SEARCH_CELL_MM = 2.0
 """Cells of the search for features and stations."""
 _SPREAD = 1.0
 """Standard deviation of the further starts about the first, mm or degrees."""
-_DEFAULT = Rules()
+_DEFAULT = ManufacturingLimits()
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class FittedWeb:
         values: their fitted values before rounding, mm or degrees.
         trials: which stations and features were tried, and what each gained.
         overlaps: overlap of the fills from each start of the final fit, the best first.
-        leftovers: where the family cannot follow the body.
+        residual_regions: where the family cannot follow the body.
     """
 
     scene: Scene
@@ -49,10 +49,10 @@ class FittedWeb:
     values: tuple[float, ...]
     trials: tuple[Trial, ...]
     overlaps: tuple[float, ...]
-    leftovers: tuple[Leftover, ...]
+    residual_regions: tuple[ResidualRegion, ...]
 
 
-def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = _DEFAULT) -> FittedWeb:
+def fit_web(surface: SurfaceMesh, scene: Scene, rules: ManufacturingLimits = _DEFAULT) -> FittedWeb:
     """Fit a web that a die or a mill can make to an extracted body.
 
     Args:
@@ -64,7 +64,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = _DEFAULT) -> Fitt
         CranktopoError: nothing of the surface lies between the web faces, or no web keeps the rules.
     """
     from cranktopo.fem.precision import double_precision
-    from cranktopo.surface.mesh import solid_of
+    from cranktopo.triangles.surface_mesh import solid_of
 
     body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
     with double_precision():
@@ -72,7 +72,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, rules: Rules = _DEFAULT) -> Fitt
         fine = _problem(body, scene, rules, rules.cell_mm)
         fits = _final_fits(fine, chosen)
         best = fits[0]
-        rest = leftovers(fine, model_fill(fine, best))
+        rest = residual_regions(fine, model_fill(fine, best))
     return FittedWeb(
         scene_with_web(scene, web_of(best.layout, best.values, scene)),
         best.layout.names,
@@ -101,12 +101,12 @@ def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
 _SUFFIX = "-remodel"
 
 
-def _problem(body: Manifold, scene: Scene, rules: Rules, cell_mm: float) -> Problem:
-    cells = occupancy(body, scene, cell_mm)
-    return Problem(cells, _free_of_bores(scene, cells), scene, rules)
+def _problem(body: Manifold, scene: Scene, rules: ManufacturingLimits, cell_mm: float) -> FitProblem:
+    cells = voxel_fill(body, scene, cell_mm)
+    return FitProblem(cells, _free_of_bores(scene, cells), scene, rules)
 
 
-def _final_fits(problem: Problem, chosen: Candidate) -> list[Candidate]:
+def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
     """Fits from the chosen web and from scattered copies of it, best first."""
     random = np.random.default_rng(SEED)
     low, high = bounds(chosen.layout, problem.scene, problem.rules)
@@ -125,7 +125,7 @@ def _final_fits(problem: Problem, chosen: Candidate) -> list[Candidate]:
     return sorted(fits, key=lambda candidate: -candidate.overlap)
 
 
-def _free_of_bores(scene: Scene, cells: Occupancy) -> Array:
+def _free_of_bores(scene: Scene, cells: VoxelFill) -> Array:
     """Share of each cell that no bore takes, (nx, ny), from 5 x 5 points."""
     offsets = (np.arange(5) - 2) / 5
     x = (cells.x_mm[:, None] + cells.cell_mm[0] * offsets).ravel()[:, None]

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.constraints import outline_limits, part_limits
 from cranktopo.remodel.family import Layout, bounds, flank_of
-from cranktopo.remodel.fill import CHORDS, Fill, smooth_step
-from cranktopo.remodel.limits import outline_limits, part_limits
-from cranktopo.remodel.occupancy import Occupancy
-from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.model_fill import CHORDS, Fill, smooth_step
+from cranktopo.remodel.voxel_fill import VoxelFill
 from cranktopo.scene import Scene
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ _REACH = 15.0
 
 
 @dataclass(frozen=True)
-class Problem:
+class FitProblem:
     """A fit: what to match and what to keep.
 
     Attributes:
@@ -40,10 +40,10 @@ class Problem:
         scene, rules: bounds.
     """
 
-    target: Occupancy
+    target: VoxelFill
     free: Array
     scene: Scene
-    rules: Rules
+    rules: ManufacturingLimits
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class _Shape:
 class _Outline:
     """The outline of a parameter vector, the last one kept; derivatives by complex steps."""
 
-    def __init__(self, problem: Problem, stations: int) -> None:
+    def __init__(self, problem: FitProblem, stations: int) -> None:
         self._problem, self._layout = problem, Layout(stations)
         self._last: tuple[bytes, _Shape] | None = None
 
@@ -94,7 +94,7 @@ class Fit:
         bounds: lower and upper bounds of their values, mm or degrees.
     """
 
-    def __init__(self, problem: Problem, layout: Layout) -> None:
+    def __init__(self, problem: FitProblem, layout: Layout) -> None:
         self.layout = layout
         self.bounds = bounds(layout, problem.scene, problem.rules)
         cells = problem.target

@@ -9,10 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.family import Bevel, Layout, Part, Pocket, label
-from cranktopo.remodel.leftover import Leftover, leftovers
-from cranktopo.remodel.search import Fit, Problem, search
-from cranktopo.remodel.starts import bevel_start, outline_start, pocket_start, side_starts, with_stations
+from cranktopo.remodel.family import Bevel, FittedFeature, Layout, Pocket, label
+from cranktopo.remodel.initial_guess import (
+    bevel_start,
+    outline_start,
+    pocket_start,
+    side_starts,
+    with_stations,
+)
+from cranktopo.remodel.residual_regions import ResidualRegion, residual_regions
+from cranktopo.remodel.search import Fit, FitProblem, search
 
 Array = NDArray[np.float64]
 _FIRST_STATIONS = 7
@@ -58,7 +64,7 @@ class Trial:
     kept: bool
 
 
-def select(problem: Problem) -> tuple[Candidate, tuple[Trial, ...]]:
+def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
     """The web that pays for each of its parameters; call in double precision.
 
     Args:
@@ -84,7 +90,7 @@ def select(problem: Problem) -> tuple[Candidate, tuple[Trial, ...]]:
     return best, tuple(trials)
 
 
-def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candidate | None:
+def fit_from(problem: FitProblem, layout: Layout, start: Array, step: str) -> Candidate | None:
     """One search from one start; None when it finds nothing that keeps the rules.
 
     Args:
@@ -101,7 +107,7 @@ def fit_from(problem: Problem, layout: Layout, start: Array, step: str) -> Candi
     return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)
 
 
-def _features(problem: Problem, best: Candidate, trials: list[Trial]) -> Candidate:
+def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
     for face in ("journal", "pin"):
         part = Bevel(face)
         best = _try(problem, best, [(part, bevel_start(problem, part))], trials)
@@ -118,7 +124,7 @@ def _features(problem: Problem, best: Candidate, trials: list[Trial]) -> Candida
 
 
 def _try(
-    problem: Problem, best: Candidate, choices: Sequence[tuple[Part, Array]], trials: list[Trial]
+    problem: FitProblem, best: Candidate, choices: Sequence[tuple[FittedFeature, Array]], trials: list[Trial]
 ) -> Candidate:
     """The web with the best one of several parts, if that one pays for itself."""
     found = []
@@ -133,9 +139,9 @@ def _try(
     return chosen
 
 
-def _pockets(problem: Problem, best: Candidate) -> Iterator[tuple[Part, Array]]:
+def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeature, Array]]:
     """Pockets that could take out what the body lacks, largest leftover first."""
-    for leftover in leftovers(problem, model_fill(problem, best)):
+    for leftover in residual_regions(problem, model_fill(problem, best)):
         if leftover.kind == "material":
             continue
         for part in _kinds(leftover):
@@ -143,7 +149,7 @@ def _pockets(problem: Problem, best: Candidate) -> Iterator[tuple[Part, Array]]:
             yield part, pocket_start(part, low, high, leftover.volume_mm3 / 2, problem.scene.web_z_mm)
 
 
-def _kinds(leftover: Leftover) -> list[Pocket]:
+def _kinds(leftover: ResidualRegion) -> list[Pocket]:
     if leftover.kind == "window":
         return [Pocket("cylinder", "through", leftover.pair)]
     face = leftover.face
@@ -152,7 +158,7 @@ def _kinds(leftover: Leftover) -> list[Pocket]:
     return [Pocket("cylinder", face, leftover.pair), Pocket("box", face, leftover.pair)]
 
 
-def _stations(problem: Problem, best: Candidate, trials: list[Trial]) -> Candidate:
+def _stations(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
     """The fewest stations that come within the least gain of the most that any number tried reaches.
 
     Numbers are tried upwards until another two bring less than the least gain.
@@ -177,11 +183,11 @@ def _stations(problem: Problem, best: Candidate, trials: list[Trial]) -> Candida
     return chosen
 
 
-def _least(problem: Problem) -> float:
+def _least(problem: FitProblem) -> float:
     return problem.rules.least_gain_percent / 100
 
 
-def model_fill(problem: Problem, candidate: Candidate) -> Array:
+def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
     """Fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1].
 
     Args:

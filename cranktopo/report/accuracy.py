@@ -9,7 +9,7 @@ from typing import Any
 from cranktopo.report.axes_style import GREY, plain
 from cranktopo.report.page import Picture, Section
 from cranktopo.report.sections import pairs, picture
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 
 _MARKERS, _COLOURS = "osD^vP*X", ("C0", "C1", "C2")
 _TORSION, _BENDING, _STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
@@ -116,7 +116,7 @@ def _estimates(load_cases: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def rung_tables(result: Mapping[str, Any]) -> list[tuple[str, Table]]:
+def rung_tables(result: Mapping[str, Any]) -> list[tuple[str, ResultTable]]:
     """One table per ladder, a star at the rungs that no cheaper one beats.
 
     Args:
@@ -130,7 +130,7 @@ def rung_tables(result: Mapping[str, Any]) -> list[tuple[str, Table]]:
     return found
 
 
-def recommendation_table(result: Mapping[str, Any]) -> Table:
+def recommendation_table(result: Mapping[str, Any]) -> ResultTable:
     """The cheapest rung of each ladder for each accuracy.
 
     Args:
@@ -140,7 +140,7 @@ def recommendation_table(result: Mapping[str, Any]) -> Table:
         (f"{r['accuracy_percent']:g} %", r["ladder"], r["rung"] or "none within this budget", r["seconds"])
         for r in result["recommendations"]
     )
-    return Table(("accuracy", "ladder", "cheapest_rung", "time_s"), rows, (0, 0, 0, 1))
+    return ResultTable(("accuracy", "ladder", "cheapest_rung", "time_s"), rows, (0, 0, 0, 1))
 
 
 def limit_lines(result: Mapping[str, Any]) -> list[str]:
@@ -163,9 +163,9 @@ def _limit_text(name: str, limit: Mapping[str, Any]) -> str:
     return f"{label} {limit['value'] / scale:.5g} {unit} +-{limit['uncertainty_percent']:.2g} %{order}"
 
 
-def _rung_table(rungs: Sequence[Mapping[str, Any]], columns: Sequence[_Column]) -> Table:
+def _rung_table(rungs: Sequence[Mapping[str, Any]], columns: Sequence[_Column]) -> ResultTable:
     every = (*_COST, *columns)
-    return Table(
+    return ResultTable(
         tuple(name for name, _, _ in every),
         tuple(tuple(read(rung) for _, _, read in every) for rung in rungs),
         tuple(digits for _, digits, _ in every),

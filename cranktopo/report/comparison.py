@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import SCHEMA_VERSION, Evaluation
-from cranktopo.report.fatigue_tables import SAME, Judged
-from cranktopo.report.tables import Table, records
+from cranktopo.report.fatigue_tables import SAME, FatigueComparison
+from cranktopo.report.tables import ResultTable, records
 from cranktopo.scene.schema import Published
 
 _TORSION_ERROR, _BENDING_ERROR = "torsion_error_percent", "bending_error_percent"
@@ -88,7 +88,7 @@ class Comparison:
 
     entries: tuple[Entry, ...]
     baseline: int
-    fatigue: Judged | None = None
+    fatigue: FatigueComparison | None = None
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -122,7 +122,7 @@ class Comparison:
         return bool(100 * abs(values[0] / values[1] - 1) >= error)
 
 
-def compare(entries: list[Entry], baseline: str, fatigue: Judged | None = None) -> Comparison:
+def compare(entries: list[Entry], baseline: str, fatigue: FatigueComparison | None = None) -> Comparison:
     """A comparison against one of the entries.
 
     Args:
@@ -160,7 +160,7 @@ def check_supports(supports: Iterable[tuple[str, str]]) -> None:
         )
 
 
-def value_table(comparison: Comparison) -> Table:
+def value_table(comparison: Comparison) -> ResultTable:
     """Absolute values and the error estimates of the stiffnesses, the best of each column marked."""
     names = [column.name for column in comparison.columns]
     table = _table(comparison, names, [entry.values for entry in comparison.entries])
@@ -168,7 +168,7 @@ def value_table(comparison: Comparison) -> Table:
         (e.evaluation.torsion_error_percent, e.evaluation.bending_error_percent) for e in comparison.entries
     ]
     at = _ERRORS_AT
-    return Table(
+    return ResultTable(
         columns=(*table.columns[:at], _TORSION_ERROR, _BENDING_ERROR, *table.columns[at:]),
         rows=tuple((*row[:at], *pair, *row[at:]) for row, pair in zip(table.rows, estimates, strict=True)),
         digits=(*table.digits[:at], 2, 2, *table.digits[at:]),
@@ -176,7 +176,7 @@ def value_table(comparison: Comparison) -> Table:
     )
 
 
-def percent_table(comparison: Comparison) -> Table:
+def percent_table(comparison: Comparison) -> ResultTable:
     """Percent of the baseline, the best of each column marked."""
     columns = range(len(comparison.columns))
     rows = [tuple(comparison.percent(r, c) for c in columns) for r in range(len(comparison.entries))]
@@ -184,7 +184,7 @@ def percent_table(comparison: Comparison) -> Table:
     return _table(comparison, names, rows, digits=1)
 
 
-def published_table(comparison: Comparison) -> Table | None:
+def published_table(comparison: Comparison) -> ResultTable | None:
     """Our percentages, the published ones and their difference; None where nothing was published."""
     base = comparison.entries[comparison.baseline].published
     if base is None or not any(e.published for e in comparison.entries if e.published is not base):
@@ -201,16 +201,16 @@ def published_table(comparison: Comparison) -> Table | None:
         for quantity in ("mass", "torsion", "torsion_per_mass")
         for kind in ("ours", "published", "difference")
     ]
-    return Table(("target", *names), tuple(rows), (0, *[1] * len(names)))
+    return ResultTable(("target", *names), tuple(rows), (0, *[1] * len(names)))
 
 
-def flat_table(comparison: Comparison) -> Table:
+def flat_table(comparison: Comparison) -> ResultTable:
     """Values, percentages and published percentages side by side: one header for a CSV file."""
     parts = [value_table(comparison), percent_table(comparison)]
     published = published_table(comparison)
     if published is not None:
         parts.append(published)
-    return Table(
+    return ResultTable(
         columns=("target", *(name for part in parts for name in part.columns[1:])),
         rows=tuple(
             (entry.evaluation.target, *(value for part in parts for value in part.rows[row][1:]))
@@ -242,9 +242,9 @@ def _table(
     names: list[str],
     values: list[tuple[float, ...]],
     digits: int | None = None,
-) -> Table:
+) -> ResultTable:
     best = best_rows(comparison)
-    return Table(
+    return ResultTable(
         columns=("target", *names),
         rows=tuple(
             (entry.evaluation.target, *row) for entry, row in zip(comparison.entries, values, strict=True)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cranktopo.cad.solid_files import surface_of
 from cranktopo.effects import plan
 from cranktopo.evaluate.case_stress import case_stress
 from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import LoadCase, load_cases
-from cranktopo.remodel.export import surface_of
 from cranktopo.report.accuracy import error_picture
 from cranktopo.report.comparison import (
     Comparison,
@@ -19,7 +19,7 @@ from cranktopo.report.comparison import (
     published_table,
     value_table,
 )
-from cranktopo.report.page import Fact, Mood, Page, Section
+from cranktopo.report.page import Fact, Page, Section, Status
 from cranktopo.report.release_section import Release, release_fact, release_of, release_table
 from cranktopo.report.scatter import scatter_points
 from cranktopo.report.sections import (
@@ -32,12 +32,11 @@ from cranktopo.report.sections import (
 )
 from cranktopo.report.stress_scale import stress_scales
 from cranktopo.report.stress_section import stress_section
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 from cranktopo.report.verdict import fatigue_fact
-from cranktopo.report.viewer import Body, Scenery
+from cranktopo.report.viewer import Body, Scene3D
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
-from cranktopo.surface import SurfaceMesh
-from cranktopo.surface.mesh import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh, read_stl
 
 _FACET_MM = 2.0
 # Columns of a comparison that make its verdict, and how they read there.
@@ -67,7 +66,7 @@ def comparison_page(
     others = [target.name for row, target in enumerate(targets) if row != comparison.baseline]
     return Page(
         title=f"{', '.join(others)} against {_name(comparison, comparison.baseline)}",
-        subtitle=f"Judged with quadratic tetrahedra on {timestamp()[:10]}",
+        subtitle=f"MeshResult with quadratic tetrahedra on {timestamp()[:10]}",
         headline=_headline(comparison),
         facts=(*_facts(comparison), release_fact(releases, len(targets))),
         sections=(
@@ -120,7 +119,7 @@ def _best(comparison: Comparison, column: int, label: str) -> Fact:
     note = "the baseline itself" if row == comparison.baseline else change
     note += ", less than the error estimate" if comparison.baseline in level else ""
     note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
-    mood: Mood = "neutral" if comparison.baseline in (row, *level) else "good"
+    mood: Status = "neutral" if comparison.baseline in (row, *level) else "good"
     return Fact(label, _name(comparison, row), note, mood)
 
 
@@ -174,7 +173,7 @@ def _accuracy(comparison: Comparison) -> Section:
         "accuracy",
         "Accuracy and its price",
         "Errors are estimated from a second, coarser mesh.",
-        (("Meshes", Table((*columns, "time_s"), rows, (0, 2, 0, 2, 2, 1))),),
+        (("Meshes", ResultTable((*columns, "time_s"), rows, (0, 2, 0, 2, 2, 1))),),
         (error_picture(rungs),),
     )
 
@@ -193,7 +192,7 @@ def _provenance(targets: Sequence[Target], command: Sequence[str]) -> Section:
     )
 
 
-def _scenery(targets: Sequence[Target], cases: Sequence[LoadCase], solve: Progress | None) -> Scenery | None:
+def _scenery(targets: Sequence[Target], cases: Sequence[LoadCase], solve: Progress | None) -> Scene3D | None:
     """Every target that has facets, with the stresses of the load cases where they are asked for."""
     bodies = []
     for target in targets:
@@ -203,10 +202,10 @@ def _scenery(targets: Sequence[Target], cases: Sequence[LoadCase], solve: Progre
             scene = target.scene
             bodies.append(Body(target.name, mesh, scene.web_z_mm, scene.pitch_mm / 2, stress))
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
-    return Scenery(tuple(bodies), stress_scales=stress_scales(stressed)) if bodies else None
+    return Scene3D(tuple(bodies), stress_scales=stress_scales(stressed)) if bodies else None
 
 
-def _releases(targets: Sequence[Target], scenery: Scenery | None) -> list[Release]:
+def _releases(targets: Sequence[Target], scenery: Scene3D | None) -> list[Release]:
     scenes = {target.name: target.scene for target in targets}
     bodies = scenery.bodies if scenery else ()
     return [release_of(body.name, body.mesh, scenes[body.name]) for body in bodies]

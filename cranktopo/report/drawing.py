@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cranktopo.cad.solid_files import surface_of
 from cranktopo.errors import invalid
-from cranktopo.remodel.export import surface_of
 from cranktopo.report.drafting import GHOST, INK
 from cranktopo.report.drawing_views import Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.scene import Scene
@@ -17,7 +17,7 @@ from cranktopo.scene.bevel import bevel_arc
 from cranktopo.scene.geometry import EndBevel, Pocket, ProfileWeb
 
 if TYPE_CHECKING:
-    from cranktopo.surface.mesh import SurfaceMesh
+    from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 
 def write_drawing(scene: Scene, surface: SurfaceMesh, notes: list[str], paths: list[Path]) -> None:
@@ -34,7 +34,7 @@ def write_drawing(scene: Scene, surface: SurfaceMesh, notes: list[str], paths: l
     """
     from matplotlib.figure import Figure
 
-    from cranktopo.surface.mesh import solid_of
+    from cranktopo.triangles.surface_mesh import solid_of
 
     if not isinstance(scene.web, ProfileWeb):
         raise invalid("web.outline", scene.web.outline, "only a profile web has a drawing")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cranktopo.evaluate.evaluation import Evaluation
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 
 _COLUMNS: tuple[tuple[str, int], ...] = (
     ("target", 0),
@@ -25,9 +25,9 @@ _COLUMNS: tuple[tuple[str, int], ...] = (
 )
 
 
-def evaluation_table(evaluations: list[Evaluation]) -> Table:
+def evaluation_table(evaluations: list[Evaluation]) -> ResultTable:
     """One row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds."""
-    return Table(
+    return ResultTable(
         columns=tuple(name for name, _ in _COLUMNS),
         rows=tuple(_row(e) for e in evaluations),
         digits=tuple(digits for _, digits in _COLUMNS),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.fatigue import FatigueField
+from cranktopo.evaluate.safety_field import FatigueField
 from cranktopo.report.png import png
 from cranktopo.store.files import replacing, write_bytes
 
@@ -175,9 +175,9 @@ def haigh_limit_MPa(field: FatigueField, mean_MPa: Array) -> Array:
         field: the assessment.
         mean_MPa: mean stresses, any shape.
     """
-    from cranktopo.evaluate.fatigue import fkm_strength
     from cranktopo.evaluate.fkm import fkm
     from cranktopo.evaluate.local_stress import LocalStress
+    from cranktopo.evaluate.safety_field import fkm_strength
 
     c, material = field.critical, field.model.scene.material
     if field.method == "lsa":

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.evaluate.evaluation import SCHEMA_VERSION
-from cranktopo.evaluate.fatigue import FatigueField
 from cranktopo.evaluate.rule_check import RuleCheck
-from cranktopo.report.tables import Table
+from cranktopo.evaluate.safety_field import FatigueField
+from cranktopo.report.tables import ResultTable
 
 SAME = 0.02
 """Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
 
 
 @dataclass(frozen=True)
-class Judged:
+class FatigueComparison:
     """Fatigue of several targets beside a baseline.
 
     Attributes:
@@ -30,7 +30,9 @@ class Judged:
     json: dict[str, Any]
 
 
-def judged(results: Sequence[FatigueField] | Sequence[RuleCheck], loads: str, baseline: int) -> Judged:
+def compare_fatigue(
+    results: Sequence[FatigueField] | Sequence[RuleCheck], loads: str, baseline: int
+) -> FatigueComparison:
     """What a comparison shows of the fatigue of its targets.
 
     Args:
@@ -41,10 +43,10 @@ def judged(results: Sequence[FatigueField] | Sequence[RuleCheck], loads: str, ba
     fields = [r for r in results if isinstance(r, FatigueField)]
     checks = [r for r in results if isinstance(r, RuleCheck)]
     json = fields_json(fields, loads, baseline) if fields else checks_json(checks, loads, baseline)
-    return Judged(tuple(_columns(results)[2]), tuple(verdicts(results, baseline)), json)
+    return FatigueComparison(tuple(_columns(results)[2]), tuple(verdicts(results, baseline)), json)
 
 
-def field_table(fields: Sequence[FatigueField], baseline: int | None) -> Table:
+def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
     """One row per target: mass, safety, cyclic stress, gradient and place of the critical point.
 
     Args:
@@ -65,10 +67,10 @@ def field_table(fields: Sequence[FatigueField], baseline: int | None) -> Table:
         "critical_place",
     )
     rows = tuple(_field_row(f) for f in fields)
-    return _with_percent(Table(columns, rows, (0, 3, 3, 1, 1, 3, 1, 3, 3, 0, 0)), baseline)
+    return _with_percent(ResultTable(columns, rows, (0, 3, 3, 1, 1, 3, 1, 3, 3, 0, 0)), baseline)
 
 
-def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> Table:
+def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable:
     """One row per target: acceptability of both fillets by closed form and by finite elements.
 
     Args:
@@ -87,17 +89,17 @@ def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> Table:
         "accepted",
     )
     rows = tuple(_rule_row(c) for c in checks)
-    return _with_percent(Table(columns, rows, (0, 3, 3, 3, 3, 3, 3, 1, 0)), baseline)
+    return _with_percent(ResultTable(columns, rows, (0, 3, 3, 3, 3, 3, 3, 1, 0)), baseline)
 
 
-def factor_table(checks: Sequence[RuleCheck]) -> Table:
+def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
     """Concentration factors by closed form and by finite elements."""
     rows = tuple(
         (c.name, name, getattr(c.closed, name), value, 100 * (value / getattr(c.closed, name) - 1))
         for c in checks
         for name, value in vars(c.elements).items()
     )
-    return Table(("target", "factor", "rule", "FE", "FE_over_rule_percent"), rows, (0, 0, 3, 3, 1))
+    return ResultTable(("target", "factor", "rule", "FE", "FE_over_rule_percent"), rows, (0, 0, 3, 3, 1))
 
 
 def verdicts(results: Sequence[FatigueField] | Sequence[RuleCheck], baseline: int) -> list[str]:
@@ -232,7 +234,7 @@ def _rule_row(c: RuleCheck) -> tuple[str | float | None, ...]:
     )
 
 
-def _with_percent(table: Table, baseline: int | None) -> Table:
+def _with_percent(table: ResultTable, baseline: int | None) -> ResultTable:
     """The table with mass and safety in percent of the baseline after the first three columns."""
     if baseline is None:
         return table
@@ -242,7 +244,7 @@ def _with_percent(table: Table, baseline: int | None) -> Table:
         value, reference = row[column], base[column]
         return 100 * float(value or 0.0) / float(reference or 1.0)
 
-    return Table(
+    return ResultTable(
         (*table.columns[:3], "mass_percent", "safety_percent", *table.columns[3:]),
         tuple((*row[:3], percent(row, 1), percent(row, 2), *row[3:]) for row in table.rows),
         (*table.digits[:3], 1, 1, *table.digits[3:]),

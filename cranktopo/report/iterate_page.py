@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.report.iterate_report import best_line, steps_estimate, steps_figure, steps_table
-from cranktopo.report.page import Fact, Mood, Page, Picture, Section
+from cranktopo.report.page import Fact, Page, Picture, Section, Status
 from cranktopo.report.sections import gallery_picture, origin_rows, pairs, versions_table
-from cranktopo.report.viewer import Body, Scenery
+from cranktopo.report.viewer import Body, Scene3D
 from cranktopo.scene import scene_from_dict
 from cranktopo.store import read_json
-from cranktopo.surface.mesh import read_stl
+from cranktopo.triangles.surface_mesh import read_stl
 
 _FACTS = (
     ("torsion_per_mass", "Torsional stiffness per mass", 1),
@@ -41,7 +41,7 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], folder: P
         headline=_sentence(best_line(data)),
         facts=(*_facts(data), Fact("Ended", f"{len(bodies) - 1} steps", data["stop_reason"], "neutral")),
         sections=(_steps(data), _provenance(manifest)),
-        scenery=Scenery(bodies),
+        scenery=Scene3D(bodies),
         picture=gallery_picture(bodies),
     )
 
@@ -72,7 +72,7 @@ def _fact(step: Mapping[str, Any], original: Mapping[str, Any], key: str, label:
     note = f"step {step['number']} against the original web"
     if abs(change) < estimate:
         return Fact(label, f"{change:+.1f} %", f"{note}, less than the error estimate", "neutral")
-    mood: Mood = "good" if better * change > 0 else "bad"
+    mood: Status = "good" if better * change > 0 else "bad"
     return Fact(label, f"{change:+.1f} %", note, mood)
 
 

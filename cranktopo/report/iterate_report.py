@@ -1,4 +1,4 @@
-"""Table and plot of the loop."""
+"""ResultTable and plot of the loop."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from cranktopo.report.evaluations import estimate_line
 from cranktopo.report.png import png
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 from cranktopo.store.files import write_bytes
 
 _LINES = (
@@ -23,7 +23,7 @@ _LINES = (
 )
 
 
-def steps_table(steps: Sequence[dict[str, Any]]) -> Table:
+def steps_table(steps: Sequence[dict[str, Any]]) -> ResultTable:
     """One row per step, the original web first; `steps` as iterate.json holds them."""
     columns: tuple[tuple[str, int], ...] = (
         ("step", 0),
@@ -41,7 +41,7 @@ def steps_table(steps: Sequence[dict[str, Any]]) -> Table:
         ("transition_mm", 1),
         ("overlap_percent", 1),
     )
-    return Table(
+    return ResultTable(
         columns=tuple(name for name, _ in columns),
         rows=tuple(_row(step) for step in steps),
         digits=tuple(digits for _, digits in columns),

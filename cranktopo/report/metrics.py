@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import resource
-import sys
 from dataclasses import dataclass
 from statistics import fmean, median
 from typing import Any
@@ -11,16 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.accuracy.machine import peak_memory_MiB
 from cranktopo.domain.build import Domain
 from cranktopo.effects import EffectPlan
 from cranktopo.optimise.assess import Assessment
 from cranktopo.optimise.connectivity import is_connected
 from cranktopo.optimise.error_bound import model_error_percent
-from cranktopo.optimise.loop import Problem
+from cranktopo.optimise.loop import DensityProblem
 from cranktopo.optimise.state import State
 from cranktopo.report.outputs import Outputs
 from cranktopo.scene import Scene
-from cranktopo.surface.gates import surface_json
+from cranktopo.surface.surface_checks import surface_json
 
 SCHEMA_VERSION = 1
 _PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
@@ -46,7 +45,7 @@ def optimise_metrics(
     scene: Scene,
     plan: EffectPlan,
     domain: Domain,
-    problem: Problem,
+    problem: DensityProblem,
     state: State,
     density: NDArray[np.float64],
     result: Assessment,
@@ -93,12 +92,6 @@ def optimise_metrics(
     }
 
 
-def peak_memory_MiB() -> float:
-    """Largest resident memory of this process so far, MiB."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return round(peak / (1024.0**2 if sys.platform == "darwin" else 1024.0), 1)
-
-
 def _grid(domain: Domain) -> dict[str, Any]:
     dx, dy, dz = domain.grid.steps_mm
     mirrors = (["x = 0"] if domain.mirrored_x else []) + (["mid-pin plane"] if domain.mirrored_z else [])
@@ -122,7 +115,7 @@ def _stiffness_key(kind: str) -> str:
     return "stiffness_Nm_per_rad" if kind == "torsion" else "stiffness_N_per_mm"
 
 
-def _load_cases(scene: Scene, problem: Problem, result: Assessment, domain: Domain) -> dict[str, Any]:
+def _load_cases(scene: Scene, problem: DensityProblem, result: Assessment, domain: Domain) -> dict[str, Any]:
     supports = scene.supports
     errors = model_error_percent(scene, domain.grid.largest_edge_mm)
     return {
@@ -143,7 +136,7 @@ def _per_mass(result: Assessment) -> dict[str, float]:
 
 
 def _original(
-    scene: Scene, problem: Problem, result: Assessment, original: Assessment, domain: Domain
+    scene: Scene, problem: DensityProblem, result: Assessment, original: Assessment, domain: Domain
 ) -> dict[str, Any]:
     """The scene's own web in the same model, and what the optimised one gains on it."""
     gain = {
@@ -165,7 +158,7 @@ def _surface(outputs: Outputs, scene: Scene) -> dict[str, Any]:
     return {**known, "undercuts": outputs.skin.undercuts(scene).as_json()}
 
 
-def _solver(problem: Problem, state: State, result: Assessment) -> dict[str, Any]:
+def _solver(problem: DensityProblem, state: State, result: Assessment) -> dict[str, Any]:
     counts = [row.cg_iterations for row in state.history]
     return {
         "precision": "float64 conjugate gradients, float32 multigrid cycle",

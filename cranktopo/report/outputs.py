@@ -16,8 +16,8 @@ from cranktopo.report.picture import save_run_picture
 from cranktopo.report.vtu import write_density_vtu
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
-from cranktopo.surface import write_stl
-from cranktopo.surface.skin import Skin, skin_of
+from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
+from cranktopo.triangles.surface_files import write_stl
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Outputs:
     """
 
     files: dict[str, str]
-    skin: Skin | None
+    skin: CheckedSurface | None
     refusal: str = ""
 
 
@@ -87,7 +87,7 @@ def write_outputs(
     for name in ("web.stl", "result.png"):  # of an earlier end of a resumed run
         (run.path / name).unlink(missing_ok=True)
     try:
-        skin = skin_of(scene, domain, design)
+        skin = checked_surface(scene, domain, design)
     except CranktopoError as error:
         if error.code != ExitCode.CRITERION_NOT_MET:
             raise

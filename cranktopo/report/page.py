@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from cranktopo.report.viewer import Scenery
+    from cranktopo.report.viewer import Scene3D
 
 _WIDE_INCHES = 9.0
-Mood = Literal["good", "bad", "neutral", "unknown"]
+Status = Literal["good", "bad", "neutral", "unknown"]
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Fact:
     label: str
     value: str
     note: str
-    mood: Mood
+    mood: Status
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Section:
     anchor: str
     title: str
     text: str = ""
-    tables: tuple[tuple[str, Table], ...] = ()
+    tables: tuple[tuple[str, ResultTable], ...] = ()
     pictures: tuple[Picture, ...] = ()
 
 
@@ -93,5 +93,5 @@ class Page:
     headline: str
     facts: tuple[Fact, ...]
     sections: tuple[Section, ...]
-    scenery: Scenery | None = None
+    scenery: Scene3D | None = None
     picture: Picture | None = None

@@ -16,7 +16,7 @@ from cranktopo.report.convergence import PANELS
 from cranktopo.report.png import png
 from cranktopo.report.shading import ShadedMesh, draw, extent_mm, shaded, view_axes
 from cranktopo.store.files import write_bytes
-from cranktopo.surface.mesh import SurfaceMesh
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _GALLERY_COLUMNS = 4
 _UP = (0.0, 1.0, 0.0)

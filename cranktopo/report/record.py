@@ -11,13 +11,12 @@ from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.evaluate.evaluation import Progress
-from cranktopo.report.steps import Step, steps
+from cranktopo.report.steps import DesignSnapshot, steps
 from cranktopo.report.stress_file import read_run_stress, solve_run_stress
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, read_json, read_result, require_kind, resume_command
-from cranktopo.surface import SurfaceMesh
-from cranktopo.surface.mesh import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh, read_stl
 
 # What other commands print with --json, where the run holds it.
 _FATIGUE, _ACCURACY = "fatigue.json", "accuracy.json"
@@ -46,7 +45,7 @@ class RunRecord:
     history: list[dict[str, Any]]
     scene: Scene
     mesh: SurfaceMesh | None
-    steps: tuple[Step, ...]
+    steps: tuple[DesignSnapshot, ...]
     fatigue: dict[str, Any] | None
     accuracy: dict[str, Any] | None
     stress: CaseStress | None

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cranktopo.report.page import Fact, Mood
+from cranktopo.report.page import Fact, Status
 from cranktopo.report.release_text import obstacles
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 from cranktopo.scene import Scene
-from cranktopo.surface.gates import shell_volumes_mm3
-from cranktopo.surface.mesh import SurfaceMesh
-from cranktopo.surface.release import Undercuts, half_throw_undercuts
+from cranktopo.surface.surface_checks import shell_volumes_mm3
+from cranktopo.surface.undercuts import Undercuts, half_throw_undercuts
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _RAYS_MM = 1.0
 
@@ -58,12 +58,12 @@ def release_fact(found: Sequence[Release], designs: int) -> Fact:
     caught = [release.name for release in found if not release.released]
     unknown = designs - len(found)
     good = len(found) - len(caught)
-    mood: Mood = "bad" if caught else "unknown" if unknown else "good"
+    mood: Status = "bad" if caught else "unknown" if unknown else "good"
     note = f"hollows or undercuts hold {', '.join(caught)}" if caught else "by a die that parts in x = 0"
     return Fact("Releasable", f"{good} of {designs}", note + "; STEP not looked at" * bool(unknown), mood)
 
 
-def release_table(found: Sequence[Release]) -> Table:
+def release_table(found: Sequence[Release]) -> ResultTable:
     """Hollows and undercuts of each design."""
     rows = tuple(
         (
@@ -76,4 +76,4 @@ def release_table(found: Sequence[Release]) -> Table:
         for release in found
     )
     columns = ("design", "releasable", "closed_hollows", "undercut_volume_mm3", "deepest_undercut_mm")
-    return Table(columns, rows, (0, 0, 0, 1, 1))
+    return ResultTable(columns, rows, (0, 0, 0, 1, 1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.surface.release import Undercuts
+from cranktopo.surface.undercuts import Undercuts
 
 
 def undercut_text(found: Undercuts) -> str:

@@ -1,18 +1,18 @@
-"""What `remodel` prints: what was tried, closeness, stiffness, and what is not represented."""
+"""What `remodel` prints: what was tried, shape error, stiffness, and what is not represented."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from cranktopo.report.evaluations import estimate_line
-from cranktopo.report.tables import Table, terminal
+from cranktopo.report.tables import ResultTable, terminal
 
 _JUDGED = ("body", "fitted_without_fillets", "fitted")
 
 
 def remodel_text(data: dict[str, Any]) -> str:
     """The content of remodel.json for a terminal."""
-    trials = Table(
+    trials = ResultTable(
         columns=("tried", "parameters", "overlap_percent", "gain_percent", "kept"),
         rows=tuple(
             (

@@ -21,9 +21,9 @@ from cranktopo.report.sections import (
 )
 from cranktopo.report.stress_scale import stress_scales
 from cranktopo.report.stress_section import stress_section
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 from cranktopo.report.verdict import facts, headline
-from cranktopo.report.viewer import Body, Scenery
+from cranktopo.report.viewer import Body, Scene3D
 
 _NAMES = ("original web", "optimised")
 _LABELS = {"torsion": TORSION_LABEL, "bending": BENDING_LABEL}
@@ -88,8 +88,8 @@ def _variants(metrics: dict[str, Any]) -> Section:
         "Both webs in the optimiser's own model, on the same cells, so that their ratio counts more than "
         "either value. 'cranktopo evaluate' judges the surface on body-fitted elements.",
         (
-            ("Values", Table(tuple(columns), absolute, (0, 3, 3, *[1] * (2 * len(kinds))))),
-            ("Change", Table(("design", *names), ((_NAMES[1], *change),), (0, *[1] * len(change)))),
+            ("Values", ResultTable(tuple(columns), absolute, (0, 3, 3, *[1] * (2 * len(kinds))))),
+            ("Change", ResultTable(("design", *names), ((_NAMES[1], *change),), (0, *[1] * len(change)))),
         ),
         scatter_pictures(points, 0),
     )
@@ -137,7 +137,7 @@ def _provenance(record: RunRecord) -> Section:
     )
 
 
-def _scenery(record: RunRecord) -> Scenery | None:
+def _scenery(record: RunRecord) -> Scene3D | None:
     if record.mesh is None:
         return None
     rows = {row["iteration"]: row for row in record.history}
@@ -145,7 +145,7 @@ def _scenery(record: RunRecord) -> Scenery | None:
     scene, stress = record.scene, record.stress
     body = Body("optimised", record.mesh, scene.web_z_mm, scene.pitch_mm / 2, stress)
     scales = stress_scales([(record.mesh, stress)] if stress else [])
-    return Scenery((body,), record.steps, notes, scales)
+    return Scene3D((body,), record.steps, notes, scales)
 
 
 def _note(row: dict[str, Any]) -> str:

@@ -10,7 +10,7 @@ from cranktopo.report.loads_plot import PANELS
 from cranktopo.report.page import Picture, Section
 from cranktopo.report.picture import gallery_figure
 from cranktopo.report.scatter import Point, draw_stiffness_over_mass
-from cranktopo.report.tables import Table
+from cranktopo.report.tables import ResultTable
 from cranktopo.report.viewer import Body
 from cranktopo.scene import Scene
 
@@ -54,7 +54,7 @@ def loads_section(scene: Scene, cases: Sequence[Mapping[str, Any]]) -> Section:
         for c in cases
     )
     columns = ("load_case", "radial_N", "tangential_N", "torque_Nm", "from")
-    table = Table(columns, rows, (0, 0, 0, 1, 0))
+    table = ResultTable(columns, rows, (0, 0, 0, 1, 0))
     analysis = analyse(scene) if scene.engine else None
     pictures: tuple[Picture, ...] = ()
     text = "The scene names no engine: unit loads, so that stiffnesses are what counts."
@@ -84,7 +84,7 @@ def effects_section(effects: Sequence[Mapping[str, Any]]) -> Section:
         "effects",
         "Which physics was simulated, and why",
         "An effect that is off costs nothing: no solve, no cell, no mesh.",
-        (("Effects plan", Table(columns, rows, (0, 0, 1, 0, 0))),),
+        (("Effects plan", ResultTable(columns, rows, (0, 0, 1, 0, 0))),),
     )
 
 
@@ -126,11 +126,11 @@ def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
     ]
 
 
-def versions_table(versions: Mapping[str, str | None]) -> Table:
+def versions_table(versions: Mapping[str, str | None]) -> ResultTable:
     """Versions of what took part; none of what is not installed."""
     return pairs([(name, text or "not installed") for name, text in versions.items()])
 
 
-def pairs(rows: Sequence[tuple[str, Any]]) -> Table:
+def pairs(rows: Sequence[tuple[str, Any]]) -> ResultTable:
     """A table of names and values as text."""
-    return Table(("what", "value"), tuple((name, str(value)) for name, value in rows), (0, 0))
+    return ResultTable(("what", "value"), tuple((name, str(value)) for name, value in rows), (0, 0))

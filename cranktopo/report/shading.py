@@ -15,7 +15,7 @@ from matplotlib.collections import TriMesh
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from cranktopo.surface.mesh import SurfaceMesh, solid_of
+from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float]

@@ -15,7 +15,7 @@ from cranktopo.optimise.material import Interpolation
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore, load_iteration, saved_iterations
 from cranktopo.surface import DensityGrid
-from cranktopo.surface.slab import slab_fields
+from cranktopo.surface.web_fields import web_fields
 
 MOST_STEPS = 60
 MOST_CELLS = 6_000_000
@@ -23,7 +23,7 @@ MOST_CELLS = 6_000_000
 
 
 @dataclass(frozen=True)
-class Step:
+class DesignSnapshot:
     """A design on its way.
 
     Attributes:
@@ -35,7 +35,7 @@ class Step:
     cells: DensityGrid
 
 
-def steps(run: RunStore, scene: Scene, domain: Domain | None = None) -> tuple[Step, ...]:
+def steps(run: RunStore, scene: Scene, domain: Domain | None = None) -> tuple[DesignSnapshot, ...]:
     """The designs of a run's iterations, at most 60 of them, the first and the last included.
 
     Args:
@@ -55,7 +55,7 @@ def steps(run: RunStore, scene: Scene, domain: Domain | None = None) -> tuple[St
     with double_precision():
         cells = domain or build_domain(scene, scene.optimise.resolution_mm)
         chain = build_chain(scene, cells)
-        return tuple(Step(n, _coarse(_cells(run, cells, chain, n), len(numbers))) for n in numbers)
+        return tuple(DesignSnapshot(n, _coarse(_cells(run, cells, chain, n), len(numbers))) for n in numbers)
 
 
 def _spread(numbers: Sequence[int], most: int) -> list[int]:
@@ -67,7 +67,7 @@ def _spread(numbers: Sequence[int], most: int) -> list[int]:
 
 def _cells(run: RunStore, domain: Domain, chain: Interpolation, iteration: int) -> DensityGrid:
     x, beta = load_iteration(run.path, iteration)
-    return slab_fields(domain, design_of(chain, x, beta))[0]
+    return web_fields(domain, design_of(chain, x, beta))[0]
 
 
 def _coarse(grid: DensityGrid, count: int) -> DensityGrid:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.loads.load_case import LoadCase
-from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 SHARE = 0.99
 """Part of a surface that the colours tell apart: the rest lies at sharp edges, where stress has no limit."""

@@ -13,8 +13,8 @@ from cranktopo.report.page import Picture, Section
 from cranktopo.report.picture import JOURNAL_SIDE, PIN_SIDE, gallery
 from cranktopo.report.shading import STRESS_COLOURS, ShadedMesh, shaded
 from cranktopo.report.stress_scale import SHARE, StressScale, quantiles_MPa
-from cranktopo.report.tables import Table
-from cranktopo.report.viewer import Body, Scenery
+from cranktopo.report.tables import ResultTable
+from cranktopo.report.viewer import Body, Scene3D
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,7 +29,7 @@ _TEXT = (
 )
 
 
-def stress_section(scenery: Scenery | None, command: str) -> Section:
+def stress_section(scenery: Scene3D | None, command: str) -> Section:
     """Quantiles and pictures of the stresses, or how to get them.
 
     Args:
@@ -45,7 +45,7 @@ def stress_section(scenery: Scenery | None, command: str) -> Section:
         for scale, high, low in zip(scenery.stress_scales, most, middle, strict=True):
             rows.append((body.name, scale.label, float(high), float(low), body.stress.element_size_mm))
     columns = ("design", "load_case", "99_percent_below_MPa", "half_below_MPa", "element_size_mm")
-    table = Table(columns, tuple(rows), (0, 0, 1, 1, 2))
+    table = ResultTable(columns, tuple(rows), (0, 0, 1, 1, 2))
     solved = [_solved(body) for body in scenery.bodies]
     pictures = tuple(_picture(solved, number, scale) for number, scale in enumerate(scenery.stress_scales))
     return Section("stress", _TITLE, _TEXT, (("Von Mises stress on the surface", table),), pictures)

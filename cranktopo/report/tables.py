@@ -10,7 +10,7 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Table:
+class ResultTable:
     """A table of text and numbers.
 
     Attributes:
@@ -51,7 +51,7 @@ class Table:
         return f"{text}*" if (row, column) in self.marks else text
 
 
-def terminal(table: Table) -> str:
+def terminal(table: ResultTable) -> str:
     """The table for a terminal: right-aligned numbers, a column's head broken at its unit."""
     heads = table.heads
     body = [[table.cell(r, c) for c in range(len(table.columns))] for r in range(len(table.rows))]
@@ -60,7 +60,7 @@ def terminal(table: Table) -> str:
     return "\n".join(_align(line, widths) for line in [*lines[:2], ["-" * w for w in widths], *lines[2:]])
 
 
-def markdown(table: Table) -> str:
+def markdown(table: ResultTable) -> str:
     """The table as GitHub Markdown."""
     numbers = range(len(table.columns))
     head = " | ".join(" ".join(head).strip() for head in table.heads)
@@ -69,7 +69,7 @@ def markdown(table: Table) -> str:
     return "\n".join(f"| {line} |" for line in (head, rule, *rows))
 
 
-def comma_separated(table: Table) -> str:
+def comma_separated(table: ResultTable) -> str:
     """The table as CSV with machine names and full precision."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -78,7 +78,7 @@ def comma_separated(table: Table) -> str:
     return stream.getvalue().rstrip("\n")
 
 
-def records(table: Table) -> list[dict[str, Any]]:
+def records(table: ResultTable) -> list[dict[str, Any]]:
     """The rows as objects keyed by machine name, full precision."""
     return [dict(zip(table.columns, row, strict=True)) for row in table.rows]
 

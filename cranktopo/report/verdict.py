@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.report.page import Fact, Mood
+from cranktopo.report.page import Fact, Status
 from cranktopo.report.record import RunRecord
 from cranktopo.report.release_text import obstacles
 
@@ -110,7 +110,7 @@ def _end(metrics: dict[str, Any]) -> Fact:
     return Fact("Optimisation", value, metrics["stop_reason"], "good" if done else "bad")
 
 
-def _mood(gain_percent: float) -> Mood:
+def _mood(gain_percent: float) -> Status:
     if abs(gain_percent) < _NOTICEABLE_PERCENT:
         return "neutral"
     return "good" if gain_percent > 0 else "bad"

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.report.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
-from cranktopo.report.steps import Step
+from cranktopo.report.steps import DesignSnapshot
 from cranktopo.report.stress_scale import StressScale
-from cranktopo.surface.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 MOST_FACES = 120_000
 """Of all bodies together; finer surfaces are simplified."""
@@ -47,7 +47,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Scenery:
+class Scene3D:
     """Everything that the 3D view shows.
 
     Attributes:
@@ -58,12 +58,12 @@ class Scenery:
     """
 
     bodies: tuple[Body, ...]
-    steps: tuple[Step, ...] = ()
+    steps: tuple[DesignSnapshot, ...] = ()
     notes: tuple[str, ...] = ()
     stress_scales: tuple[StressScale, ...] = ()
 
 
-def packed(scenery: Scenery) -> str:
+def packed(scenery: Scene3D) -> str:
     """The scenery as base64 text: a compressed block of a JSON header and the arrays it names.
 
     Positions are rounded to 1/65535 of the size, normals to 1/127, densities to 1/255.
@@ -144,7 +144,7 @@ def _simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
     return found
 
 
-def _steps(arrays: _Arrays, steps: Sequence[Step], notes: Sequence[str]) -> dict[str, Any] | None:
+def _steps(arrays: _Arrays, steps: Sequence[DesignSnapshot], notes: Sequence[str]) -> dict[str, Any] | None:
     if not steps:
         return None
     first = steps[0].cells

@@ -12,7 +12,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Fraction = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
 
 
-class Table(BaseModel):
+class SceneTable(BaseModel):
     """A TOML table: immutable, unknown keys refused, numbers not coerced from text."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=False)

@@ -6,10 +6,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from cranktopo.scene.base import Finite, NonNegative, Positive, Table
+from cranktopo.scene.base import Finite, NonNegative, Positive, SceneTable
 
 
-class Gas(Table):
+class Gas(SceneTable):
     """Cylinder pressure: a measured indicator diagram, or a combustion model fitted to the peak.
 
     The combustion model needs `peak_pressure_MPa` and `peak_angle_deg`; every other value has a common
@@ -40,7 +40,7 @@ class Gas(Table):
         return self.exhaust_pressure_MPa or self.ambient_pressure_MPa
 
 
-class Masses(Table):
+class Masses(SceneTable):
     """Moving masses of one cylinder; the rod is split into two masses at its ends."""
 
     piston_group_kg: NonNegative = 0.0
@@ -48,7 +48,7 @@ class Masses(Table):
     rod_rotating_kg: NonNegative = 0.0
 
 
-class Engine(Table):
+class Engine(SceneTable):
     """The engine that loads the throw.
 
     Cylinder 1 is at the free end of the shaft, the last one at the takeoff; firing is evenly spaced.

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cranktopo.scene.base import Finite, NonNegative, Positive, Table
+from cranktopo.scene.base import Finite, NonNegative, Positive, SceneTable
 
 
-class Journal(Table):
+class Journal(SceneTable):
     """A main journal or crankpin: a cylinder with an axial bore (0 = solid) and a fillet (0 = sharp)."""
 
     outer_diameter_mm: Positive
@@ -29,7 +29,7 @@ class Journal(Table):
         return self.bore_diameter_mm / 2
 
 
-class Throw(Table):
+class Throw(SceneTable):
     """Crank throw: radius and its two journals."""
 
     radius_mm: Positive
@@ -42,7 +42,7 @@ class Throw(Table):
         return (self.main_journal, 0.0), (self.crankpin, self.radius_mm)
 
 
-class CylinderPocket(Table):
+class CylinderPocket(SceneTable):
     """Cylindrical pocket with its axis parallel to the crank axis."""
 
     shape: Literal["cylinder"]
@@ -53,7 +53,7 @@ class CylinderPocket(Table):
     depth_mm: Positive | None = None
 
 
-class SidePocket(Table):
+class SidePocket(SceneTable):
     """Slot cut from both lateral faces, symmetric in x.
 
     Length and height are those of its floor, the innermost face; its walls open outward by the draft angle.
@@ -74,7 +74,7 @@ class SidePocket(Table):
         return math.tan(math.radians(self.draft_deg))
 
 
-class BoxPocket(Table):
+class BoxPocket(SceneTable):
     """Box-shaped pocket cut from one web face."""
 
     shape: Literal["box"]
@@ -89,7 +89,7 @@ class BoxPocket(Table):
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
 
 
-class EndBevel(Table):
+class EndBevel(SceneTable):
     """Bevel across one end of the web, on the face that carries no journal there.
 
     On the journal face it takes off the crankpin's end of the web, on the pin face the main journal's. It
@@ -103,7 +103,7 @@ class EndBevel(Table):
     crown_mm: NonNegative = 0.0
 
 
-class _WebBase(Table):
+class _WebBase(SceneTable):
     thickness_mm: Positive
     bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
@@ -162,7 +162,7 @@ Web = Annotated[
 ]
 
 
-class _EnvelopeBase(Table):
+class _EnvelopeBase(SceneTable):
     bearing_clearance_mm: NonNegative = 0.0
     rod_clearance_mm: NonNegative = 0.0
 

@@ -10,9 +10,9 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from cranktopo.errors import CranktopoError, invalid, suggest
-from cranktopo.scene.base import Fraction, NonNegative, Positive, Table
+from cranktopo.scene.base import Fraction, NonNegative, Positive, SceneTable
 from cranktopo.scene.engine import Engine
-from cranktopo.scene.fatigue import Fatigue
+from cranktopo.scene.fatigue_settings import Fatigue
 from cranktopo.scene.geometry import Envelope, Throw, Web
 from cranktopo.scene.supports import Supports
 
@@ -40,7 +40,7 @@ def material_library() -> dict[str, dict[str, Any]]:
     return tomllib.loads((files("cranktopo.scene") / "materials.toml").read_text(encoding="utf-8"))
 
 
-class Material(Table):
+class Material(SceneTable):
     """Linear elastic material; a known `name` fills in every value that is not given."""
 
     name: str = "custom"
@@ -71,7 +71,7 @@ class Material(Table):
         return {**(entry or {}), **data}
 
 
-class Effects(Table):
+class Effects(SceneTable):
     """State of each effect, and the relative change below which `auto` leaves an effect out."""
 
     threshold: float = Field(default=0.02, gt=0, lt=1)
@@ -89,7 +89,7 @@ class Effects(Table):
     fatigue: EffectState = "auto"
 
 
-class Weights(Table):
+class Weights(SceneTable):
     """Weight of each load case in the objective."""
 
     bending: NonNegative = 0.5
@@ -98,7 +98,7 @@ class Weights(Table):
     centrifugal: NonNegative = 0.0
 
 
-class Optimise(Table):
+class Optimise(SceneTable):
     """Settings of the density optimisation."""
 
     volume_fraction: Fraction = 0.3
@@ -109,7 +109,7 @@ class Optimise(Table):
     process: Process = "free"
 
 
-class Published(Table):
+class Published(SceneTable):
     """Values printed for this variant elsewhere, to be shown beside the computed ones as ratios only."""
 
     source: str
@@ -117,7 +117,7 @@ class Published(Table):
     torsional_stiffness_kNm_per_rad: Positive
 
 
-class Scene(Table):
+class Scene(SceneTable):
     """One throw, its loads, its design space and the settings of each stage."""
 
     schema_version: Literal[1] = 1

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from cranktopo.errors import invalid, suggest
-from cranktopo.scene.base import NonNegative, Positive, Table
+from cranktopo.scene.base import NonNegative, Positive, SceneTable
 
 
 @cache
@@ -19,7 +19,7 @@ def bearing_library() -> dict[str, dict[str, Any]]:
     return tomllib.loads((files("cranktopo.scene") / "bearings.toml").read_text(encoding="utf-8"))
 
 
-class RollerBearing(Table):
+class RollerBearing(SceneTable):
     """Roller bearing given by the load-displacement table of one roller; a known `name` fills it in."""
 
     name: str = "custom"
@@ -45,7 +45,7 @@ class RollerBearing(Table):
         return {**(entry or {}), **data}
 
 
-class Supports(Table):
+class Supports(SceneTable):
     """How the rigid mid-journal sections are held, per load case, and how stiff the bearings are.
 
     The radial stiffness of one bearing is given directly, by the clearance of a plain bearing, or by the

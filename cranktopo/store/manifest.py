@@ -15,7 +15,7 @@ from cranktopo.store.files import json_text
 
 SCHEMA_VERSION = 1
 SEED = 0
-"""Of every random choice: starts of the re-model and of the eigenvalue bound, samples of its closeness."""
+"""Of every random choice: starts of the re-model and of the eigenvalue bound, samples of its shape error."""
 RunStatus = Literal["running", "done", "interrupted", "failed"]
 _PACKAGES = (
     "cranktopo",

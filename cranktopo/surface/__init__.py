@@ -1,17 +1,14 @@
 """From a density field to a watertight surface."""
 
-from cranktopo.surface.export import write_stl
-from cranktopo.surface.extract import WebSurface, extract_half_throw
-from cranktopo.surface.gates import GateReport, check_surface
 from cranktopo.surface.grid import DensityGrid
-from cranktopo.surface.mesh import SurfaceMesh
+from cranktopo.surface.half_throw import WebSurface, extract_half_throw
+from cranktopo.surface.surface_checks import SurfaceReport, check_surface
 
 __all__ = [
     "DensityGrid",
     "GateReport",
-    "SurfaceMesh",
+    "SurfaceReport",
     "WebSurface",
     "check_surface",
     "extract_half_throw",
-    "write_stl",
 ]

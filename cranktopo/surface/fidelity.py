@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.extract import WebSurface, build_cutter, fine_field
 from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.half_throw import WebSurface, build_cutter, fine_field
 from cranktopo.surface.isosurface import unsmoothed_solid
-from cranktopo.surface.mesh import SurfaceMesh, solid_of
+from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]
 _FACET_MM = 1.0

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from cranktopo.frames import X
 from cranktopo.surface.grid import DensityGrid
-from cranktopo.surface.mesh import Faces, solid_of
+from cranktopo.triangles.surface_mesh import Faces, solid_of
 
 Array = NDArray[np.float64]
 _PAD_CELLS = 3
@@ -43,13 +43,13 @@ class FineField:
     values: Array
 
 
-def resample(grid: DensityGrid, usable: NDArray[np.bool_], drawn: bool = False) -> FineField:
+def resample(grid: DensityGrid, usable: NDArray[np.bool_], without_undercuts: bool = False) -> FineField:
     """Density on a lattice twice as fine as the cells, continued beyond what can hold material.
 
     Args:
         grid: density in the cells.
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
-        drawn: the density never grows away from the plane x = 0; keep that true between the cells.
+        without_undercuts: the density never grows away from x = 0; keep that true between the cells.
     """
     from scipy import ndimage
 
@@ -58,7 +58,7 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], drawn: bool = False) 
     fine = ndimage.zoom(padded, _REFINE, order=3, mode="nearest", grid_mode=True)
     spacing = grid.cell_mm / _REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
-    if drawn:
+    if without_undercuts:
         _draw(
             fine[_REFINE * _PAD_CELLS : -_REFINE * _PAD_CELLS], grid.origin_mm[X] + spacing[X] / 2, spacing[X]
         )

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from manifold3d import CrossSection, FillRule, Manifold
 
-from cranktopo.domain.stl import envelope_from_stl, mirror_difference
+from cranktopo.domain.stl_envelope import envelope_from_stl, mirror_difference
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.surface.grid import DensityGrid

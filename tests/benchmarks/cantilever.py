@@ -12,13 +12,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from cranktopo.fem.boundary_conditions import CaseSupports, build_supports
 from cranktopo.fem.lattice import Cells, Lattice
 from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.response import compliance_gradients, compliances, solve
-from cranktopo.fem.supports import CaseSupports, build_supports
 from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise.criteria import update
 from cranktopo.optimise.material import Interpolation, cone_kernel, physical_density, relative_moduli
+from cranktopo.optimise.optimality_criteria import update
 
 VOLUME_FRACTION = 0.3
 FILTER_CELLS = 1.5

@@ -10,8 +10,8 @@ import sys
 from copy import deepcopy
 from typing import Any
 
-from cranktopo import pipeline
 from cranktopo.fem.precision import double_precision
+from cranktopo.optimise import stage
 from cranktopo.optimise.assess import Assessment, assess
 from cranktopo.scene import load_scene, scene_from_dict
 from tests.benchmarks.effects_truth import CAR
@@ -29,8 +29,8 @@ def engines() -> list[dict[str, Any]]:
 def optimised(data: dict[str, Any], process: str, cell_mm: float) -> Assessment:
     """Stiffness and mass of the last design."""
     settings = data.get("optimise", {}) | {"process": process, "resolution_mm": cell_mm}
-    ready = pipeline.prepare(scene_from_dict(data | {"optimise": settings}))
-    found = pipeline.optimise_density(ready)
+    ready = stage.prepare(scene_from_dict(data | {"optimise": settings}))
+    found = stage.optimise_density(ready)
     return assess(found.problem, ready.scene, ready.domain, found.design.physical)
 
 

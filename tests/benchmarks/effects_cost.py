@@ -11,9 +11,8 @@ import time
 from statistics import median
 from typing import Any
 
-from cranktopo import pipeline
 from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop
+from cranktopo.optimise import loop, stage
 from cranktopo.scene import load_scene
 from tests.benchmarks.effects_truth import changed
 
@@ -32,7 +31,7 @@ TIMED = 6
 def iteration(changes: dict[str, dict[str, Any]]) -> tuple[int, int, float]:
     """Cells, load cases and median seconds of the design iterations after the first two."""
     with double_precision():
-        ready = pipeline.prepare(changed(load_scene("mikron-iiic"), **changes))
+        ready = stage.prepare(changed(load_scene("mikron-iiic"), **changes))
         problem = loop.build_problem(ready.scene, ready.domain, ready.cases)
         state, seconds = loop.init(problem), []
         for _ in range(TIMED + 2):

@@ -13,7 +13,13 @@ from statistics import median
 
 from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import RATIO, Judged, default_element_size_mm, evaluation, judge
+from cranktopo.evaluate.evaluation import (
+    RATIO,
+    MeshResult,
+    default_element_size_mm,
+    evaluate_on_mesh,
+    evaluation,
+)
 from cranktopo.evaluate.targets import Target, load_simulated
 from cranktopo.scene.loading import builtin_designs
 from tests.random_throws import random_throw
@@ -101,10 +107,10 @@ def judgements(target: Target, steps: Sequence[int] = STEPS, finest: int = -2) -
             )
 
 
-def _judged(target: Target, size_mm: float) -> Judged | None:
+def _judged(target: Target, size_mm: float) -> MeshResult | None:
     """A target on one mesh; None where the web is too thin for elements so large."""
     try:
-        return judge(target, size_mm)
+        return evaluate_on_mesh(target, size_mm)
     except CranktopoError as error:
         if "thinnest parts" not in str(error):
             raise

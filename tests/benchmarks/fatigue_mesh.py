@@ -18,7 +18,7 @@ from cranktopo.evaluate.stress_model import solve_stresses
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import Scene, load_scene
 from tests.benchmarks.effects_truth import INDUSTRIAL
-from tests.physics.judge_cases import throw_scene
+from tests.physics.evaluation_cases import throw_scene
 
 FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
 MARINE: dict[str, Any] = {

@@ -26,12 +26,12 @@ from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.m53 import concentration_factors, nominal_stresses, outside_validity
 from cranktopo.evaluate.rule_check import dimensions
 from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.supports import bending_motion
-from cranktopo.remodel.meshing import mesh_throw
+from cranktopo.evaluate.support_stiffness import bending_motion
+from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.units import MPA_PER_GPA
 from tests.benchmarks.fatigue_mesh import MARINE, throws
-from tests.physics.judge_cases import throw_scene
+from tests.physics.evaluation_cases import throw_scene
 
 Array = NDArray[np.float64]
 SECTION_MM = 2.0

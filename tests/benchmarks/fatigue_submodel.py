@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from cranktopo.cad.session import cad_session
+from cranktopo.cad.throw_solid import add_half_throw
 from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.evaluation import default_element_size_mm
@@ -26,10 +28,8 @@ from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.stress_model import RULE_FRACTION, solve_stresses
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, unit_fields
-from cranktopo.remodel.curving import EDGES
-from cranktopo.remodel.meshing import TetMesh, _generate, _set_sizes, mesh_throw
-from cranktopo.remodel.session import cad_session
-from cranktopo.remodel.throw_solid import add_half_throw
+from cranktopo.meshing.curving import EDGES
+from cranktopo.meshing.solid_mesh import TetMesh, _generate, _set_sizes, mesh_throw
 from cranktopo.scene import Scene, load_scene
 from cranktopo.units import MPA_PER_GPA
 

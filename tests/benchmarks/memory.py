@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from cranktopo.domain.limits import estimated_memory_MiB
+from cranktopo.domain.resolution import estimated_memory_MiB
 from cranktopo.scene import load_scene
 
 CELLS_MM = (3.0, 2.0, 1.5, 1.0, 0.8)

@@ -13,7 +13,7 @@ import numpy as np
 from cranktopo.fem.precision import double_precision
 from cranktopo.remodel.family import bounds
 from cranktopo.remodel.fit import _problem
-from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.select import fit_from
 from cranktopo.scene import load_scene
 from tests.unit.remodel_cases import WHOLE, body_of, known_scene, values_of
@@ -27,8 +27,10 @@ def recovered(cell_mm: float) -> np.ndarray:
     body = body_of(known_scene(scene, WHOLE), FACET_MM)
     start = true + np.random.default_rng(1).normal(0, 1.0, len(true))
     with double_precision():
-        problem = _problem(body, scene, Rules(), cell_mm)
-        found = fit_from(problem, WHOLE, np.clip(start, *bounds(WHOLE, scene, Rules())), "known web")
+        problem = _problem(body, scene, ManufacturingLimits(), cell_mm)
+        found = fit_from(
+            problem, WHOLE, np.clip(start, *bounds(WHOLE, scene, ManufacturingLimits())), "known web"
+        )
     assert found is not None
     return found.values
 

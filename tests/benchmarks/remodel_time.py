@@ -16,13 +16,13 @@ from unittest.mock import patch
 from cranktopo.effects.simulated import without
 from cranktopo.evaluate.evaluation import evaluate
 from cranktopo.evaluate.targets import Target
+from cranktopo.meshing.imported_body import read_surface
 from cranktopo.remodel import fit, select
-from cranktopo.remodel.closeness import closeness
-from cranktopo.remodel.imported import read_surface
-from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.shape_error import shape_error
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import open_run
-from cranktopo.surface.mesh import SurfaceMesh
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 
 def timed(name: str, work: Callable[[], Any]) -> Any:
@@ -56,9 +56,9 @@ def main(run: Path, judged: bool) -> None:
     mesh = read_surface(run / "web.stl", scene)
     surface = SurfaceMesh(mesh.vertices, mesh.faces)
     with searches_shown():
-        fitted = timed("fit", lambda: fit.fit_web(surface, scene, Rules()))
+        fitted = timed("fit", lambda: fit.fit_web(surface, scene, ManufacturingLimits()))
     sharp = without(fitted.scene, "fillets")
-    near = timed("closeness", lambda: closeness(sharp, surface))
+    near = timed("closeness", lambda: shape_error(sharp, surface))
     print(f"overlap (IoU): web {100 * near.web_iou:.1f} %, half throw {100 * near.iou:.1f} %")
     if judged:
         for name, target in (("body", run / "web.stl"), ("fitted, no fillets", None), ("fitted", None)):

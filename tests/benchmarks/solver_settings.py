@@ -13,10 +13,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.accuracy.judge_ladder import stiffnesses
-from cranktopo.accuracy.optimiser_ladder import OptimiserModel, optimise_once
-from cranktopo.accuracy.rung import BENDING, NAME_OF_CASE, TORSION
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, judge
+from cranktopo.accuracy.evaluation_study import stiffnesses
+from cranktopo.accuracy.level import BENDING, NAME_OF_CASE, TORSION
+from cranktopo.accuracy.optimiser_study import OptimiserModel, optimise_once
+from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate_on_mesh
 from cranktopo.optimise.loop import Solving
 from cranktopo.scene import load_scene
 
@@ -55,7 +55,7 @@ def shapes(cell_mm: float, names: tuple[str, ...] = tuple(SETTINGS)) -> Iterator
             found = optimise_once(scene, OptimiserModel(cell_mm, name, SETTINGS[name]), Path(folder))
             assert found.target is not None
             own = {NAME_OF_CASE[case.name]: case.stiffness or 0.0 for case in found.own.cases}
-            judged = judge(found.target, RATIO * default_element_size_mm(scene))
+            judged = evaluate_on_mesh(found.target, RATIO * default_element_size_mm(scene))
             yield Shape(name, found.iterations, own, stiffnesses(judged))
 
 

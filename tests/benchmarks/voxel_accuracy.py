@@ -19,7 +19,7 @@ import jax.numpy as jnp
 from cranktopo.domain.build import build_domain
 from cranktopo.domain.grid import Grid
 from cranktopo.effects import planned_scene
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, judge
+from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate_on_mesh
 from cranktopo.evaluate.targets import Target
 from cranktopo.fem.model import build_model
 from cranktopo.fem.precision import double_precision
@@ -27,7 +27,7 @@ from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from tests.benchmarks.error_estimates import Bounded, held_text, limit, target_of
-from tests.physics.judge_cases import mikron_with
+from tests.physics.evaluation_cases import mikron_with
 from tests.physics.throw_cases import BENDING, TORSION
 
 REFERENCE = {"torsion": 138.2e3, "bending": 217.6e3}
@@ -69,7 +69,7 @@ def without_fillets(scene: Scene) -> Scene:
 def judged(scene: Scene, steps: Sequence[int] = (1, 0)) -> dict[str, float]:
     """Stiffnesses by the judge, extrapolated from two meshes; steps as in `error_estimates`."""
     size = default_element_size_mm(scene)
-    rows = [judge(Target(scene.name, scene), size * RATIO**step).stiffness for step in steps]
+    rows = [evaluate_on_mesh(Target(scene.name, scene), size * RATIO**step).stiffness for step in steps]
     supports = scene.supports
     pairs = {
         "torsion": [row.torsion[supports.torsion] for row in rows],

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.accuracy.judge_ladder import LADDER
+from cranktopo.accuracy.evaluation_study import LADDER
 from cranktopo.cli.main import main
 from cranktopo.scene import load_scene
 from cranktopo.scene.loading import designs_folder
@@ -41,7 +41,7 @@ def test_a_budget_buys_rungs_a_table_a_plot_and_a_memory(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A ladder of two rungs, and a budget that even a slow or busy machine climbs them in."""
-    monkeypatch.setattr("cranktopo.accuracy.judge_ladder.LADDER", LADDER[:2])
+    monkeypatch.setattr("cranktopo.accuracy.evaluation_study.LADDER", LADDER[:2])
     out = tmp_path / "out"
     assert main(["accuracy", design, "--budget", "10min", "--out", str(out), "--json"]) == 0
     captured = capsys.readouterr()
@@ -119,7 +119,7 @@ def test_the_folder_is_checked_before_the_budget_is_spent(
     def climbed(*_: object) -> None:
         raise AssertionError("climbed before the destination was checked")
 
-    monkeypatch.setattr("cranktopo.accuracy.climb.climb", climbed)
+    monkeypatch.setattr("cranktopo.accuracy.study.climb", climbed)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     assert main(["accuracy", "--out", str(tmp_path / "mine" / "folder")]) == 3
     assert "is a file. Choose another --out." in capsys.readouterr().err
@@ -130,7 +130,7 @@ def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
 ) -> None:
     """Nothing is dropped beside an STL of the user's."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cranktopo.accuracy.climb._ladders", lambda _: {})
+    monkeypatch.setattr("cranktopo.accuracy.study._ladders", lambda _: {})
     run, scene = tmp_path / "one", load_scene("opposed-piston-casting").model_dump(mode="json")
     command = ["cranktopo", "optimise"]
     create_run(design="casting", design_toml=CASTING, scene=scene, options={}, command=command, out=run)

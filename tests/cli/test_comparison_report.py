@@ -16,7 +16,7 @@ from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.evaluate.stress_model import Quality
 from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.report.comparison import Entry, best_rows, compare
-from cranktopo.report.fatigue_tables import Judged
+from cranktopo.report.fatigue_tables import FatigueComparison
 from cranktopo.scene.loading import designs_folder
 
 NAMES = ["opposed-piston", "opposed-piston-casting"]
@@ -155,7 +155,7 @@ def lives(monkeypatch: pytest.MonkeyPatch) -> None:
         mass = 1.5 if light else 2.0
         return RuleCheck(target.name, mass, (), factors, factors, nominal, fillet, fillet, quality)
 
-    monkeypatch.setattr("cranktopo.evaluate.fatigue.check_inputs", lambda *_: None)
+    monkeypatch.setattr("cranktopo.evaluate.safety_field.check_inputs", lambda *_: None)
     monkeypatch.setattr("cranktopo.evaluate.rule_check.check_rule", checked)
 
 
@@ -203,7 +203,7 @@ def test_sharp_fillets_are_refused_before_the_work(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
 
-    monkeypatch.setattr("cranktopo.evaluate.fatigue.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.evaluate.safety_field.solve_stresses", solved)
     text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
     path = tmp_path / "sharp.toml"
     path.write_text(text.replace("fillet_mm = 2.5", "fillet_mm = 0.0"), encoding="utf-8")
@@ -264,5 +264,5 @@ def test_safeties_within_two_percent_are_level(other: float, best: int | None) -
     entries = [
         Entry(judged(target), None, safety) for target, safety in zip(targets, (1.3, other), strict=True)
     ]
-    fatigue = Judged((1.3, other), (), {"fatigue": []})
+    fatigue = FatigueComparison((1.3, other), (), {"fatigue": []})
     assert best_rows(compare(entries, NAMES[0], fatigue))[-1] == best

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli import checks
+from cranktopo.cli import doctor_checks as checks
 from cranktopo.cli.main import main
 from cranktopo.store import RunStore, create_run, locked
 
@@ -68,9 +68,9 @@ def test_missing_packages_and_tools(
 def test_python_and_memory_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     assert checks.python((3, 10, 12)).state == "missing"
     assert checks.python((3, 11, 0)).state == "ok"
-    monkeypatch.setattr("cranktopo.domain.limits.available_memory_MiB", lambda: 100.0)
+    monkeypatch.setattr("cranktopo.domain.resolution.available_memory_MiB", lambda: 100.0)
     assert checks.memory().state == "absent"
-    monkeypatch.setattr("cranktopo.domain.limits.available_memory_MiB", lambda: 1e6)
+    monkeypatch.setattr("cranktopo.domain.resolution.available_memory_MiB", lambda: 1e6)
     assert checks.memory().state == "ok"
 
 

@@ -12,17 +12,17 @@ import pytest
 import trimesh
 from matplotlib.image import imread
 
+from cranktopo.cad.solid_files import step_volume_mm3
+from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.cli.main import main
-from cranktopo.pipeline_remodel import write_remodel
-from cranktopo.remodel.closeness import closeness
-from cranktopo.remodel.export import step_volume_mm3
+from cranktopo.pipeline.remodel import write_remodel
 from cranktopo.remodel.fit import FittedWeb
 from cranktopo.remodel.select import Trial
-from cranktopo.remodel.volume import half_throw_volume_mm3
+from cranktopo.remodel.shape_error import shape_error
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import designs_folder
 from cranktopo.store import create_run
-from cranktopo.surface.mesh import mesh_of
+from cranktopo.triangles.surface_mesh import mesh_of
 from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 
 COARSE_MM = "4.5"
@@ -35,7 +35,7 @@ def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     body = mesh_of(body_of(known_scene(mikron, PLAIN), 1.0))
     trials = (Trial("outline", 7, 80.0, 0.0, True),)
     fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
-    files = write_remodel(fitted, closeness(scene, body), body, tmp_path, lambda _: None)
+    files = write_remodel(fitted, shape_error(scene, body), body, tmp_path, lambda _: None)
     assert load_scene(str(tmp_path / files["design"])) == scene
     volume = half_throw_volume_mm3(scene)
     assert step_volume_mm3(tmp_path / files["step"]) == pytest.approx(volume, rel=1e-6)

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 import trimesh
 
-from cranktopo import pipeline_remodel
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.targets import resolve_target
-from cranktopo.remodel.rules import Rules
+from cranktopo.pipeline import remodel as pipeline_remodel
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import design_text, designs_folder, input_files
 from cranktopo.scene.of_run import scene_of_run
@@ -73,7 +73,7 @@ def test_a_run_is_re_modelled_with_its_own_scene(
     """What the fit is given, and the text that is written of it."""
     given: list[Scene] = []
 
-    def fit(surface: Any, scene: Scene, rules: Rules) -> Any:
+    def fit(surface: Any, scene: Scene, rules: ManufacturingLimits) -> Any:
         given.append(scene)
         raise CranktopoError("enough")
 

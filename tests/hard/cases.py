@@ -11,9 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.domain.build import Domain, build_domain
+from cranktopo.fem.boundary_conditions import CaseSupports, build_supports
 from cranktopo.fem.lattice import Lattice
 from cranktopo.fem.model import ThrowModel, build_model, case_supports
-from cranktopo.fem.supports import CaseSupports, build_supports
 from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise.material import build_interpolation, relative_moduli
 from cranktopo.scene import Scene, load_scene

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, label
 
 from cranktopo.domain.grid import plan_grid
+from cranktopo.fem.boundary_conditions import CaseSupports, SectionMotion
 from cranktopo.fem.lattice import Lattice
-from cranktopo.fem.supports import CaseSupports, SectionMotion
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu, spsolve
 
+from cranktopo.fem.boundary_conditions import CaseSupports
 from cranktopo.fem.element import CORNERS
 from cranktopo.fem.lattice import Lattice, layer_stiffness
-from cranktopo.fem.supports import CaseSupports
 
 Array = NDArray[np.float64]
 

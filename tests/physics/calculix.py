@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import plane_nodes
 from cranktopo.frames import Parity
-from cranktopo.remodel.meshing import TetMesh
+from cranktopo.meshing.solid_mesh import TetMesh
 from cranktopo.scene import Scene
 
 Array = NDArray[np.float64]

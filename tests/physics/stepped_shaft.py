@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.cad.session import cad_session
 from cranktopo.evaluate.condense import section_motions
 from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.equivalent import principal_stresses
 from cranktopo.evaluate.linear import solve
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import outer_surface, surface_stress
-from cranktopo.remodel.meshing import TetMesh, extract_mesh
-from cranktopo.remodel.session import cad_session
+from cranktopo.meshing.solid_mesh import TetMesh, extract_mesh
 
 Array = NDArray[np.float64]
 YOUNGS_MPA, POISSON = 2.1e5, 0.3

@@ -11,7 +11,7 @@ import pytest
 from cranktopo.evaluate.case_stress import CaseStress, case_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.load_case import LoadCase
-from tests.physics.judge_cases import LOPSIDED, mikron_with
+from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 SIZE_MM = 7.0
 TORSION = LoadCase("torsion", "torsion", torque_Nm=700.0)

@@ -15,13 +15,13 @@ from cranktopo.fem.response import (
     compliances,
     solve,
 )
-from cranktopo.optimise.criteria import design_gradients
 from cranktopo.optimise.material import (
     build_interpolation,
     physical_density,
     relative_moduli,
     solid_fraction,
 )
+from cranktopo.optimise.optimality_criteria import design_gradients
 from cranktopo.scene import Scene
 from tests.physics.throw_cases import CENTRIFUGAL
 

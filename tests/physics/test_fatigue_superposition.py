@@ -12,10 +12,10 @@ from cranktopo.evaluate.condense import section_motions
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
 from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.unit_fields import unit_fields
-from cranktopo.remodel.meshing import TetMesh, mesh_throw
+from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.units import MPA_PER_GPA, density_tonne_per_mm3
-from tests.physics.judge_cases import elastic, mikron_with
+from tests.physics.evaluation_cases import elastic, mikron_with
 from tests.physics.point_stress import point_stress
 
 Array = NDArray[np.float64]

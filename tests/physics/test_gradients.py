@@ -22,7 +22,6 @@ from cranktopo.fem.response import (
     throw_unbalance_kg_mm,
     twist_rad,
 )
-from cranktopo.optimise.criteria import design_gradients
 from cranktopo.optimise.material import (
     Interpolation,
     build_interpolation,
@@ -31,6 +30,7 @@ from cranktopo.optimise.material import (
     solid_fraction,
     volume_fraction,
 )
+from cranktopo.optimise.optimality_criteria import design_gradients
 from cranktopo.scene import Scene
 from tests.physics.throw_cases import BENDING, TANGENTIAL, TORSION
 

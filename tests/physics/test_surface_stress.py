@@ -11,7 +11,7 @@ from cranktopo.evaluate.equivalent import principal_stresses, von_mises
 from cranktopo.evaluate.stress import hooke, nodal_stress
 from cranktopo.evaluate.superposition import extremes
 from cranktopo.evaluate.surface import SurfaceStress, outer_surface, surface_stress
-from cranktopo.remodel.meshing import TetMesh
+from cranktopo.meshing.solid_mesh import TetMesh
 
 YOUNGS, POISSON = 2.1e5, 0.3
 

@@ -9,9 +9,9 @@ from cranktopo.evaluate.condense import section_motions
 from cranktopo.evaluate.stress import hooke
 from cranktopo.evaluate.unit_fields import UnitField, unit_fields
 from cranktopo.loads.balance import throw_balance
-from cranktopo.remodel.meshing import mesh_throw
+from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
-from tests.physics.judge_cases import LOPSIDED, elastic, mikron_with
+from tests.physics.evaluation_cases import LOPSIDED, elastic, mikron_with
 
 KINDS = ("bending", "tangential", "torsion", "centrifugal")
 SIZE_MM = 9.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
+from cranktopo.fem.boundary_conditions import CaseSupports, build_supports
 from cranktopo.fem.lattice import Lattice
 from cranktopo.fem.model import ThrowModel
-from cranktopo.fem.supports import CaseSupports, build_supports
 from cranktopo.loads.cases import LoadCase
 
 BENDING = LoadCase("bending", "bending", radial_N=1000.0)

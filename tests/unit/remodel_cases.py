@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from manifold3d import Manifold
 
-from cranktopo.remodel.export import surface_of
+from cranktopo.cad.solid_files import surface_of
 from cranktopo.remodel.family import Bevel, Layout, Pocket, web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.scene import Scene
-from cranktopo.surface.mesh import solid_of
+from cranktopo.triangles.surface_mesh import solid_of
 
 OUTLINE = {
     "y_low": -26.0,

@@ -11,7 +11,7 @@ import trimesh
 
 from cranktopo.domain.build import Domain, build_domain, laterally_symmetric
 from cranktopo.domain.grid import plan_grid
-from cranktopo.domain.limits import finest_resolution_mm, thinnest_wall_mm
+from cranktopo.domain.resolution import finest_resolution_mm, thinnest_wall_mm
 from cranktopo.errors import CranktopoError
 from cranktopo.optimise.connectivity import is_connected
 from cranktopo.scene import Scene

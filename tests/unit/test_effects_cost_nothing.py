@@ -8,11 +8,10 @@ from typing import Any
 import jax.numpy as jnp
 import pytest
 
-from cranktopo import pipeline
 from cranktopo.fem import response
 from cranktopo.fem.equilibrium import Solution
 from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop
+from cranktopo.optimise import loop, stage
 from cranktopo.scene import Scene, scene_from_dict
 
 
@@ -53,7 +52,7 @@ def count(monkeypatch: pytest.MonkeyPatch) -> Any:
         monkeypatch.setattr(loop, "compliance_gradients_by_solid", body)
         monkeypatch.setattr("gmsh.initialize", mesh)
         with double_precision():
-            prepared = pipeline.prepare(scene)
+            prepared = stage.prepare(scene)
             problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
             loop.step(problem, loop.init(problem))
         counts.cells = int(jnp.prod(jnp.asarray(prepared.domain.grid.cells)))

@@ -16,24 +16,24 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
+from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.cli.main import main
 from cranktopo.domain.build import build_domain
-from cranktopo.domain.stl import envelope_from_stl, mirror_difference
+from cranktopo.domain.stl_envelope import envelope_from_stl, mirror_difference
 from cranktopo.effects.beam import throw_compliance
 from cranktopo.errors import CranktopoError
-from cranktopo.iterate import loop, solids
-from cranktopo.iterate.solids import read_web, write_envelope, write_solids
-from cranktopo.iterate.step import Step, best_step, verdict
-from cranktopo.iterate.transition import transition_mm
 from cranktopo.loads.balance import throw_balance
-from cranktopo.remodel.rules import Rules
-from cranktopo.remodel.volume import web_volume_mm3
+from cranktopo.pipeline.iterate import loop, solids
+from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_solids
+from cranktopo.pipeline.iterate.step import LoopStep, best_step, verdict
+from cranktopo.pipeline.iterate.transition import transition_mm
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.report.iterate_report import best_line
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import create_run
-from cranktopo.surface.mesh import SurfaceMesh, mesh_of
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
 from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
 
@@ -63,8 +63,8 @@ def test_thickness_beside_the_journals(void: Manifold, thickness: float) -> None
     assert transition_mm(block(void), scene_with()) == pytest.approx(thickness, abs=1e-6)
 
 
-def step(number: int, mass: float, torsion: float, bending: float, transition: float = 12.0) -> Step:
-    return Step(number, mass, mass / 3, torsion, bending, 0.4, 0.6, transition, 95.0, 10.0, 1.0)
+def step(number: int, mass: float, torsion: float, bending: float, transition: float = 12.0) -> LoopStep:
+    return LoopStep(number, mass, mass / 3, torsion, bending, 0.4, 0.6, transition, 95.0, 10.0, 1.0)
 
 
 ORIGINAL = step(0, 1.6, 1600.0, 230.0)
@@ -167,7 +167,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setattr(solids, "FACET_MM", 6.0)
     monkeypatch.setattr(loop, "_optimised", optimised)
     monkeypatch.setattr(loop, "fit_web", fit)
-    monkeypatch.setattr(loop, "closeness", lambda *_: SimpleNamespace(web_iou=0.95))
+    monkeypatch.setattr(loop, "shape_error", lambda *_: SimpleNamespace(web_iou=0.95))
     monkeypatch.setattr(loop, "evaluate", evaluate)
     return calls
 
@@ -263,7 +263,7 @@ def test_rules_hold_in_every_step(
     """As given at the start, when it is continued, and the usual ones for a loop that kept none."""
     out, seen = tmp_path / "loop", []
 
-    def fit(surface: SurfaceMesh, scene: Scene, rules: Rules) -> Any:
+    def fit(surface: SurfaceMesh, scene: Scene, rules: ManufacturingLimits) -> Any:
         seen.append(rules)
         raise KeyboardInterrupt
 
@@ -275,8 +275,8 @@ def test_rules_hold_in_every_step(
     del manifest["options"]["iterate"]["rules"]
     (out / "manifest.json").write_text(json.dumps(manifest))
     assert main(["iterate", "--resume", str(out)]) == 130
-    asked = Rules(min_wall_mm=4.0, min_radius_mm=7.0, min_draft_deg=5.0, cell_mm=2.0)
-    assert seen == [asked, asked, Rules()]
+    asked = ManufacturingLimits(min_wall_mm=4.0, min_radius_mm=7.0, min_draft_deg=5.0, cell_mm=2.0)
+    assert seen == [asked, asked, ManufacturingLimits()]
 
 
 def test_the_loop_ends_when_the_web_is_thin(quick: list[str], tmp_path: Path, capsys: Capture) -> None:

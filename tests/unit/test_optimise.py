@@ -11,7 +11,6 @@ import pytest
 
 from cranktopo.domain.build import build_domain
 from cranktopo.fem.precision import double_precision
-from cranktopo.optimise.criteria import falling_root, update
 from cranktopo.optimise.material import (
     CONTRAST,
     Interpolation,
@@ -24,6 +23,7 @@ from cranktopo.optimise.material import (
     relative_moduli,
     volume_fraction,
 )
+from cranktopo.optimise.optimality_criteria import falling_root, update
 from cranktopo.optimise.state import Record, State, from_checkpoint, to_checkpoint
 from cranktopo.scene import Scene
 from cranktopo.store import load_checkpoint, save_checkpoint

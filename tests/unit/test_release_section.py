@@ -6,7 +6,7 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.report.release_section import Release, release_fact, release_of, release_table
-from cranktopo.surface.mesh import mesh_of
+from cranktopo.triangles.surface_mesh import mesh_of
 from tests.unit.surface_cases import scene_with
 
 WEB = Manifold.cube((60, 90, 19)).translate((-30, -25, 20))

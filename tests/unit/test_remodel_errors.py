@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
+from cranktopo.cad.session import cad_session
+from cranktopo.cad.throw_solid import add_half_throw, check_body
 from cranktopo.errors import CranktopoError
-from cranktopo.remodel.meshing import mesh_throw
-from cranktopo.remodel.session import cad_session
-from cranktopo.remodel.throw_solid import add_half_throw, check_body
+from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene, builtin_designs, load_scene, scene_from_dict
 from cranktopo.scene.geometry import ObroundWeb
-from tests.physics.judge_cases import mikron_with
+from tests.physics.evaluation_cases import mikron_with
 from tests.random_throws import random_throw
 
 HOLE = {"shape": "cylinder", "x_mm": 0.0, "diameter_mm": 12.0}

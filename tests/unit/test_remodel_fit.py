@@ -9,24 +9,24 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.fem.precision import double_precision
-from cranktopo.remodel.closeness import closeness, surface_distance_mm
+from cranktopo.remodel.constraints import part_limits
 from cranktopo.remodel.family import Bevel, Layout, Pocket, web_of
 from cranktopo.remodel.fit import _problem, fit_web, scene_with_web
-from cranktopo.remodel.leftover import leftovers
-from cranktopo.remodel.limits import part_limits
-from cranktopo.remodel.occupancy import occupancy
-from cranktopo.remodel.rules import Rules
+from cranktopo.remodel.initial_guess import bevel_start, outline_start, side_start
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.residual_regions import residual_regions
 from cranktopo.remodel.search import Fit, search
 from cranktopo.remodel.select import Candidate, fit_from, model_fill
-from cranktopo.remodel.starts import bevel_start, outline_start, side_start
+from cranktopo.remodel.shape_error import shape_error, surface_distance_mm
+from cranktopo.remodel.voxel_fill import voxel_fill
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import ProfileWeb
 from cranktopo.scene.profile import profile_flank
-from cranktopo.surface.mesh import mesh_of
+from cranktopo.triangles.surface_mesh import mesh_of
 from tests.benchmarks.remodel_recovery import recovered
 from tests.unit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, values_of
 
-COARSE = Rules(cell_mm=2.0)
+COARSE = ManufacturingLimits(cell_mm=2.0)
 MORE = Layout(7, PARTS[:3])
 
 
@@ -40,7 +40,7 @@ def test_occupancy_has_the_volume_of_the_web(mikron: Scene, body: Manifold) -> N
     start, end = mikron.web_z_mm
     slab = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
     for cell in (2.0, 1.0):
-        assert occupancy(body, mikron, cell).volume_mm3 == pytest.approx(slab.volume(), rel=1e-3)
+        assert voxel_fill(body, mikron, cell).volume_mm3 == pytest.approx(slab.volume(), rel=1e-3)
 
 
 def test_occupancy_is_the_mean_of_both_sides(mikron: Scene) -> None:
@@ -48,7 +48,7 @@ def test_occupancy_is_the_mean_of_both_sides(mikron: Scene) -> None:
     start, end = mikron.web_z_mm
     block = Manifold.cube((40.0, 60.0, end - start)).translate((-20.0, 0.0, start))
     notch = Manifold.cube((6.0, 10.0, 40.0)).translate((10.0, 20.0, start))
-    cells = occupancy(block - notch, mikron, 1.0)
+    cells = voxel_fill(block - notch, mikron, 1.0)
     filled = {
         (x, y): cells.filled[np.argmin(abs(cells.x_mm - x)), np.argmin(abs(cells.y_mm - y)), 5]
         for x, y in ((12.5, 25.5), (12.5, 40.5), (30.5, 25.5), (5.5, 25.5))
@@ -81,7 +81,7 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
 
     Crowns and draft, which move the surface by hundredths of a millimetre, take the finer cells below.
     """
-    rules = Rules()
+    rules = ManufacturingLimits()
     with double_precision():
         problem = _problem(body, mikron, rules, 1.0)
         start = [outline_start(problem, 7), *(bevel_start(problem, part) for part in PARTS[:2])]
@@ -147,8 +147,8 @@ def test_pockets_keep_a_wall_between_each_other(mikron: Scene) -> None:
     def wall_mm(x: float, y: float, depth: float) -> float:
         values = np.array([*values_of(PLAIN), *slot, x, y, 6.0, 6.0, depth])
         points = profile_flank(_profile(mikron)).along(np, 48)
-        limits = part_limits(layout.parts, points, values[7:], mikron, Rules())
-        return Rules().min_wall_mm - float(limits[-1])
+        limits = part_limits(layout.parts, points, values[7:], mikron, ManufacturingLimits())
+        return ManufacturingLimits().min_wall_mm - float(limits[-1])
 
     opening = (profile_flank(_profile(mikron)).along(np, 48)[:, 0].max() - 31.0) * np.tan(np.deg2rad(3.0))
     assert wall_mm(24.0, 24.0, 12.0) == pytest.approx(31.0 - 27.0, abs=0.03)  # further in
@@ -166,7 +166,7 @@ def _profile(mikron: Scene) -> ProfileWeb:
 @pytest.mark.slow
 def test_rules_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
     """A wall, a radius and a draft that the body itself does not keep."""
-    rules = Rules(cell_mm=2.0, min_wall_mm=5.0, min_radius_mm=22.0, min_draft_deg=20.0)
+    rules = ManufacturingLimits(cell_mm=2.0, min_wall_mm=5.0, min_radius_mm=22.0, min_draft_deg=20.0)
     true = values_of(MORE)
     with double_precision():
         problem = _problem(body, mikron, rules, 2.0)
@@ -196,8 +196,10 @@ def test_a_window_and_a_hollow_are_named_with_place_and_volume(mikron: Scene) ->
     hollow = Manifold.cube((14.0, 10.0, 9.0)).translate((-7.0, 19.0, start + 6.0))
     holed = solid - window - window.mirror((1.0, 0.0, 0.0)) - hollow
     with double_precision():
-        problem = _problem(holed, mikron, Rules(), 1.0)
-        rest = leftovers(problem, model_fill(problem, Candidate(PLAIN, values_of(PLAIN), 0.0, "known")))
+        problem = _problem(holed, mikron, ManufacturingLimits(), 1.0)
+        rest = residual_regions(
+            problem, model_fill(problem, Candidate(PLAIN, values_of(PLAIN), 0.0, "known"))
+        )
     kinds = {item.kind: item for item in rest}
     assert sorted(kinds) == ["hollow", "window"]
     assert kinds["window"].volume_mm3 == pytest.approx(2 * 8 * 14 * 19, rel=0.05)
@@ -215,7 +217,7 @@ def test_closeness_of_a_body_shifted_by_a_known_amount(mikron: Scene) -> None:
     assert mean == pytest.approx(0.5, rel=0.02)
     assert largest == pytest.approx(1.0, rel=0.01)
     scene = known_scene(mikron, WHOLE)
-    same = closeness(scene, mesh_of(body_of(scene, 1.0)))
+    same = shape_error(scene, mesh_of(body_of(scene, 1.0)))
     assert same.web_iou == pytest.approx(1.0, abs=5e-4)
     assert same.max_distance_mm < 0.05
 
@@ -224,10 +226,10 @@ def test_closeness_of_a_body_shifted_by_a_known_amount(mikron: Scene) -> None:
 def test_fit_chooses_features_and_stations_by_their_gain(mikron: Scene) -> None:
     """The whole selection on a known body: its features are found, no other is kept, overlap above 98 %."""
     scene = known_scene(mikron, MORE)
-    fitted = fit_web(mesh_of(body_of(scene)), mikron, replace(Rules(), starts=2))
+    fitted = fit_web(mesh_of(body_of(scene)), mikron, replace(ManufacturingLimits(), starts=2))
     kept = {trial.step for trial in fitted.trials if trial.kept}
     assert {"outline", "bevel-journal", "bevel-pin", "side"} <= kept
     assert len(kept) == 5  # and one number of stations
-    assert not [item for item in fitted.leftovers if item.kind != "material"]
-    assert closeness(fitted.scene, mesh_of(body_of(scene))).web_iou > 0.98
+    assert not [item for item in fitted.residual_regions if item.kind != "material"]
+    assert shape_error(fitted.scene, mesh_of(body_of(scene))).web_iou > 0.98
     assert fitted.scene.name == "mikron-iiic-remodel"

@@ -17,11 +17,12 @@ import trimesh
 from cranktopo.report.markdown_page import write_markdown
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.sections import picture
-from cranktopo.report.steps import MOST_CELLS, Step, _coarse, _spread
-from cranktopo.report.tables import Table
+from cranktopo.report.steps import MOST_CELLS, DesignSnapshot, _coarse, _spread
+from cranktopo.report.tables import ResultTable
 from cranktopo.report.verdict import fatigue_fact, headline, release_fact
-from cranktopo.report.viewer import MOST_FACES, Body, Scenery, packed
-from cranktopo.surface import DensityGrid, SurfaceMesh
+from cranktopo.report.viewer import MOST_FACES, Body, Scene3D, packed
+from cranktopo.surface import DensityGrid
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 
 def mesh_of(body: trimesh.Trimesh) -> SurfaceMesh:
@@ -86,7 +87,9 @@ def test_packed_scenery_is_the_body_and_the_densities() -> None:
     density = np.random.default_rng(3).random((4, 3, 2))
     grid = DensityGrid(np.array([1.0, 2.0, 3.0]), np.array([0.5, 1.5, 2.5]), density)
     header, arrays = unpacked(
-        packed(Scenery((Body("cone", mesh_of(cone), (10.0, 20.0), 31.0),), (Step(5, grid),), ("n",)))
+        packed(
+            Scene3D((Body("cone", mesh_of(cone), (10.0, 20.0), 31.0),), (DesignSnapshot(5, grid),), ("n",))
+        )
     )
     body = header["bodies"][0]
     share = arrays[body["positions"]].reshape(-1, 3) / 65535
@@ -113,7 +116,7 @@ def mesh_volume(points: np.ndarray, faces: np.ndarray) -> float:
 def test_large_surfaces_are_simplified() -> None:
     sphere = trimesh.creation.icosphere(subdivisions=7, radius=40.0)
     assert len(sphere.faces) > 2 * MOST_FACES
-    text = packed(Scenery((Body("sphere", mesh_of(sphere), (-10.0, 10.0), 40.0),)))
+    text = packed(Scene3D((Body("sphere", mesh_of(sphere), (-10.0, 10.0), 40.0),)))
     header, arrays = unpacked(text)
     body = header["bodies"][0]
     faces = arrays[body["faces"]].reshape(-1, 3)
@@ -138,7 +141,9 @@ def test_steps_are_few_and_coarse_enough_and_keep_the_mass() -> None:
 
 
 def test_markdown_has_the_same_content(tmp_path: Path) -> None:
-    table = Table(("design", "mass_kg", "because"), (("a", 1.23456, "x | y"), ("b", None, "z")), (0, 3, 0))
+    table = ResultTable(
+        ("design", "mass_kg", "because"), (("a", 1.23456, "x | y"), ("b", None, "z")), (0, 3, 0)
+    )
     plot = picture("curve", "a straight line", lambda axes: axes.plot([0, 1]))
     section = Section("one", "First part", "Words.", (("Values", table),), (plot,))
     facts = (Fact("Mass", "1.2 kg", "less", "good"),)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from cranktopo.errors import CranktopoError
 from cranktopo.report.picture import run_figure, save_run_picture
 from cranktopo.report.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes
-from cranktopo.surface import SurfaceMesh
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 WEB_Z = (10.0, 16.0)
 UP = (0.0, 1.0, 0.0)

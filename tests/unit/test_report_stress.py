@@ -17,10 +17,10 @@ from cranktopo.report.page import Section
 from cranktopo.report.stress_file import read_run_stress, solve_run_stress
 from cranktopo.report.stress_scale import quantiles_MPa, stress_scales
 from cranktopo.report.stress_section import stress_section
-from cranktopo.report.viewer import Body, Scenery
+from cranktopo.report.viewer import Body, Scene3D
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
-from cranktopo.surface import SurfaceMesh
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 TORSION = LoadCase("torsion", "torsion", torque_Nm=685.7, source="by hand")
 BENDING = LoadCase("bending", "bending", radial_N=32377.0, source="by hand")
@@ -56,7 +56,7 @@ def test_scale_is_that_of_the_most_stressed_body() -> None:
 def section(bodies: int) -> Section:
     bodies_ = tuple(Body(f"box {n}", box(), (10.0, 20.0), 30.0, along_x()) for n in range(bodies))
     stressed = [(body.mesh, body.stress) for body in bodies_ if body.stress]
-    return stress_section(Scenery(bodies_, stress_scales=stress_scales(stressed)), "")
+    return stress_section(Scene3D(bodies_, stress_scales=stress_scales(stressed)), "")
 
 
 @pytest.mark.parametrize("bodies", [1, 3])

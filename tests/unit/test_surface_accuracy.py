@@ -16,12 +16,12 @@ import trimesh
 from manifold3d import Manifold
 
 from cranktopo.formats import SURFACES
-from cranktopo.surface import DensityGrid, SurfaceMesh, extract_half_throw
-from cranktopo.surface.export import write_surface
-from cranktopo.surface.extract import SIMPLIFY_MM, find_iso
+from cranktopo.surface import DensityGrid, extract_half_throw
 from cranktopo.surface.fidelity import distances_mm, iso_distance_mm, minimum_member_mm
+from cranktopo.surface.half_throw import SIMPLIFY_MM, find_iso
 from cranktopo.surface.isosurface import iso_solid, resample, unsmoothed_solid
-from cranktopo.surface.mesh import mesh_of
+from cranktopo.triangles.surface_files import write_surface
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
 from tests.unit.surface_cases import ball, grid_of, obround, scene_with, united
 
 Array = np.ndarray

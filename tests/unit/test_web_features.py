@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cranktopo.cad.solid_files import export_solid, step_volume_mm3
+from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
-from cranktopo.remodel.export import export_solid, step_volume_mm3
 from cranktopo.remodel.fit import scene_with_web
-from cranktopo.remodel.volume import web_volume_mm3
 from cranktopo.scene import Scene
 from cranktopo.scene.bevel import bevel_arc
 from cranktopo.scene.web_section import web_moments

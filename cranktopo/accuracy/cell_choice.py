@@ -1,0 +1,140 @@
+"""The cell size of an optimisation for an accuracy or a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from statistics import median
+
+import numpy as np
+
+from cranktopo.accuracy.optimiser_study import cell_sizes
+from cranktopo.accuracy.stored_studies import Known
+from cranktopo.domain.build import laterally_symmetric
+from cranktopo.domain.resolution import (
+    available_memory_MiB,
+    check_resolution,
+    estimated_cells,
+    estimated_memory_MiB,
+)
+from cranktopo.effects import CostRates, plan, simulated_scene
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.loads import load_cases
+from cranktopo.optimise.error_bound import model_error_percent
+from cranktopo.scene import Scene
+
+_START_S = 20.0
+"""Compiling and writing files where nothing was measured: the order of the README's first run."""
+
+
+@dataclass(frozen=True)
+class CellChoice:
+    """A cell size and what is to be expected of it.
+
+    Attributes:
+        cell_mm: largest cell edge.
+        error_percent: bound of the error of both stiffnesses.
+        seconds: expected wall time.
+        source: what the time was taken from.
+    """
+
+    cell_mm: float
+    error_percent: float
+    seconds: float
+    source: str
+
+    def __str__(self) -> str:
+        return (
+            f"cells of {self.cell_mm:.3g} mm: stiffness +-{self.error_percent:.2g} %, about "
+            f"{self.seconds:.2g} s ({self.source})"
+        )
+
+
+def choose_cells(
+    scene: Scene, percent: float | None, budget_s: float | None, known: Known | None = None
+) -> CellChoice:
+    """The coarsest cells for an accuracy, or the finest for a time.
+
+    Args:
+        scene: the design.
+        percent: largest error of the printed stiffnesses, or None.
+        budget_s: wall time, or None.
+        known: what was measured on this machine before.
+
+    Raises:
+        CranktopoError: out of reach of the memory, the budget, or both together.
+    """
+    choices = _choices(scene, known)
+    if percent is not None:
+        choice = _for_accuracy(choices, percent)
+        if budget_s is not None and choice.seconds > budget_s:
+            within = _for_budget(choices, budget_s)
+            raise CranktopoError(
+                f"--accuracy {percent:g}% takes about {choice.seconds:.2g} s, --budget is {budget_s:g} s.",
+                hint=f"That is enough for {within.error_percent:.2g} % with {within}.",
+                code=ExitCode.USAGE,
+            )
+        return choice
+    assert budget_s is not None, "one of the two is asked for"
+    return _for_budget(choices, budget_s)
+
+
+def _for_accuracy(choices: list[CellChoice], percent: float) -> CellChoice:
+    fit = [choice for choice in choices if choice.error_percent <= percent]
+    if not fit:
+        best = choices[-1]
+        raise CranktopoError(
+            f"--accuracy {percent:g}%: the finest cells that fit into the memory, {best.cell_mm:.3g} mm, "
+            f"give {best.error_percent:.2g} %.",
+            hint="Judge the result with 'cranktopo evaluate RUN --accuracy', which is more exact.",
+            code=ExitCode.USAGE,
+        )
+    return fit[0]
+
+
+def _for_budget(choices: list[CellChoice], budget_s: float) -> CellChoice:
+    fit = [choice for choice in choices if choice.seconds <= budget_s]
+    if not fit:
+        raise CranktopoError(
+            f"--budget {budget_s:g}s: the coarsest cells, {choices[0].cell_mm:.3g} mm, take about "
+            f"{choices[0].seconds:.2g} s ({choices[0].source}).",
+            hint="Give more time.",
+            code=ExitCode.USAGE,
+        )
+    return fit[-1]
+
+
+def _choices(scene: Scene, known: Known | None) -> list[CellChoice]:
+    """Usable cell sizes, coarsest first; at least one.
+
+    Raises:
+        CranktopoError: the walls ask for finer cells than there are, or none fit into the memory.
+    """
+    effects = plan(scene)
+    simulated = simulated_scene(scene, effects)
+    quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
+    sizes, available = cell_sizes(simulated), available_memory_MiB()
+    fit = [cell for cell in sizes if estimated_memory_MiB(simulated, cell, quarter, cases) <= available]
+    if not fit:
+        nearest = sizes[0] if sizes else scene.optimise.resolution_mm
+        check_resolution(simulated, nearest, quarter, cases, available)
+    found = []
+    for cell in fit:
+        work = estimated_cells(simulated, cell, quarter) * cases
+        error = max(model_error_percent(simulated, cell).values())
+        found.append(CellChoice(cell, error, *_seconds(work, known)))
+    return found
+
+
+def _seconds(work: float, known: Known | None) -> tuple[float, str]:
+    """Expected wall time of an optimisation of so many cells times load cases, and what it is taken from."""
+    rungs = [r for r in known.rungs("optimiser") if r["family"] == "cells"] if known else []
+    if known is None or not rungs:
+        rates = CostRates()
+        seconds = _START_S + rates.iterations * rates.seconds_per_cell_solve * work
+        return seconds, "not measured here: run cranktopo accuracy"
+    done = sorted((r["settings"]["cells"] * r["settings"]["load_cases"], r["seconds"]) for r in rungs)
+    sizes, times = np.array([d[0] for d in done]), np.array([d[1] for d in done])
+    inside = float(np.exp(np.interp(np.log(work), np.log(sizes), np.log(times))))
+    beyond = max(1.0, work / sizes[-1])
+    compiling = median(rung["compile_seconds"] for rung in rungs)
+    return known.slowdown * (inside * beyond + compiling), f"measured on {known.design}"

@@ -1,0 +1,1 @@
+"""Exact solids of web, throw and crankshaft through gmsh's OCC kernel: STEP, STL, volumes."""

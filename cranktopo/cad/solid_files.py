@@ -1,0 +1,136 @@
+"""STEP and STL files of web, half throw, full throw and crankshaft."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cranktopo.cad.session import cad_session, triangles
+from cranktopo.cad.throw_solid import (
+    add_crankshaft,
+    add_full_throw,
+    add_half_throw,
+    check_body,
+)
+from cranktopo.cad.volume import web_volume_mm3
+from cranktopo.cad.web_solid import DimTags, add_web
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.formats import SOLIDS, SolidPart
+from cranktopo.scene import Scene
+from cranktopo.scene.checks_web import check_solid
+from cranktopo.store import check_file, replacing
+
+if TYPE_CHECKING:
+    from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+STEP_TOLERANCE = 1e-6
+"""Largest relative change of the volume when a written STEP file is read back."""
+
+
+def export_solid(scene: Scene, part: SolidPart, path: Path, facet_mm: float = 1.0) -> float:
+    """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
+
+    Args:
+        scene: the throw.
+        part: which body.
+        path: target, suffix .step, .stp or .stl; mm, in the frame of `cranktopo.frames`.
+        facet_mm: edge length of STL facets.
+
+    Returns:
+        Volume of the exact body, mm3.
+
+    Raises:
+        CranktopoError: impossible dimensions, unknown suffix, a STEP file that does not read back, or a file
+            that cannot be written.
+    """
+    suffix = path.suffix.lower()
+    check_file(path, "file", SOLIDS)
+    with replacing(path) as temporary:
+        temporary.touch()  # before the work, and with a reason: gmsh gives none when it cannot write
+        with cad_session(f"{part} of {scene.name}") as gmsh:
+            body = _add(gmsh.model.occ, scene, part)
+            volume = float(gmsh.model.occ.getMass(*body[0]))
+            gmsh.model.occ.synchronize()
+            if suffix == ".stl":
+                _triangulate(gmsh, body, facet_mm)
+            with _quiet_stdout():
+                gmsh.write(str(temporary))
+        if suffix != ".stl":
+            _read_back(temporary, volume)
+    return volume
+
+
+def surface_of(scene: Scene, part: SolidPart, facet_mm: float = 1.0) -> SurfaceMesh:
+    """Closed triangle mesh of a part of a scene.
+
+    Args:
+        scene: the throw.
+        part: which body.
+        facet_mm: edge length of the triangles.
+
+    Raises:
+        CranktopoError: impossible dimensions.
+    """
+    from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+    with cad_session(f"{part} of {scene.name}") as gmsh:
+        body = _add(gmsh.model.occ, scene, part)
+        gmsh.model.occ.synchronize()
+        _triangulate(gmsh, body, facet_mm)
+        vertices, faces = triangles(gmsh)
+    return SurfaceMesh(vertices, faces)
+
+
+def step_volume_mm3(path: Path) -> float:
+    """Volume of all bodies of a STEP file, mm3."""
+    with cad_session(str(path)) as gmsh:
+        bodies = gmsh.model.occ.importShapes(str(path))
+        return sum(float(gmsh.model.occ.getMass(*pair)) for pair in bodies if pair[0] == 3)
+
+
+def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
+    if part == "web":
+        check_solid(scene)
+        web = add_web(occ, scene)
+        check_body(occ, web, web_volume_mm3(scene), "web")
+        return web
+    return {"half": add_half_throw, "throw": add_full_throw, "crankshaft": add_crankshaft}[part](occ, scene)
+
+
+@contextmanager
+def _quiet_stdout() -> Iterator[None]:
+    """The STEP writer of OCC prints statistics to the process's stdout, past any Python stream."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def _triangulate(gmsh: Any, body: DimTags, facet_mm: float) -> None:
+    """Facets with outward normals: a face's own normal may point into the body, as a bore's does."""
+    for dim, tag in body:
+        if dim == 3:
+            gmsh.model.mesh.setOutwardOrientation(tag)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", facet_mm)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", facet_mm)
+    gmsh.option.setNumber("Mesh.Binary", 1)
+    gmsh.model.mesh.generate(2)
+
+
+def _read_back(path: Path, volume: float) -> None:
+    found = step_volume_mm3(path)
+    if abs(found - volume) > STEP_TOLERANCE * volume:
+        raise CranktopoError(
+            f"STEP file: reads back with {found:.3f} mm3 instead of {volume:.3f} mm3.",
+            hint="Export STL, or change the dimensions slightly.",
+            code=ExitCode.SOLVER,
+        )

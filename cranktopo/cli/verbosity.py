@@ -1,0 +1,66 @@
+"""How much a long command says on stderr: --quiet, --verbose, and colour only where it is wanted."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any
+
+import click
+
+_LEVEL = "cranktopo.talk"
+QUIET, NORMAL, VERBOSE = -1, 0, 1
+
+
+def verbosity_options(function: Any) -> Any:
+    """Add --quiet and --verbose to a long command; `say` and `detail` obey them."""
+    options = (
+        ("-v", "--verbose", VERBOSE, "Say more on stderr."),
+        ("-q", "--quiet", QUIET, "No progress or notes on stderr; results and errors only."),
+    )
+    for short, long, level, text in options:
+        function = click.option(
+            short, long, is_flag=True, expose_value=False, callback=_setter(level), help=text
+        )(function)
+    return function
+
+
+def level() -> int:
+    """The level that the running command was given."""
+    context = click.get_current_context(silent=True)
+    return NORMAL if context is None else int(context.meta.get(_LEVEL, NORMAL))
+
+
+def say(line: str) -> None:
+    """One line on stderr, unless the command is quiet."""
+    if level() > QUIET:
+        click.echo(line, err=True)
+
+
+def detail(line: str) -> None:
+    """One line on stderr where the command is verbose."""
+    if level() >= VERBOSE:
+        click.echo(line, err=True)
+
+
+def coloured(text: str, colour: str, err: bool = False) -> str:
+    """Text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org).
+
+    Args:
+        text: the text.
+        colour: click's name of the colour.
+        err: whether it goes to stderr rather than stdout.
+    """
+    stream = sys.stderr if err else sys.stdout
+    return text if os.environ.get("NO_COLOR") or not stream.isatty() else click.style(text, fg=colour)
+
+
+def _setter(level: int) -> Any:
+    def callback(context: click.Context, parameter: click.Parameter, value: bool) -> None:
+        if not value:
+            return
+        if context.meta.get(_LEVEL, level) != level:
+            raise click.UsageError("--quiet and --verbose exclude each other.", context)
+        context.meta[_LEVEL] = level
+
+    return callback

@@ -1,0 +1,108 @@
+"""The density optimisation in memory: scene -> plan -> load cases -> domain -> density."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cranktopo.domain.build import Domain, build_domain, laterally_symmetric
+from cranktopo.domain.resolution import available_memory_MiB, check_resolution
+from cranktopo.effects import EffectPlan, plan, simulated_scene
+from cranktopo.loads.cases import LoadCase, load_cases
+from cranktopo.optimise import loop
+from cranktopo.optimise.state import State
+from cranktopo.scene import Scene
+
+Progress = Callable[[loop.DensityProblem, State], None]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A validated scene with everything the optimisation needs, before anything is written.
+
+    Attributes:
+        scene: the scene as it is simulated, without what the plan leaves out.
+        plan: the effects.
+        cases: load cases of the objective.
+        domain: the cells.
+    """
+
+    scene: Scene
+    plan: EffectPlan
+    cases: tuple[LoadCase, ...]
+    domain: Domain
+
+
+def prepare(scene: Scene) -> Prepared:
+    """Check a scene for optimisation and build its load cases and domain.
+
+    Raises:
+        CranktopoError: resolution out of range, no envelope, an envelope that misses a journal.
+    """
+    effects = plan(scene)
+    scene = simulated_scene(scene, effects)
+    quarter = laterally_symmetric(scene, "envelope")
+    cases = load_cases(scene, effects.enabled)
+    resolution = scene.optimise.resolution_mm
+    check_resolution(scene, resolution, quarter, len(cases), available_memory_MiB())
+    return Prepared(scene, effects, cases, build_domain(scene, resolution))
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """A finished density optimisation.
+
+    Attributes:
+        problem: what was solved.
+        state: its last state, with the history of all iterations.
+        design: the final densities.
+    """
+
+    problem: loop.DensityProblem
+    state: State
+    design: loop.Design
+
+
+def optimise_density(
+    prepared: Prepared, solving: loop.Solving | None = None, progress: Progress = lambda *_: None
+) -> Optimum:
+    """Optimise the web of a prepared scene in memory; call inside `double_precision()`.
+
+    Args:
+        prepared: from `prepare`.
+        solving: how exactly the equations are solved; by default as in a run.
+        progress: called after every iteration.
+
+    Raises:
+        CranktopoError: solver failure.
+    """
+    problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases, solving)
+    state = iterate(problem, loop.init(problem), progress)
+    return Optimum(problem, state, loop.final_design(problem, state))
+
+
+def iterate(problem: loop.DensityProblem, state: State, progress: Progress) -> State:
+    """The state at the end of the optimisation; `progress` is called after every iteration."""
+    while not state.done:
+        state = loop.step(problem, state)
+        progress(problem, state)
+    return state
+
+
+def describe(prepared: Prepared) -> str:
+    """One line about the model: cells, cell size, padding, symmetry, load cases."""
+    grid = prepared.domain.grid
+    sizes = " x ".join(f"{step.max():.3g}" for step in grid.steps_mm)
+    nx, ny, nz = grid.cells
+    loads = ", ".join(_load_text(case) for case in prepared.cases)
+    return (
+        f"{prepared.scene.name}: {prepared.domain.extent} model, {nx} x {ny} x {nz} cells of {sizes} mm, "
+        f"padded by {grid.padding[0]}, {grid.padding[1]}, {grid.padding[2]} cells for {grid.levels} "
+        f"multigrid levels; {loads}"
+    )
+
+
+def _load_text(case: LoadCase) -> str:
+    if case.kind == "torsion":
+        return f"{case.name} {case.torque_Nm:,.1f} N m"
+    return f"{case.name} {(case.radial_N or case.tangential_N) / 1000:,.2f} kN"

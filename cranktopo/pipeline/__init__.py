@@ -1,0 +1,1 @@
+"""The stages in order, and the files that they leave: what a command runs."""

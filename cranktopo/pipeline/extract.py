@@ -1,0 +1,145 @@
+"""Any design of a run as a checked surface: the last one, or that of an earlier iteration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cranktopo.domain.build import Domain, build_domain
+from cranktopo.effects import planned_scene
+from cranktopo.errors import CranktopoError
+from cranktopo.optimise.loop import Design, build_chain, design_of
+from cranktopo.optimise.state import from_checkpoint
+from cranktopo.scene import Scene
+from cranktopo.scene.of_run import scene_of_run
+from cranktopo.store import RunStore, load_checkpoint, load_iteration, require_kind, resume_command
+from cranktopo.surface.checked_surface import checked_surface
+from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
+from cranktopo.surface.half_throw import WebSurface
+from cranktopo.surface.surface_checks import SurfaceReport, surface_json
+from cranktopo.surface.undercuts import Undercuts
+from cranktopo.units import density_kg_per_mm3
+
+LEAST_MEMBER_CELLS = 2.0
+"""Members thinner than this have no bending stiffness of their own on the grid."""
+
+
+@dataclass(frozen=True)
+class Extraction:
+    """Surface of one design of a run, and what was measured on it.
+
+    Attributes:
+        run: name of the run.
+        scene: the scene as it was simulated.
+        iteration: number of the design.
+        surface: the surface.
+        gates: its checked properties.
+        mean_distance_mm: mean distance of the smoothed density's iso-surface to it.
+        max_distance_mm: largest distance.
+        minimum_member_mm: thickness of the thinnest member of the web.
+        undercuts: what a die that parts in x = 0 could not release.
+        cell_mm: smallest edge of the run's cells.
+    """
+
+    run: str
+    scene: Scene
+    iteration: int
+    surface: WebSurface
+    gates: SurfaceReport
+    mean_distance_mm: float
+    max_distance_mm: float
+    minimum_member_mm: float
+    undercuts: Undercuts
+    cell_mm: float
+
+    @property
+    def throw_kg(self) -> float:
+        """Mass of the full throw."""
+        return 2 * self.gates.volume_mm3 * self._kg_per_mm3
+
+    @property
+    def web_kg(self) -> float:
+        """Mass of one web."""
+        return self.gates.web_volume_mm3 * self._kg_per_mm3
+
+    @property
+    def _kg_per_mm3(self) -> float:
+        return density_kg_per_mm3(self.scene.material.density_kg_m3)
+
+    def as_json(self) -> dict[str, Any]:
+        """The measured values; units in the names."""
+        return {
+            "run": self.run,
+            "design": self.scene.name,
+            "iteration": self.iteration,
+            "mass_kg": {"throw": self.throw_kg, "web": self.web_kg},
+            "surface": {
+                **surface_json(self.surface, self.gates),
+                "vertices": self.gates.vertices,
+                "distance_to_iso_surface_mm": {"mean": self.mean_distance_mm, "max": self.max_distance_mm},
+                "minimum_member_mm": self.minimum_member_mm,
+                "minimum_member_cells": self.minimum_member_mm / self.cell_mm,
+                "undercuts": self.undercuts.as_json(),
+            },
+        }
+
+
+def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
+    """Surface of a design of an optimise run; call inside `double_precision()`.
+
+    Args:
+        run: the run, finished or not.
+        iteration: number of the design; by default the last one, exactly as it was optimised.
+
+    Returns:
+        A surface that passed every gate.
+
+    Raises:
+        CranktopoError: a loop, no density of that iteration, or a surface that fails a gate.
+    """
+    require_kind(run, "optimise")
+    scene = planned_scene(scene_of_run(run))
+    domain = build_domain(scene, scene.optimise.resolution_mm)
+    number, design = _design(run, scene, domain, iteration)
+    skin = checked_surface(scene, domain, design)
+    surface = skin.surface
+    distances = iso_distance_mm(surface, skin.grid, scene, skin.usable, skin.smooth)
+    return Extraction(
+        run=run.name,
+        scene=scene,
+        iteration=number,
+        surface=surface,
+        gates=skin.gates,
+        mean_distance_mm=float(distances.mean()),
+        max_distance_mm=float(distances.max()),
+        minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, skin.cell_mm / 2),
+        undercuts=skin.undercuts(scene),
+        cell_mm=skin.cell_mm,
+    )
+
+
+def _design(run: RunStore, scene: Scene, domain: Domain, iteration: int | None) -> tuple[int, Design]:
+    if iteration is None:
+        number, x, beta = _last(run)
+    else:
+        number, (x, beta) = iteration, load_iteration(run.path, iteration)
+    chain = build_chain(scene, domain)
+    if x.shape != chain.design.shape:
+        raise CranktopoError(
+            f"run '{run.path}': its density has {x.shape} cells, its design {chain.design.shape}.",
+            hint="The run was made by another version: optimise again.",
+        )
+    return number, design_of(chain, x, beta)
+
+
+def _last(run: RunStore) -> tuple[int, np.ndarray, float]:
+    if not run.checkpoint.is_file():
+        raise CranktopoError(
+            f"run '{run.path}': holds no density (checkpoint missing).",
+            hint=f"Continue it with: {resume_command(run)}",
+        )
+    saved = load_checkpoint(run.checkpoint)
+    state = from_checkpoint(saved.arrays, saved.state)
+    return state.last.iteration, state.evaluated, state.last.beta

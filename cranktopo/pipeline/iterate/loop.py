@@ -1,0 +1,315 @@
+"""The loop over steps: resumable at every step and inside the optimisation of each."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cranktopo.cad.volume import web_volume_mm3
+from cranktopo.effects import planned_scene
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import Evaluation, evaluate
+from cranktopo.evaluate.targets import Target
+from cranktopo.meshing.imported_body import read_surface
+from cranktopo.optimise import stage
+from cranktopo.pipeline import optimise as pipeline
+from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_solids
+from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
+from cranktopo.pipeline.iterate.transition import transition_mm
+from cranktopo.remodel.fit import fit_web
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.shape_error import shape_error
+from cranktopo.report.iterate_page import iterate_page
+from cranktopo.report.writing import REPORT, write_report
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.geometry import StlEnvelope
+from cranktopo.scene.loading import input_files
+from cranktopo.scene.of_run import scene_of_run
+from cranktopo.scene.writing import toml_text
+from cranktopo.store import (
+    LOOP,
+    RESULT_FILES,
+    RunStore,
+    check_destination,
+    create_run,
+    locked,
+    open_run,
+    read_json,
+    require_kind,
+    resume_command,
+    write_json,
+    write_text,
+)
+from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+STEP_FILE = "step.json"
+MOST_KEPT = 0.98
+"""Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the loop is asked to do.
+
+    Attributes:
+        steps: number of steps in which the volume falls to the design's volume fraction.
+        least_transition_mm: thickness of the web around its journals below which the loop ends.
+        element_size_mm: of the judge's mesh; its default size by default.
+        rules: bounds of the re-modelled webs.
+    """
+
+    steps: int
+    least_transition_mm: float
+    element_size_mm: float | None = None
+    rules: ManufacturingLimits = field(default_factory=ManufacturingLimits)
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> Settings:
+        """Settings as a manifest keeps them; one of an older version has no rules, which are the usual."""
+        return cls(**{**data, "rules": ManufacturingLimits(**data.get("rules", {}))})
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the loop reached.
+
+    Attributes:
+        folder: directory of the loop.
+        design: name of the design.
+        steps: the original web and every step done.
+        stop_reason: why it ended.
+        best: the step that gains most and beats the original web, if one does.
+        settings: of the loop.
+    """
+
+    folder: Path
+    design: str
+    steps: tuple[LoopStep, ...]
+    stop_reason: str
+    best: LoopStep | None
+    settings: Settings
+
+    def as_json(self) -> dict[str, Any]:
+        """The content of iterate.json."""
+        original = self.steps[0]
+        return {
+            "schema_version": 1,
+            "design": self.design,
+            "stop_reason": self.stop_reason,
+            "least_transition_mm": self.settings.least_transition_mm,
+            "best_step": None if self.best is None else self.best.number,
+            "steps": [step.as_json(original) for step in self.steps],
+        }
+
+
+def start_loop(
+    scene: Scene, design_toml: str, settings: Settings, command: Sequence[str], out: Path | None, say: Say
+) -> Outcome:
+    """Run the loop in a new directory.
+
+    Args:
+        scene: the design with the command line's options in it.
+        design_toml: text of the design as the user wrote it.
+        settings: of the loop.
+        command: the command line, for the manifest.
+        out: directory, or None for a new one under runs/.
+        say: called with one line per stage.
+
+    Raises:
+        CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
+    """
+    check_destination(out)
+    stage.prepare(scene)
+    run = create_run(
+        design=scene.name,
+        design_toml=design_toml,
+        scene=scene.model_dump(mode="json"),
+        options={LOOP: asdict(settings)},
+        command=command,
+        inputs=input_files(scene),
+        out=out,
+    )
+    return _guarded(run, scene, settings, say)
+
+
+def continue_loop(reference: str, say: Say) -> Outcome:
+    """Continue an interrupted loop: finished steps are read, not repeated.
+
+    Args:
+        reference: path or name of the loop's directory.
+        say: called with one line per stage.
+
+    Raises:
+        CranktopoError: not a loop, or as `start_loop`.
+    """
+    run = open_run(reference)
+    require_kind(run, LOOP)
+    run.require_same_inputs()
+    run.resume()
+    return _guarded(run, scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP]), say)
+
+
+def _guarded(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
+    with locked(run.path):
+        try:
+            outcome = _loop(run, scene, settings, say)
+        except (KeyboardInterrupt, CranktopoError) as error:
+            stopped = isinstance(error, KeyboardInterrupt) or error.code == ExitCode.INTERRUPTED
+            run.set_status("interrupted" if stopped else "failed")
+            if not stopped:
+                run.log(f"failed: {error}")
+                raise
+            raise CranktopoError(
+                f"interrupted; finished steps are kept in {run.path}.",
+                hint=f"Continue with: {resume_command(run)}",
+                code=ExitCode.INTERRUPTED,
+            ) from None
+        write_json(run.path / RESULT_FILES[LOOP], outcome.as_json())
+        run.set_status("done")
+        run.log(outcome.stop_reason)
+        return outcome
+
+
+def _loop(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
+    scenes = [scene]
+    steps = [_original(run.path / "original", scene, settings, say)]
+    reason = f"all {settings.steps} steps done"
+    durations: list[float] = []
+    for number in range(1, settings.steps + 1):
+        folder = run.path / f"step-{number:02d}"
+        left = settings.steps - number + 1
+        guess = f", about {sum(durations) / len(durations) * left:.0f} s left" if durations else ""
+        began = time.monotonic()
+        if not (folder / STEP_FILE).is_file():
+            say(f"step {number} of {settings.steps}{guess}")
+            _step(folder, number, scenes, settings, say)
+            durations.append(time.monotonic() - began)
+        steps.append(LoopStep(**read_json(folder / STEP_FILE)["step"]))
+        scenes.append(scene_from_dict(read_json(folder / STEP_FILE)["scene"], str(folder)))
+        found = verdict(steps, settings.least_transition_mm)
+        say(f"step {number}: {_line(steps)}: {found}")
+        if found != "better":
+            reason = _reason(found, steps, settings)
+            break
+        if left > 1:
+            _write_page(run, _outcome(run, scene, steps, f"step {number} of {settings.steps} done", settings))
+    outcome = _outcome(run, scene, steps, reason, settings)
+    _write_page(run, outcome)
+    return outcome
+
+
+def _outcome(
+    run: RunStore, scene: Scene, steps: Sequence[LoopStep], reason: str, settings: Settings
+) -> Outcome:
+    best = best_step(steps, settings.least_transition_mm)
+    return Outcome(run.path, scene.name, tuple(steps), reason, best, settings)
+
+
+def _write_page(run: RunStore, outcome: Outcome) -> None:
+    """The report of what is done so far."""
+    write_report(iterate_page(outcome.as_json(), run.manifest(), run.path), run.path / REPORT)
+
+
+def _original(folder: Path, scene: Scene, settings: Settings, say: Say) -> LoopStep:
+    if not (folder / STEP_FILE).is_file():
+        say("judging the original web")
+        folder.mkdir(exist_ok=True)
+        write_solids(scene, folder)
+        step = step_of(0, _evaluated(scene, settings), transition_mm(read_web(folder), scene))
+        write_json(folder / STEP_FILE, {"step": vars(step), "scene": scene.model_dump(mode="json")})
+    return LoopStep(**read_json(folder / STEP_FILE)["step"])
+
+
+def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings, say: Say) -> None:
+    """Optimise in the last solid, extract, re-model, judge; step.json is written last."""
+    began = time.monotonic()
+    folder.mkdir(exist_ok=True)
+    bounded, fraction = _bounded(folder, number, scenes, settings)
+    say(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
+    surface = _optimised(folder / "optimise", bounded, say)
+    say("  re-modelling")
+    fitted = fit_web(surface, bounded, settings.rules)
+    near = shape_error(fitted.scene, surface)
+    scene = scenes[0].model_copy(
+        update={"web": fitted.scene.web, "name": f"{scenes[0].name}-step-{number}", "published": None}
+    )
+    write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {scenes[0].name}"))
+    write_solids(scene, folder)
+    say("  judging")
+    found = _evaluated(scene, settings)
+    thickness = transition_mm(read_web(folder), scene)
+    removed = 100 * (1 - fraction)
+    step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began)
+    write_json(folder / STEP_FILE, {"step": vars(step), "scene": scene.model_dump(mode="json")})
+
+
+def _bounded(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings) -> tuple[Scene, float]:
+    """The design inside the last re-modelled solid, and the share of it that stays."""
+    scene = scenes[0]
+    volume = _envelope_mm3(scene)
+    share = scene.optimise.volume_fraction
+    target = volume * share ** (number / settings.steps)
+    if number > 1:
+        volume = web_volume_mm3(scenes[-1])
+        path = write_envelope(folder.parent / f"step-{number - 1:02d}")
+        envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
+        scene = scene.model_copy(update={"envelope": envelope})
+    fraction = min(target / volume, MOST_KEPT)
+    return scene.with_optimise(volume_fraction=fraction), fraction
+
+
+def _envelope_mm3(scene: Scene) -> float:
+    """Designable volume of one web."""
+    domain = stage.prepare(scene).domain
+    return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
+
+
+def _optimised(folder: Path, scene: Scene, say: Say) -> SurfaceMesh:
+    """Surface of the half throw of an optimisation, continued or read where it was begun or done before."""
+    if not (folder / "manifest.json").is_file():
+        text = toml_text(scene, "One step of a loop")
+        run, prepared = pipeline.start(scene, text, ["cranktopo", "iterate"], folder, lambda _: None)
+        pipeline.optimise(run, prepared, False, lambda *_: None)
+    elif open_run(str(folder)).manifest()["status"] != "done":
+        run, prepared = pipeline.reopen(str(folder), None, say)
+        pipeline.optimise(run, prepared, True, lambda *_: None)
+    refusal = read_json(folder / "metrics.json")["surface"].get("refusal")
+    if refusal:
+        raise CranktopoError(
+            f"{folder}: the optimised web has no sound surface. {refusal}",
+            hint="Run the loop on other cells: --resolution-mm.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+    mesh = read_surface(folder / "web.stl", scene)
+    return SurfaceMesh(mesh.vertices, mesh.faces)
+
+
+def _evaluated(scene: Scene, settings: Settings) -> Evaluation:
+    return evaluate(Target(scene.name, planned_scene(scene)), settings.element_size_mm)
+
+
+def _line(steps: Sequence[LoopStep]) -> str:
+    share = steps[-1].percent_of(steps[0])
+    return (
+        f"mass {share['mass']:.1f} %, torsion {share['torsion']:.1f} %, bending {share['bending']:.1f} %, "
+        f"torsion per mass {share['torsion_per_mass']:.1f} % of the original"
+    )
+
+
+def _reason(found: Verdict, steps: Sequence[LoopStep], settings: Settings) -> str:
+    last = steps[-1]
+    if found == "too thin":
+        return (
+            f"step {last.number}: the web is {last.transition_mm:.1f} mm thick beside a journal, "
+            f"less than {settings.least_transition_mm:g} mm"
+        )
+    best = max(steps[1:-1], key=lambda step: step.torsion_per_kg)
+    gain = 100 * (last.torsion_per_kg / best.torsion_per_kg - 1)
+    return (
+        f"step {last.number}: torsional stiffness per mass no longer improves "
+        f"({gain:+.2f} % on step {best.number})"
+    )

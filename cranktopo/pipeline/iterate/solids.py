@@ -1,0 +1,58 @@
+"""The solids of a step: half throw as STEP and STL, web as the next step's envelope."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.cad.solid_files import export_solid
+from cranktopo.frames import X
+from cranktopo.scene import Scene
+from cranktopo.triangles.surface_files import write_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, read_stl, solid_of
+
+WEB = "web_only.stl"
+HALF = "web"
+FACET_MM = 2.0
+_X_AXIS = (1.0, 0.0, 0.0)
+_SNAP_MM, _SIMPLIFY_MM = 1e-4, 2e-3
+
+
+def write_solids(scene: Scene, folder: Path) -> None:
+    """Write web.step and web.stl (half throw, exact solid) and the web alone.
+
+    Args:
+        scene: the design of the step.
+        folder: where the files go, with those of the step.
+
+    Raises:
+        CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
+    """
+    export_solid(scene, "half", folder / f"{HALF}.step")
+    export_solid(scene, "half", folder / f"{HALF}.stl", FACET_MM)
+    export_solid(scene, "web", folder / WEB, FACET_MM)
+
+
+def read_web(folder: Path) -> SurfaceMesh:
+    """Surface of the web alone."""
+    return read_stl(folder / WEB)
+
+
+def write_envelope(folder: Path) -> Path:
+    """Write the web of a step as an envelope that is exactly its own mirror image, once; return its path."""
+    path = folder / "envelope.stl"
+    if path.is_file():
+        return path
+    web = read_web(folder)
+    body = solid_of(web.vertices_mm, web.faces, f"web of {folder.name}")
+    half = body.trim_by_plane(_X_AXIS, 0.0).warp_batch(_snap).simplify(_SIMPLIFY_MM).warp_batch(_snap)
+    write_stl(path, mesh_of(half + half.mirror(_X_AXIS)))  # simplified before it is mirrored, else lopsided
+    return path
+
+
+def _snap(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points with |x| below a hair put on x = 0, so that the mirrored halves leave no slivers there."""
+    points[np.abs(points[:, X]) < _SNAP_MM, X] = 0.0
+    return points

@@ -1,0 +1,216 @@
+"""The re-model of a run: fitted web, its files, its shape error to the extracted body, its stiffness."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from cranktopo.cad.solid_files import export_solid
+from cranktopo.effects.simulated import without
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.evaluation import Evaluation, evaluate
+from cranktopo.evaluate.targets import Target, resolve_target
+from cranktopo.meshing.imported_body import read_surface
+from cranktopo.remodel.fit import FittedWeb, fit_web
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.shape_error import ShapeError, shape_error
+from cranktopo.report.drawing import write_drawing
+from cranktopo.scene import Scene
+from cranktopo.scene.of_run import scene_of_run
+from cranktopo.scene.writing import toml_text
+from cranktopo.store import check_destination, open_run
+from cranktopo.store.files import write_json, write_text
+from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.units import density_kg_per_mm3
+
+SCHEMA_VERSION = 1
+_FACET_MM = 1.0
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class RemodelEvaluations:
+    """Evaluations by the judge.
+
+    Attributes:
+        body: the extracted body, which has no fillets.
+        sharp: the fitted web without its fillets, for a like comparison.
+        fitted: the fitted web as it is.
+    """
+
+    body: Evaluation
+    sharp: Evaluation
+    fitted: Evaluation
+
+
+def remodel(
+    reference: str,
+    out: Path | None,
+    rules: ManufacturingLimits,
+    judged: bool,
+    progress: Progress = lambda _: None,
+) -> dict[str, Any]:
+    """Re-model the web of a finished run and write every file.
+
+    Args:
+        reference: path or name of the run.
+        out: folder to write to, by default `remodel` in the run; it must not hold files.
+        rules: bounds of the web.
+        judged: whether the judge compares stiffnesses, which takes three evaluations.
+        progress: called with one line per step.
+
+    Returns:
+        What is in remodel.json.
+
+    Raises:
+        CranktopoError: not a finished run, a surface that is not sound, or no web that keeps the rules.
+    """
+    began = time.perf_counter()
+    run = open_run(reference)
+    target = resolve_target(str(run.path))
+    folder = out or run.path / "remodel"
+    check_destination(folder)
+    scene = scene_of_run(run)
+    surface = _surface(target, scene)
+    progress(f"{run.name}: fitting a parametric web")
+    fitted = fit_web(surface, scene, rules)
+    near = shape_error(without(fitted.scene, "fillets"), surface)
+    folder.mkdir(parents=True, exist_ok=True)
+    files = write_remodel(fitted, near, surface, folder, progress)
+    stiffness = _judge(target, fitted.scene, progress) if judged else None
+    data = _as_json(run.name, fitted, near, rules, stiffness, files)
+    data["seconds"] = {"total": time.perf_counter() - began}
+    write_json(folder / files["json"], data)
+    return {**data, "folder": str(folder)}
+
+
+def write_remodel(
+    fitted: FittedWeb, near: ShapeError, surface: SurfaceMesh, folder: Path, progress: Progress
+) -> dict[str, str]:
+    """Write the scene, STEP and STL of the half throw and the drawing of a fitted web.
+
+    Args:
+        fitted: the web.
+        near: how near it is to the body.
+        surface: the body, drawn as dashed lines.
+        folder: an existing folder.
+        progress: called with one line per step.
+
+    Returns:
+        Names of the files by kind.
+
+    Raises:
+        CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
+    """
+    scene = fitted.scene
+    files = {"design": f"{scene.name}.toml", "step": "half_throw.step", "stl": "half_throw.stl"}
+    files |= {"drawing": "drawing.png", "drawing_svg": "drawing.svg", "json": "remodel.json"}
+    progress(f"{scene.name}: writing the solid and the drawing")
+    heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
+    write_text(folder / files["design"], toml_text(scene, heading))
+    export_solid(scene, "half", folder / files["step"])
+    export_solid(scene, "half", folder / files["stl"], _FACET_MM)
+    drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
+    write_drawing(scene, surface, drawing_notes(fitted, near), drawings)
+    return files
+
+
+def drawing_notes(fitted: FittedWeb, near: ShapeError) -> list[str]:
+    """Lines of the drawing's title block: material, mass, how well it fits, what the stations gained.
+
+    Args:
+        fitted: the fitted web and what was tried.
+        near: how close it came to the extracted body.
+    """
+    scene = fitted.scene
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    lines = [
+        f"material {scene.material.name}, web {density * near.web_volume_mm3:.3f} kg "
+        f"(extracted body {density * near.body_web_volume_mm3:.3f} kg)",
+        f"overlap (IoU): web {100 * near.web_iou:.1f} %, half throw {100 * near.iou:.1f} %",
+        f"surface distance: mean {near.mean_distance_mm:.2f} mm, largest {near.max_distance_mm:.2f} mm",
+        "",
+        "overlap of the web with ... (+ kept)",
+    ]
+    lines += [
+        f"  {trial.step}: {trial.iou_percent:.1f} %, {trial.gain_percent:+.2f}{' +' if trial.kept else ''}"
+        for trial in fitted.trials
+    ]
+    return lines
+
+
+def _surface(target: Target, scene: Scene) -> SurfaceMesh:
+    if target.file is None:
+        raise CranktopoError(f"target '{target.name}': has no surface.", hint="Give a finished run.")
+    mesh = read_surface(target.file, scene)
+    return SurfaceMesh(mesh.vertices, mesh.faces)
+
+
+def _judge(target: Target, scene: Scene, progress: Progress) -> RemodelEvaluations:
+    sharp = Target(f"{scene.name}, no fillets", without(scene, "fillets"))
+    body, bare, whole = (
+        evaluate(what, None, progress) for what in (target, sharp, Target(scene.name, scene))
+    )
+    return RemodelEvaluations(body, bare, whole)
+
+
+def _as_json(
+    run: str,
+    fitted: FittedWeb,
+    near: ShapeError,
+    rules: ManufacturingLimits,
+    stiffness: RemodelEvaluations | None,
+    files: dict[str, str],
+) -> dict[str, Any]:
+    scene = fitted.scene
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    units = {name: "deg" if name.endswith("draft") else "mm" for name in fitted.names}
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "run": run,
+        "design": scene.name,
+        "web": scene.web.model_dump(mode="json"),
+        "parameters": [
+            {"name": name, "value": value, "unit": units[name]}
+            for name, value in zip(fitted.names, fitted.values, strict=True)
+        ],
+        "iou": {"web": near.web_iou, "half_throw": near.iou},
+        "distance_mm": {
+            "mean": near.mean_distance_mm,
+            "max": near.max_distance_mm,
+            "max_at": list(near.farthest_mm),
+        },
+        "web_mass_kg": {
+            "fitted": density * near.web_volume_mm3,
+            "body": density * near.body_web_volume_mm3,
+            "difference_percent": 100 * (near.web_volume_mm3 / near.body_web_volume_mm3 - 1),
+        },
+        "stiffness": None if stiffness is None else _stiffness_json(stiffness),
+        "trials": [asdict(trial) for trial in fitted.trials],
+        "overlap_by_start": list(fitted.overlaps),
+        "not_represented": [
+            {**asdict(leftover), "share_percent": 100 * leftover.volume_mm3 / near.body_web_volume_mm3}
+            for leftover in fitted.residual_regions
+        ],
+        "rules": asdict(rules),
+        "files": files,
+    }
+
+
+def _stiffness_json(judged: RemodelEvaluations) -> dict[str, Any]:
+    """Evaluations, and the difference of the fitted web without fillets from the body, %."""
+    body, sharp = judged.body, judged.sharp
+    return {
+        "body": body.as_json(),
+        "fitted_without_fillets": sharp.as_json(),
+        "fitted": judged.fitted.as_json(),
+        "difference_percent": {
+            "torsion": 100 * (sharp.torsion_Nm_per_rad / body.torsion_Nm_per_rad - 1),
+            "bending": 100 * (sharp.bending_N_per_mm / body.bending_N_per_mm - 1),
+            "torsion_per_mass": 100
+            * (sharp.torsion_Nm_per_rad / sharp.throw_kg / body.torsion_Nm_per_rad * body.throw_kg - 1),
+        },
+    }

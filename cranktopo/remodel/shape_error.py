@@ -1,0 +1,110 @@
+"""How near two bodies are: overlap of their volumes, distances between their surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.cad.solid_files import surface_of
+from cranktopo.scene import Scene
+from cranktopo.store.manifest import SEED
+from cranktopo.surface.fidelity import distances_mm
+from cranktopo.surface.solids import web_slab
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+Array = NDArray[np.float64]
+_SAMPLES = 10_000
+
+
+@dataclass(frozen=True)
+class ShapeError:
+    """Fitted against extracted body; web means the part between the web faces.
+
+    Attributes:
+        iou: intersection over union of the half throws.
+        web_iou: the same of the webs alone.
+        mean_distance_mm, max_distance_mm: between the surfaces of the webs, both ways.
+        farthest_mm: where the largest distance is, (x, y, z).
+        web_volume_mm3, body_web_volume_mm3: of the fitted and of the extracted web.
+    """
+
+    iou: float
+    web_iou: float
+    mean_distance_mm: float
+    max_distance_mm: float
+    farthest_mm: tuple[float, float, float]
+    web_volume_mm3: float
+    body_web_volume_mm3: float
+
+
+def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
+    """Compare the exact solid of a scene with an extracted body.
+
+    Args:
+        scene: the design with the fitted web.
+        surface: closed surface of the extracted half throw, mm.
+    """
+    body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
+    half, web = (_solid(scene, part) for part in ("half", "web"))
+    slab = web_slab(body, scene)
+    mean, largest, where = surface_distance_mm(mesh_of(web), mesh_of(slab))
+    return ShapeError(
+        overlap(half, body),
+        overlap(web, slab),
+        mean,
+        largest,
+        where,
+        float(web.volume()),
+        float(slab.volume()),
+    )
+
+
+def overlap(one: Manifold, other: Manifold) -> float:
+    """Intersection over union of two solids, 0 to 1.
+
+    Args:
+        one, other: the solids, in one frame and unit.
+    """
+    both = (one ^ other).volume()
+    return float(both / (one.volume() + other.volume() - both))
+
+
+def surface_distance_mm(
+    one: SurfaceMesh, other: SurfaceMesh
+) -> tuple[float, float, tuple[float, float, float]]:
+    """Mean and largest distance between two surfaces, each way from evenly spread samples.
+
+    Args:
+        one, other: the surfaces.
+
+    Returns:
+        Mean, largest, and the point of the largest, mm.
+    """
+    random = np.random.default_rng(SEED)
+    points, others = (_samples(mesh, random) for mesh in (one, other))
+    places = np.vstack([points, others])
+    distances = np.concatenate([distances_mm(points, other), distances_mm(others, one)])
+    x, y, z = places[int(distances.argmax())]
+    return float(distances.mean()), float(distances.max()), (float(x), float(y), float(z))
+
+
+def _solid(scene: Scene, part: str) -> Manifold:
+    mesh = surface_of(scene, "half" if part == "half" else "web")
+    return solid_of(mesh.vertices_mm, mesh.faces, f"fitted {part}")
+
+
+def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> Array:
+    """Points spread evenly over a surface, (n, 3)."""
+    a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    face = np.searchsorted(np.cumsum(area) / area.sum(), (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
+    u, v = random.random((2, _SAMPLES, 1))
+    flip = u + v > 1
+    u, v = np.where(flip, 1 - u, u), np.where(flip, 1 - v, v)
+    return np.asarray(a[face] + u * (b - a)[face] + v * (c - a)[face])

@@ -1,0 +1,63 @@
+"""From a design of the optimiser to a surface that passed every gate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.build import Domain
+from cranktopo.optimise.loop import Design
+from cranktopo.scene import Scene
+from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.half_throw import WebSurface, extract_half_throw
+from cranktopo.surface.surface_checks import SurfaceReport, check_surface
+from cranktopo.surface.undercuts import Undercuts, undercuts
+from cranktopo.surface.web_fields import web_fields
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CheckedSurface:
+    """The surface of a design, and the fields that it was made of.
+
+    Attributes:
+        surface: the surface.
+        gates: its checked properties.
+        grid: physical density of the web's cells.
+        usable: part of each cell that can hold material.
+        smooth: filtered density.
+    """
+
+    surface: WebSurface
+    gates: SurfaceReport
+    grid: DensityGrid
+    usable: Array
+    smooth: Array
+
+    @property
+    def cell_mm(self) -> float:
+        """Smallest edge of the cells."""
+        return float(self.grid.cell_mm.min())
+
+    def undercuts(self, scene: Scene) -> Undercuts:
+        """What a die that parts in x = 0 could not release, to half a cell."""
+        return undercuts(self.surface.web, scene, self.cell_mm / 2)
+
+
+def checked_surface(scene: Scene, domain: Domain, design: Design) -> CheckedSurface:
+    """Surface of a design.
+
+    Args:
+        scene: the scene, as simulated.
+        domain: its cells.
+        design: densities of the web's layers.
+
+    Raises:
+        CranktopoError: a surface that fails a gate, as that of a grey density does.
+    """
+    grid, usable, smooth = web_fields(domain, design)
+    surface = extract_half_throw(grid, scene, usable, smooth)
+    return CheckedSurface(surface, check_surface(surface), grid, usable, smooth)

@@ -1,0 +1,103 @@
+"""Does a die that parts in the plane x = 0 release the web? Rays along x tell, whatever made the surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.frames import X, Y, Z
+from cranktopo.scene import Scene
+from cranktopo.surface.solids import web_bores, web_slab
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
+
+Array = NDArray[np.float64]
+RELEASED_SHARE = 1e-4
+"""Undercuts below this share of the web are grazing slivers that the triangles themselves do not resolve."""
+_BEYOND_MM = 1.0
+_TOUCH_MM = 1e-3
+
+
+@dataclass(frozen=True)
+class Undercuts:
+    """What a die could not release.
+
+    Attributes:
+        rays: rays that met the web.
+        caught: rays with void between the parting plane and solid further out.
+        deepest_mm: longest such void along one ray and side.
+        volume_mm3: volume of all such voids, both sides.
+        web_mm3: volume of the web.
+    """
+
+    rays: int
+    caught: int
+    deepest_mm: float
+    volume_mm3: float
+    web_mm3: float
+
+    @property
+    def released(self) -> bool:
+        """Whether a die lets go of the web."""
+        return self.volume_mm3 <= RELEASED_SHARE * self.web_mm3
+
+    def as_json(self) -> dict[str, Any]:
+        """The values by name."""
+        return {
+            "rays": self.rays,
+            "caught_rays": self.caught,
+            "deepest_mm": self.deepest_mm,
+            "volume_mm3": self.volume_mm3,
+            "released": self.released,
+        }
+
+
+def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
+    """Undercuts of a web along x on either side of the plane x = 0, both bores filled.
+
+    Args:
+        web: closed surface of the web between its faces.
+        scene: its bores, which are drilled after the die.
+        step_mm: distance between rays.
+    """
+    body = solid_of(web.vertices_mm, web.faces, "web") + web_bores(scene)
+    low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
+    ends = low[X] - _BEYOND_MM, high[X] + _BEYOND_MM
+    y, z = (_centres(low[axis], high[axis], step_mm) for axis in (Y, Z))
+    area = float(y[1] - y[0]) * float(z[1] - z[0])
+    met, voids = 0, []
+    for v in y.tolist():
+        for w in z.tolist():
+            hits = body.ray_cast((ends[0], v, w), (ends[1], v, w))
+            met += bool(hits)
+            cuts = np.array([hit.position[X] for hit in hits])
+            voids += [_void_mm(cuts), _void_mm(-cuts[::-1])]
+    lengths = np.array(voids).reshape(-1, 2)
+    caught = int((lengths > _TOUCH_MM).any(axis=1).sum())
+    return Undercuts(met, caught, float(lengths.max()), float(lengths.sum() * area), web.volume_mm3)
+
+
+def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
+    """Undercuts of the web of a half throw, from any source.
+
+    Args:
+        half_throw: closed surface with journals.
+        scene: its bores and web faces.
+        step_mm: distance between rays.
+    """
+    body = solid_of(half_throw.vertices_mm, half_throw.faces, "half throw")
+    return undercuts(mesh_of(web_slab(body, scene)), scene, step_mm)
+
+
+def _centres(low: float, high: float, step: float) -> Array:
+    """Middles of at least two equal steps between two ends; off the round numbers that faces lie on."""
+    count = max(2, round((high - low) / step))
+    return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5), dtype=np.float64)
+
+
+def _void_mm(cuts: Array) -> float:
+    """Length of void between x = 0 and the outermost solid at x > 0, for sorted entries and exits."""
+    inside = cuts.reshape(-1, 2).clip(min=0.0) if len(cuts) % 2 == 0 else np.zeros((0, 2))
+    return float(inside.max() - np.diff(inside).sum()) if len(inside) else 0.0

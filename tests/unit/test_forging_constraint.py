@@ -1,0 +1,263 @@
+"""Draw direction: monotone densities, exact derivatives, releasable surfaces counted by rays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import Manifold
+
+from cranktopo.cli.main import main
+from cranktopo.domain.build import Domain, build_domain
+from cranktopo.effects import plan, simulated_scene
+from cranktopo.fem.model import build_model
+from cranktopo.fem.response import compliance_gradients, compliances, solve
+from cranktopo.optimise.forging_constraint import SHARPNESS, open_cells, parting_index, without_undercuts
+from cranktopo.optimise.loop import build_chain
+from cranktopo.optimise.material import Interpolation, physical_density, relative_moduli, smooth_density
+from cranktopo.optimise.optimality_criteria import design_gradients
+from cranktopo.scene import Scene
+from cranktopo.scene.geometry import OutlineEnvelope
+from cranktopo.surface.undercuts import undercuts
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
+from tests.physics.throw_cases import BENDING, TORSION
+from tests.unit.surface_cases import scene_with
+
+
+def forged(scene: Scene) -> Scene:
+    scene = scene.model_copy(update={"optimise": scene.optimise.model_copy(update={"process": "forged"})})
+    return simulated_scene(scene, plan(scene))
+
+
+def chain_of(scene: Scene, **grid: Any) -> tuple[Domain, Interpolation]:
+    domain = build_domain(scene, 4.5, **grid)
+    return domain, build_chain(scene, domain)
+
+
+@pytest.fixture(params=["quarter", "half"])
+def chain(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> Interpolation:
+    return chain_of(forged(mikron), extent=request.param)[1]
+
+
+def noise(chain: Interpolation, seed: int = 0) -> jax.Array:
+    return jnp.asarray(np.random.default_rng(seed).random(chain.design.shape))
+
+
+@pytest.mark.parametrize("beta", [1.0, 16.0])
+def test_density_never_grows_away_from_the_parting_plane(chain: Interpolation, beta: float) -> None:
+    density = np.asarray(physical_density(chain, noise(chain), beta))
+    free = np.asarray(chain.design) > 0
+    assert chain.parting is not None
+    right, left = slice(chain.parting, None), slice(chain.parting - 1, None, -1) if chain.parting else None
+    for side in (right, left):
+        if side is None:
+            continue
+        # Where not designable (a bore) the density of the next inner cell counts.
+        value, inner = density[side], np.inf
+        for row, usable in zip(value, free[side], strict=True):
+            assert np.all(np.where(usable, row, 0.0) <= inner + 1e-12)
+            inner = np.where(usable, row, inner)
+    assert density[free].max() > 0.02
+
+
+def test_smooth_minimum_is_between_its_bounds(float64: None) -> None:
+    rng = np.random.default_rng(4)
+    density, free = rng.random((12, 5, 3)), rng.random((12, 5, 3)) > 0.2
+    result = np.asarray(without_undercuts(jnp.asarray(density), jnp.asarray(free), 5))
+    hard = np.where(free, density, 1.0)
+    hard = np.concatenate([np.minimum.accumulate(hard[:5][::-1])[::-1], np.minimum.accumulate(hard[5:])])
+    assert np.all(result <= hard + 1e-12)
+    assert np.all(result >= np.maximum(hard - np.log(12) / SHARPNESS, 0) - 1e-12)
+    for constant in (0.0, 1.0):
+        uniform = without_undercuts(jnp.full((12, 5, 3), constant), jnp.ones((12, 5, 3), bool), 5)
+        np.testing.assert_allclose(uniform, constant, atol=1e-12)
+
+
+def test_quarter_is_the_half(float64: None, mikron: Scene) -> None:
+    quarter, half = (chain_of(forged(mikron), extent=extent)[1] for extent in ("quarter", "half"))
+    assert (quarter.parting, half.parting) == (0, 11)  # 48 mm in cells of 4.36 mm, one cell of padding
+    x = noise(quarter, 2)
+    mirrored = jnp.zeros(half.design.shape).at[:22].set(jnp.concatenate([x[:11][::-1], x[:11]]))
+    both = smooth_density(half, mirrored)
+    inside = np.asarray(quarter.design)[:11] > 0
+    expected = np.asarray(smooth_density(quarter, x))[:11]
+    np.testing.assert_allclose(np.asarray(both)[11:22][inside], expected[inside], rtol=1e-10)
+
+
+def test_derivatives_of_the_chain(float64: None, mikron: Scene) -> None:
+    """Compliance through filter, die, projection and penalty, against a fourth-order difference."""
+    scene = forged(mikron)
+    domain, chain = chain_of(scene)
+    model = build_model(scene, domain, (BENDING, TORSION))
+    x = 0.3 + 0.5 * noise(chain, 1)
+    direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * chain.design
+
+    def moduli(x: jax.Array) -> jax.Array:
+        return relative_moduli(chain, physical_density(chain, x, 2.0))
+
+    def work(x: jax.Array) -> float:
+        return float(compliances(model, solve(model, moduli(x), tolerance=1e-11).displacements)[1])
+
+    u = solve(model, moduli(x), tolerance=1e-11).displacements
+    by_x, _ = design_gradients(chain, x, jnp.asarray(2.0), compliance_gradients(model, u)[1])
+    step = 1e-3
+    f = [work(x + k * step * direction) for k in (-2, -1, 1, 2)]
+    expected = (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step)
+    assert float(jnp.sum(by_x * direction)) == pytest.approx(expected, rel=1e-5)
+
+
+def test_derivatives_on_both_sides(chain: Interpolation) -> None:
+    """Any weighting of the density, in the quarter and in the half with its two sides."""
+    x, direction = 0.2 + 0.6 * noise(chain, 1), noise(chain, 3) - 0.5
+    weights = noise(chain, 5)
+
+    def value(x: jax.Array) -> jax.Array:
+        return jnp.sum(weights * physical_density(chain, x, 4.0))
+
+    step = 1e-4
+    f = [float(value(x + k * step * direction)) for k in (-2, -1, 1, 2)]
+    expected = (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step)
+    assert float(jnp.sum(jax.grad(value)(x) * direction)) == pytest.approx(expected, rel=1e-8)
+
+
+def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> None:
+    domain = build_domain(mikron, 4.5, extent="half")
+    through = open_cells(mikron, domain)
+    middle = parting_index(domain)
+    row = int(np.searchsorted(domain.grid.y_mm, 0.0))
+    assert not domain.design[middle, row].any()  # the bore of the main journal
+    assert through[middle, row].all()
+    whole, plain = chain_of(forged(mikron))[1], chain_of(mikron)[1]
+    np.testing.assert_array_equal(whole.design, plain.design)
+    # An outline like a U: its legs hang beside a gap that no die half can reach around.
+    points = [(-40, -30), (40, -30), (40, 110), (30, 110), (30, 78), (-30, 78), (-30, 110), (-40, 110)]
+    envelope = OutlineEnvelope(shape="outline", points_mm=tuple((float(a), float(b)) for a, b in points))
+    horned = mikron.model_copy(update={"envelope": envelope})
+    domain, chain = chain_of(forged(horned))
+    legs = domain.grid.y_mm[:-1] > 80
+    slab = domain.design[:, :, slice(*domain.web_layers)]
+    assert slab[:, legs].sum() > 0
+    assert float(chain.design[:, legs].sum()) == 0.0
+    np.testing.assert_array_equal(
+        np.asarray(chain.design)[:, domain.grid.y_mm[1:] < 78], slab[:, domain.grid.y_mm[1:] < 78]
+    )
+
+
+@pytest.mark.parametrize(
+    ("process", "choice", "state"),
+    [
+        ("free", "auto", "off"),
+        ("forged", "auto", "on"),
+        ("cast", "auto", "on"),
+        ("forged", "off", "off"),
+        ("free", "on", "on"),
+    ],
+)
+def test_plan(mikron: Scene, process: str, choice: str, state: str) -> None:
+    scene = mikron.model_copy(
+        update={
+            "optimise": mikron.optimise.model_copy(update={"process": process}),
+            "effects": mikron.effects.model_copy(update={"manufacturing_constraint": choice}),
+        }
+    )
+    effect = plan(scene)["manufacturing_constraint"]
+    assert effect.state == state
+    assert (process if choice == "auto" else choice) in effect.reason
+    simulated = simulated_scene(scene, plan(scene)).effects.manufacturing_constraint
+    assert (simulated == "on") == (state == "on")
+
+
+def block(*voids: Manifold) -> SurfaceMesh:
+    body = Manifold.cube((60, 90, 19)).translate((-30, -25, 20))
+    for void in voids:
+        body -= void
+    return mesh_of(body)
+
+
+def test_undercuts_have_their_volume() -> None:
+    """A groove on one side only, beside the bores that may stay."""
+    scene = scene_with()
+    slot = Manifold.cube((6, 20, 30)).translate((14, 15, 25))  # x 14 .. 20, y 15 .. 35, z 25 .. 39
+    found = undercuts(block(slot), scene, 0.5)
+    assert found.volume_mm3 == pytest.approx(6 * 20 * 14, rel=0.01)
+    assert found.deepest_mm == pytest.approx(6.0, abs=1e-6)
+    assert found.caught == pytest.approx(20 * 14 / 0.25, rel=0.02)
+    assert not found.released
+
+
+@pytest.mark.parametrize(
+    "void",
+    [
+        Manifold.cube((40, 20, 30)).translate((14, 15, 25)),  # open to the side: the die reaches in
+        Manifold.cylinder(40, 12, 12, 64).translate((0, 0, 10)),  # a bore
+        Manifold.cube((80, 20, 30)).translate((-40, 15, 25)),  # nothing left on either side
+    ],
+    ids=["pocket", "bore", "step"],
+)
+def test_no_undercut(void: Manifold) -> None:
+    found = undercuts(block(void), scene_with(), 0.5)
+    assert (found.caught, found.deepest_mm) == (0, 0.0)
+    assert found.released
+
+
+def trapped_mm3(path: Path, scene: Scene, step: float = 0.7) -> float:
+    """Void between x = 0 and solid further out at x > 0, rays of trimesh, bores filled."""
+    bores = [Manifold.cylinder(21, 12, 12, 128).translate((0, y, 19)) for y in (0.0, scene.throw.radius_mm)]
+    mesh = trimesh.load_mesh(path)
+    solid = sum(bores, Manifold()) + _slab(mesh)
+    body = mesh_of(solid)
+    y, z = np.meshgrid(np.arange(-34.03, 82, step), np.arange(20.11, 39, step), indexing="ij")
+    origin = np.stack([np.full(y.size, 1e-3), y.ravel(), z.ravel()], axis=1)
+    surface = trimesh.Trimesh(body.vertices_mm, body.faces, process=False)
+    points, rays, _ = surface.ray.intersects_location(origin, np.tile([1.0, 0.0, 0.0], (len(origin), 1)))
+    total = 0.0
+    for ray in np.unique(rays):
+        cuts = np.unique(points[rays == ray, 0].round(5))
+        starts = np.concatenate([[0.0], cuts]) if len(cuts) % 2 else cuts  # odd: it begins inside
+        total += starts.max() - np.diff(starts.reshape(-1, 2)).sum()
+    return total * step**2
+
+
+def _slab(mesh: trimesh.Trimesh) -> Manifold:
+    from cranktopo.triangles.surface_mesh import solid_of
+
+    body = solid_of(mesh.vertices, mesh.faces, "half throw")
+    return body.trim_by_plane((0.0, 0.0, 1.0), 20.0).trim_by_plane((0.0, 0.0, -1.0), -39.0)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    folder = tmp_path_factory.mktemp("die")
+    for process in ("free", "forged"):
+        arguments = ["--process", process, "--resolution-mm", "4.5", "--volume-fraction", "0.2"]
+        arguments += ["--out", str(folder / process)]
+        assert main(["optimise", *arguments]) == 0
+    return lambda process: folder / process
+
+
+def test_a_die_releases_the_forged_web_and_not_the_free_one(
+    runs: Callable[[str], Path], mikron: Scene
+) -> None:
+    metrics = {p: json.loads((runs(p) / "metrics.json").read_text()) for p in ("free", "forged")}
+    trapped = {p: trapped_mm3(runs(p) / "web.stl", mikron) for p in metrics}
+    web = metrics["forged"]["surface"]["web_volume_mm3"]
+    assert trapped["free"] > 0.02 * web
+    assert trapped["forged"] < 1e-4 * web
+    for process, found in metrics.items():
+        own = found["surface"]["undercuts"]
+        assert own["released"] == (process == "forged")
+        assert own["volume_mm3"] == pytest.approx(2 * trapped[process], rel=0.1, abs=1e-4 * web)
+    assert metrics["forged"]["surface"]["cavities"] == 0
+    states = {e["name"]: e["state"] for e in metrics["forged"]["effects"]}
+    assert states["manufacturing_constraint"] == "on"
+    # What the die costs so coarsely and so light: a tenth of the torsional stiffness at the same mass.
+    for name, key in (("bending", "stiffness_N_per_mm"), ("torsion", "stiffness_Nm_per_rad")):
+        ratio = metrics["forged"]["load_cases"][name][key] / metrics["free"]["load_cases"][name][key]
+        assert 0.85 < ratio < 1.1

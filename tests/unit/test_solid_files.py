@@ -1,0 +1,75 @@
+"""Files of exact solids: what is written reads back with the same volume."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from cranktopo.cad.solid_files import export_solid, step_volume_mm3
+from cranktopo.errors import CranktopoError
+from cranktopo.formats import SolidPart
+from cranktopo.scene import Scene
+from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+
+SHARP_WEB_MM3 = 19.0 * (50 * 48 + math.pi * 25**2 - 2 * math.pi * 12**2)
+
+
+@pytest.mark.parametrize("part", ["web", "half", "throw", "crankshaft"])
+def test_step_keeps_the_volume(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
+    path = tmp_path / f"{part}.step"
+    volume = export_solid(mikron, part, path)
+    assert step_volume_mm3(path) == pytest.approx(volume, rel=1e-6)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_parts_add_up(mikron: Scene, tmp_path: Path) -> None:
+    parts: tuple[SolidPart, ...] = ("web", "half", "throw")
+    volumes = {part: export_solid(mikron, part, tmp_path / f"{part}.step") for part in parts}
+    assert volumes["web"] == pytest.approx(SHARP_WEB_MM3, rel=1e-6)
+    assert volumes["throw"] == pytest.approx(2 * volumes["half"], rel=1e-6)
+
+
+def test_lopsided_throw_survives(tmp_path: Path) -> None:
+    scene = mikron_with(0.0, pocket=[LOPSIDED])
+    volume = export_solid(scene, "half", tmp_path / "half.step")
+    whole = export_solid(mikron_with(0.0), "half", tmp_path / "whole.step")
+    assert whole - volume == pytest.approx(19.0 * math.pi * 7.0**2, rel=1e-6)
+    assert step_volume_mm3(tmp_path / "half.step") == pytest.approx(volume, rel=1e-6)
+
+
+def test_stl_is_closed_and_near(mikron: Scene, tmp_path: Path) -> None:
+    """Facets of 1 mm chords cut at most a thousandth off."""
+    volume = export_solid(mikron, "web", tmp_path / "web.stl", facet_mm=1.0)
+    surface = trimesh.load_mesh(tmp_path / "web.stl")
+    assert surface.is_watertight
+    assert surface.is_winding_consistent
+    assert surface.volume == pytest.approx(volume, rel=1e-3)
+
+
+def test_unknown_suffix_leaves_nothing(mikron: Scene, tmp_path: Path) -> None:
+    with pytest.raises(CranktopoError, match=r"must end in \.step, \.stp or \.stl"):
+        export_solid(mikron, "web", tmp_path / "web.obj")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["web.STL", "web.Step"])
+def test_suffix_in_capitals(name: str, mikron: Scene, tmp_path: Path) -> None:
+    export_solid(mikron, "web", tmp_path / name, facet_mm=4.0)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).stat().st_size > 10_000
+
+
+def test_unwritable_target_is_named_with_its_reason(mikron: Scene, tmp_path: Path) -> None:
+    """No folder, and a folder in its place: not a failure of gmsh, and nothing about dimensions."""
+    (tmp_path / "taken.step").mkdir()
+    for path, reason in (
+        (tmp_path / "absent" / "web.step", "its folder does not exist"),
+        (tmp_path / "taken.step", "is a folder"),
+    ):
+        with pytest.raises(CranktopoError, match=reason) as caught:
+            export_solid(mikron, "web", path)
+        assert caught.value.code == 2
+    assert [path.name for path in tmp_path.rglob("*")] == ["taken.step"]
