@@ -15,4 +15,4 @@ Fraction = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
 class SceneTable(BaseModel):
     """A TOML table: immutable, unknown keys refused, numbers not coerced from text."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False, use_attribute_docstrings=True)

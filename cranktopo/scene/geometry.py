@@ -13,10 +13,14 @@ from cranktopo.scene.base import Finite, NonNegative, Positive, SceneTable
 class Journal(SceneTable):
     """A main journal or crankpin: a cylinder with an axial bore (0 = solid) and a fillet (0 = sharp)."""
 
-    outer_diameter_mm: Positive
+    outer_diameter_mm: Positive = Field(examples=[42.0])
+    """Outer diameter."""
     bore_diameter_mm: NonNegative = 0.0
-    length_mm: Positive
+    """Diameter of the axial bore, which runs on through the web; 0 = solid."""
+    length_mm: Positive = Field(examples=[38.0])
+    """Full length between the webs; the half throw has half of it."""
     fillet_mm: NonNegative = 0.0
+    """Radius of the fillet to the web; 0 = sharp. Smaller than half the length."""
 
     @property
     def radius_mm(self) -> float:
@@ -32,7 +36,8 @@ class Journal(SceneTable):
 class Throw(SceneTable):
     """Crank throw: radius and its two journals."""
 
-    radius_mm: Positive
+    radius_mm: Positive = Field(examples=[48.0])
+    """Distance of the crankpin's axis from the crank axis: half the stroke."""
     main_journal: Journal
     crankpin: Journal
 
@@ -46,11 +51,17 @@ class CylinderPocket(SceneTable):
     """Cylindrical pocket with its axis parallel to the crank axis."""
 
     shape: Literal["cylinder"]
+    """Round pocket, its axis parallel to the crank axis."""
     face: Literal["through", "journal", "pin"] = "through"
+    """Web face that it starts from; `through` = a hole through the web."""
     x_mm: Finite = 0.0
-    y_mm: Finite
-    diameter_mm: Positive
-    depth_mm: Positive | None = None
+    """Centre across the throw, from the crank axis."""
+    y_mm: Finite = Field(examples=[24.0])
+    """Centre along the throw, from the crank axis toward the crankpin."""
+    diameter_mm: Positive = Field(examples=[6.0])
+    """Diameter."""
+    depth_mm: Positive | None = Field(default=None, examples=[5.0])
+    """Depth below the face; needed unless it goes through."""
 
 
 class SidePocket(SceneTable):
@@ -61,12 +72,19 @@ class SidePocket(SceneTable):
     """
 
     shape: Literal["side"]
-    y_mm: Finite
-    length_mm: Positive
-    height_mm: Positive
-    depth_mm: Positive
+    """Slot cut from both lateral faces, symmetric in x."""
+    y_mm: Finite = Field(examples=[24.0])
+    """Centre along the throw, from the crank axis toward the crankpin."""
+    length_mm: Positive = Field(examples=[20.0])
+    """Length of its floor along the throw; longer than the outline: a groove that runs out at both ends."""
+    height_mm: Positive = Field(examples=[8.0])
+    """Height of its floor along the crank axis."""
+    depth_mm: Positive = Field(examples=[5.0])
+    """Depth of its floor below the largest half-width of the web."""
     offset_mm: Finite = 0.0
+    """Distance of its middle from the web's mid-plane, toward the pin."""
     draft_deg: float = Field(default=0.0, ge=0, le=60)
+    """Draft angle: the walls open outward by it."""
 
     @property
     def slope(self) -> float:
@@ -78,12 +96,19 @@ class BoxPocket(SceneTable):
     """Box-shaped pocket cut from one web face."""
 
     shape: Literal["box"]
-    face: Literal["journal", "pin"]
+    """Box-shaped recess with sharp corners."""
+    face: Literal["journal", "pin"] = Field(examples=["pin"])
+    """Web face that it starts from."""
     x_mm: Finite = 0.0
-    y_mm: Finite
-    size_x_mm: Positive
-    size_y_mm: Positive
-    depth_mm: Positive
+    """Centre across the throw, from the crank axis."""
+    y_mm: Finite = Field(examples=[0.0])
+    """Centre along the throw, from the crank axis toward the crankpin."""
+    size_x_mm: Positive = Field(examples=[10.0])
+    """Size across the throw."""
+    size_y_mm: Positive = Field(examples=[10.0])
+    """Size along the throw."""
+    depth_mm: Positive = Field(examples=[4.0])
+    """Depth below the face."""
 
 
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
@@ -97,14 +122,19 @@ class EndBevel(SceneTable):
     straight across the web, and along the throw an arc that rises `crown_mm` over its chord (0 = plane).
     """
 
-    face: Literal["journal", "pin"]
-    y_mm: Finite
-    depth_mm: Positive
+    face: Literal["journal", "pin"] = Field(examples=["journal"])
+    """Face that it is cut from: `journal` bevels the crankpin's end of the web, `pin` the main journal's."""
+    y_mm: Finite = Field(examples=[60.0])
+    """Where it meets that face, along the throw from the crank axis."""
+    depth_mm: Positive = Field(examples=[8.0])
+    """Depth below that face at the very end of the outline; smaller than the web's thickness."""
     crown_mm: NonNegative = 0.0
+    """Rise of its arc over the chord; 0 = plane."""
 
 
 class _WebBase(SceneTable):
-    thickness_mm: Positive
+    thickness_mm: Positive = Field(examples=[19.0])
+    """Thickness along the crank axis."""
     bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
 
@@ -113,32 +143,44 @@ class ObroundWeb(_WebBase):
     """Slot-shaped web: both round ends centred on the axes."""
 
     outline: Literal["obround"]
-    width_mm: Positive
+    """Slot shape: both round ends centred on the axes."""
+    width_mm: Positive = Field(examples=[50.0])
+    """Width across the throw."""
 
 
 class RectangleWeb(_WebBase):
     """Rectangular web reaching `overhang_mm` beyond each axis."""
 
     outline: Literal["rectangle"]
-    width_mm: Positive
-    overhang_mm: Positive
+    """Rectangle."""
+    width_mm: Positive = Field(examples=[50.0])
+    """Width across the throw."""
+    overhang_mm: Positive = Field(examples=[25.0])
+    """Length beyond each axis."""
     corner_radius_mm: NonNegative = 0.0
+    """Radius of the corners."""
 
 
 class EllipseWeb(_WebBase):
     """Elliptical web centred half-way between the axes."""
 
     outline: Literal["ellipse"]
-    semi_axis_throw_mm: Positive
-    semi_axis_lateral_mm: Positive
+    """Ellipse centred half-way between the axes."""
+    semi_axis_throw_mm: Positive = Field(examples=[50.0])
+    """Semi-axis along the throw."""
+    semi_axis_lateral_mm: Positive = Field(examples=[32.0])
+    """Semi-axis across the throw."""
 
 
 class TaperedWeb(_WebBase):
     """Convex hull of a circle on the crank axis and a circle on the pin axis."""
 
     outline: Literal["tapered"]
-    main_radius_mm: Positive
-    pin_radius_mm: Positive
+    """Convex hull of a circle on the crank axis and one on the pin axis."""
+    main_radius_mm: Positive = Field(examples=[32.0])
+    """Radius of the circle on the crank axis."""
+    pin_radius_mm: Positive = Field(examples=[25.0])
+    """Radius of the circle on the pin axis."""
 
 
 class ProfileWeb(_WebBase):
@@ -148,8 +190,15 @@ class ProfileWeb(_WebBase):
     """
 
     outline: Literal["profile"]
-    stations_mm: tuple[Finite, ...] = Field(min_length=3)
-    half_widths_mm: tuple[NonNegative, ...] = Field(min_length=3)
+    """Half-widths at stations, joined by a spline of continuous curvature: what `remodel` fits."""
+    stations_mm: tuple[Finite, ...] = Field(
+        min_length=3, examples=[(-24.0, -15.0, 5.0, 24.0, 45.0, 64.0, 72.0)]
+    )
+    """Places along the throw from the crank axis, increasing."""
+    half_widths_mm: tuple[NonNegative, ...] = Field(
+        min_length=3, examples=[(0.0, 19.0, 31.0, 34.0, 30.0, 19.0, 0.0)]
+    )
+    """Half-width at each station; 0 at an end makes that end round."""
 
     @property
     def round_ends(self) -> tuple[bool, bool]:
@@ -164,30 +213,42 @@ Web = Annotated[
 
 class _EnvelopeBase(SceneTable):
     bearing_clearance_mm: NonNegative = 0.0
+    """Kept free of material beside the main bearing, along the crank axis."""
     rod_clearance_mm: NonNegative = 0.0
+    """Kept free of material beside the connecting rod, along the crank axis."""
 
 
 class BoxEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a box, symmetric in x."""
 
     shape: Literal["box"]
-    half_width_mm: Positive
-    y_min_mm: Finite
-    y_max_mm: Finite
+    """Box, symmetric in x."""
+    half_width_mm: Positive = Field(examples=[48.0])
+    """Half of its width across the throw."""
+    y_min_mm: Finite = Field(examples=[-34.0])
+    """Lower end along the throw."""
+    y_max_mm: Finite = Field(examples=[82.0])
+    """Upper end along the throw; above `y_min_mm`."""
 
 
 class CylinderEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a cylinder around the crank axis."""
 
     shape: Literal["cylinder"]
-    radius_mm: Positive
+    """Cylinder around the crank axis."""
+    radius_mm: Positive = Field(examples=[82.0])
+    """Its radius."""
 
 
 class OutlineEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a closed polygon of (x, y) points."""
 
     shape: Literal["outline"]
-    points_mm: tuple[tuple[Finite, Finite], ...] = Field(min_length=3)
+    """Closed polygon, extruded along the crank axis."""
+    points_mm: tuple[tuple[Finite, Finite], ...] = Field(
+        min_length=3, examples=[((-40.0, -30.0), (40.0, -30.0), (40.0, 80.0), (-40.0, 80.0))]
+    )
+    """Corners (x, y) of the polygon, in order."""
 
 
 class StlEnvelope(_EnvelopeBase):
@@ -197,8 +258,11 @@ class StlEnvelope(_EnvelopeBase):
     """
 
     shape: Literal["stl"]
-    file: str
+    """Closed surface mesh."""
+    file: str = Field(examples=["envelope.stl"])
+    """STL in mm with z along the crank and y along the throw, a path relative to this file."""
     symmetric: bool = False
+    """The mesh is its own mirror image in x = 0 (checked)."""
 
 
 Envelope = Annotated[

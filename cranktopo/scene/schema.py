@@ -43,16 +43,26 @@ def material_library() -> dict[str, dict[str, Any]]:
 class Material(SceneTable):
     """Linear elastic material; a known `name` fills in every value that is not given."""
 
-    name: str = "custom"
-    E_GPa: Positive
-    poisson: float = Field(ge=0, lt=0.5)
-    density_kg_m3: Positive
-    yield_MPa: Positive | None = None
-    ultimate_MPa: Positive | None = None
-    fatigue_tension_MPa: Positive | None = None
-    fatigue_bending_MPa: Positive | None = None
+    name: str = Field(default="custom", examples=["31CrMoV9"])
+    """A name of the library fills in every key that is not given; any other name needs own values."""
+    E_GPa: Positive = Field(examples=[210.0])
+    """Young's modulus."""
+    poisson: float = Field(ge=0, lt=0.5, examples=[0.3])
+    """Poisson's ratio."""
+    density_kg_m3: Positive = Field(examples=[7850.0])
+    """Density."""
+    yield_MPa: Positive | None = Field(default=None, examples=[900.0])
+    """Yield strength."""
+    ultimate_MPa: Positive | None = Field(default=None, examples=[1100.0])
+    """Tensile strength."""
+    fatigue_tension_MPa: Positive | None = Field(default=None, examples=[495.0])
+    """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
+    fatigue_bending_MPa: Positive | None = Field(default=None, examples=[525.0])
+    """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
     fkm_group: FkmGroup = "Steel"
+    """Material group of the FKM guideline, for `fatigue --method fkm`."""
     source: str = ""
+    """Where the values come from."""
 
     @model_validator(mode="before")
     @classmethod
@@ -75,54 +85,82 @@ class Effects(SceneTable):
     """State of each effect, and the relative change below which `auto` leaves an effect out."""
 
     threshold: float = Field(default=0.02, gt=0, lt=1)
+    """Relative change below which `auto` leaves an effect out."""
     bending: EffectState = "auto"
+    """Load case of the largest radial force."""
     torsion: EffectState = "auto"
+    """Load case of the largest torque."""
     tangential: EffectState = "auto"
+    """Load case of the force across the throw on the crankpin."""
     reciprocating_inertia: EffectState = "auto"
+    """Inertia of piston and upper end of the rod in the rod force."""
     rotating_rod_mass: EffectState = "auto"
+    """Centrifugal force of the rod's big end on the crankpin."""
     centrifugal: EffectState = "auto"
+    """Load case of the rotating throw's own body force, at the overspeed if one is given."""
     bearing_compliance: EffectState = "auto"
+    """Springs of the main bearings in series with the throw."""
     fillets: EffectState = "auto"
+    """Fillets of the journals in the body-fitted evaluation."""
     bores: EffectState = "auto"
+    """Bores of journals and web; off: solid journals."""
     lateral_symmetry: EffectState = "auto"
+    """Use of the mirror plane x = 0: half the cells, same answer."""
     manufacturing_constraint: EffectState = "auto"
+    """Forging or casting constraint of the density optimisation; needs `optimise.process`."""
     fatigue: EffectState = "auto"
+    """Fatigue safety in the plan and in `compare`."""
 
 
 class Weights(SceneTable):
     """Weight of each load case in the objective."""
 
     bending: NonNegative = 0.5
+    """Weight of the bending case."""
     torsion: NonNegative = 0.5
+    """Weight of the torsion case."""
     tangential: NonNegative = 0.5
+    """Weight of the tangential case."""
     centrifugal: NonNegative = 0.0
+    """Weight of the centrifugal case; at 0 the plan leaves it out."""
 
 
 class Optimise(SceneTable):
     """Settings of the density optimisation."""
 
     volume_fraction: Fraction = 0.3
+    """Volume of the optimised web over the volume of the design space."""
     resolution_mm: Positive = 1.5
-    filter_radius_mm: Positive | None = None
+    """Edge of the cells; each direction is adjusted so that cells end at the web's faces."""
+    filter_radius_mm: Positive | None = Field(default=None, examples=[3.0])
+    """Radius of the cone filter, which sets the thinnest member; by default 2.5 cells, at least 3 mm."""
     max_iterations: int = Field(default=150, ge=1, le=10000)
+    """Iterations after which the optimisation stops even if it has not converged."""
     weights: Weights = Weights()
     process: Process = "free"
+    """How the web is made: `forged` and `cast` webs come from a die that parts in the plane x = 0."""
 
 
 class Published(SceneTable):
     """Values printed for this variant elsewhere, to be shown beside the computed ones as ratios only."""
 
-    source: str
-    mass_kg: Positive
-    torsional_stiffness_kNm_per_rad: Positive
+    source: str = Field(examples=["author, title, year"])
+    """Where the values are printed."""
+    mass_kg: Positive = Field(examples=[1.6])
+    """Printed mass."""
+    torsional_stiffness_kNm_per_rad: Positive = Field(examples=[140.0])
+    """Printed torsional stiffness."""
 
 
 class Scene(SceneTable):
     """One throw, its loads, its design space and the settings of each stage."""
 
     schema_version: Literal[1] = 1
-    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")
+    """Version of this format."""
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", examples=["my-engine"])
+    """Name of the design in tables and run folders: letters, digits, dot, hyphen and underscore."""
     description: str = ""
+    """One line about the design, for `cranktopo designs list`."""
     throw: Throw
     web: Web
     material: Material

@@ -22,12 +22,18 @@ def bearing_library() -> dict[str, dict[str, Any]]:
 class RollerBearing(SceneTable):
     """Roller bearing given by the load-displacement table of one roller; a known `name` fills it in."""
 
-    name: str = "custom"
+    name: str = Field(default="custom", examples=["HK4520"])
+    """A name of the library fills in every key that is not given; any other name needs own values."""
     kind: Literal["radial", "thrust"] = "radial"
-    rollers: int = Field(ge=3, le=1000)
-    displacement_mm: tuple[Positive, ...] = Field(min_length=3)
-    reaction_N: tuple[NonNegative, ...] = Field(min_length=3)
+    """Direction in which the bearing carries; only radial ones support a journal."""
+    rollers: int = Field(ge=3, le=1000, examples=[38])
+    """Number of rollers."""
+    displacement_mm: tuple[Positive, ...] = Field(min_length=3, examples=[(0.001, 0.004, 0.01)])
+    """Displacements of one roller, increasing."""
+    reaction_N: tuple[NonNegative, ...] = Field(min_length=3, examples=[(33.0, 172.0, 501.0)])
+    """Reaction of one roller at each displacement, increasing."""
     source: str = ""
+    """Where the values come from."""
 
     @model_validator(mode="before")
     @classmethod
@@ -53,7 +59,11 @@ class Supports(SceneTable):
     """
 
     torsion: Literal["free", "held", "spring"] = "free"
+    """Mid-journal sections in torsion: free to move laterally and tilt, held, or on bearing springs."""
     bending: Literal["pinned", "clamped", "spring"] = "pinned"
-    bearing_spring_N_per_mm: Positive | None = None
-    bearing_clearance_mm: Positive | None = None
+    """Mid-journal sections in bending: free to tilt, clamped against tilt, or on bearing springs."""
+    bearing_spring_N_per_mm: Positive | None = Field(default=None, examples=[1.07e6])
+    """Radial stiffness of one main bearing; this or one of the next two where a support is `spring`."""
+    bearing_clearance_mm: Positive | None = Field(default=None, examples=[0.03])
+    """Radial clearance of a plain bearing: the spring is half the largest gas force over 0.8 of it."""
     roller_bearing: RollerBearing | None = None
