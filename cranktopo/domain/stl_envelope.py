@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, invalid
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
+from cranktopo.triangles.surface_files import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 _KEY = "envelope.file"
 _ALIKE = 1e-6
@@ -20,18 +19,30 @@ _LEAST_MM = 2.0
 """No web is smaller, in metres every one is."""
 
 
+@lru_cache(maxsize=4)
 def envelope_from_stl(path: Path) -> Manifold:
     """The closed body in a surface mesh file, mm, in the frame of `cranktopo.frames`.
 
     Raises:
-        CranktopoError: the file is missing, unreadable, or its surface is not closed.
+        CranktopoError: the file is missing, unreadable, in metres, or its surface is not closed.
     """
-    from manifold3d import Manifold, Mesh64
+    surface = read_stl(path, f"{_KEY} = '{path}'")
+    if len(surface.faces) == 0:
+        raise invalid(_KEY, str(path), "holds no triangles", "Export the surface again as STL, mm.")
+    largest = float(np.ptp(surface.vertices_mm, axis=0).max())
+    if largest < _LEAST_MM:
+        raise invalid(_KEY, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
+    if not surface.as_trimesh().is_watertight:
+        raise invalid(_KEY, str(path), "must be a closed surface", "Close its holes.")
+    return _one_body(surface, path)
 
-    vertices, faces = _closed_mesh(path)
-    # Copies, because the engine takes only arrays that it may write to.
-    body = Manifold(Mesh64(vertices.copy(), faces.copy()))
-    if body.status().name != "NoError" or body.volume() <= 0:
+
+def _one_body(surface: SurfaceMesh, path: Path) -> Manifold:
+    try:
+        body = solid_of(surface)
+    except CranktopoError:
+        body = None
+    if body is None or body.volume() <= 0:
         raise invalid(_KEY, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
     bodies = sum(piece.volume() > 0 for piece in body.decompose())
     if bodies > 1:
@@ -69,31 +80,5 @@ def mirror_difference(body: Manifold) -> float:
 
 
 def section(path: Path, z_mm: float) -> list[NDArray[np.float64]]:
-    """Closed contours (n, 2) of the body's cross-section at a height, mm.
-
-    Args:
-        path: STL file of one closed body, mm.
-        z_mm: height along the file's z axis.
-    """
+    """Closed contours (n, 2) of the body's cross-section at a height z, mm."""
     return [np.asarray(contour) for contour in envelope_from_stl(path).slice(z_mm).to_polygons()]
-
-
-@lru_cache(maxsize=4)
-def _closed_mesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.uint64]]:
-    import trimesh
-
-    try:
-        mesh = trimesh.load_mesh(path)
-    except Exception as error:  # trimesh passes on whatever its many readers raise
-        raise CranktopoError(
-            f"{_KEY} = '{path}': cannot be read: {error}.", hint="Give a closed STL in mm."
-        ) from None
-    if len(mesh.faces) == 0:
-        raise invalid(_KEY, str(path), "holds no triangles", "Export the surface again as STL, mm.")
-    largest = float(mesh.extents.max())
-    if largest < _LEAST_MM:
-        raise invalid(_KEY, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
-    if not mesh.is_watertight:
-        raise invalid(_KEY, str(path), "must be a closed surface", "Close its holes.")
-    vertices = np.array(mesh.vertices, np.float64, order="C")
-    return vertices, np.array(mesh.faces, np.uint64, order="C")

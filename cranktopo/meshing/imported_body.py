@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from cranktopo.cad.session import cad_session
 from cranktopo.cad.throw_solid import SolidProperties, solid_properties
 from cranktopo.errors import CranktopoError
+from cranktopo.frames import Z
 from cranktopo.meshing.remesh import tetrahedralise
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_body, ring_size_mm
 from cranktopo.scene import Scene
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
+from cranktopo.surface.solids import is_mirror_image, web_region
+from cranktopo.triangles.shells import shell_volumes_mm3
+from cranktopo.triangles.surface_files import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
@@ -45,18 +47,18 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float) -> MeshedThrow:
             raise CranktopoError(f"{path}: holds {len(body)} solids, not one.", hint="Fuse them first.")
         low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
         if abs(high - scene.pitch_mm) < _SNAP_MM:
-            body = _slab(occ, body, -1.0, scene.pitch_mm / 2, scene)
+            body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
             high = scene.pitch_mm / 2
         _check_extent(path, scene, low, high)
         half = solid_properties(occ, body)
-        web = _slab(occ, occ.copy(body), *scene.web_z_mm, scene)
+        web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
         web_volume = sum(occ.getMass(*pair) for pair in web)
         occ.remove(web, recursive=True)
         mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=False)
     return MeshedThrow(mesh, half, web_volume)
 
 
-def _slab(
+def _between(
     occ: Any, body: list[tuple[int, int]], start: float, end: float, scene: Scene
 ) -> list[tuple[int, int]]:
     size = 20 * scene.pitch_mm
@@ -66,51 +68,37 @@ def _slab(
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float) -> MeshedThrow:
-    from cranktopo.surface.solids import is_mirror_image, web_slab
-    from cranktopo.triangles.surface_mesh import solid_of
-
-    surface = read_surface(path, scene)
-    body = solid_of(surface.vertices, surface.faces, str(path))
-    x, y, z = (float(c) for c in surface.center_mass)
-    half = SolidProperties(float(surface.volume), (x, y, z), _inertia_z(surface))
+    surface = read_half_throw(path, scene)
+    body = solid_of(surface, str(path))
+    half = _properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
     if mirrored:
-        surface = _positive_x(body)
+        surface = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
     points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
-    return MeshedThrow(TetMesh(points, cells, mirrored), half, float(web_slab(body, scene).volume()))
+    return MeshedThrow(TetMesh(points, cells, mirrored), half, float(web_region(body, scene).volume()))
 
 
-def read_surface(path: Path, scene: Scene) -> Any:
-    """The closed surface (trimesh) of the half throw in an STL file, its ends snapped onto their planes.
-
-    Args:
-        path: the STL file, mm.
-        scene: the throw, whose ends the surface must have.
+def read_half_throw(path: Path, scene: Scene) -> SurfaceMesh:
+    """The closed surface of the half throw in an STL file, its ends snapped onto their planes.
 
     Raises:
         CranktopoError: unreadable, not watertight, several bodies, or another extent than the half throw's.
     """
-    import trimesh
-
-    try:
-        surface = trimesh.load_mesh(path)
-    except Exception as error:
-        raise CranktopoError(f"{path}: cannot be read as STL: {error}.", hint="Export it again.") from None
+    surface = read_stl(path, str(path))
     if len(surface.faces) == 0:
         raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
-    if not surface.is_watertight:
+    if not surface.as_trimesh().is_watertight:
         raise CranktopoError(f"{path}: the surface is not watertight.", hint="Repair it, then try again.")
-    if surface.volume < 0:
-        surface.invert()
-    bodies = sum(part.volume > 0 for part in surface.split(only_watertight=False))
+    faces = surface.faces if surface.volume_mm3 > 0 else surface.faces[:, ::-1]
+    bodies = int((shell_volumes_mm3(SurfaceMesh(surface.vertices_mm, faces)) > 0).sum())
     if bodies != 1:
         raise CranktopoError(f"{path}: holds {bodies} separate bodies.", hint="Remove the loose parts.")
-    _check_extent(path, scene, *surface.bounds[:, 2])
-    z = surface.vertices[:, 2].copy()
+    vertices = surface.vertices_mm.copy()
+    z = vertices[:, Z]
+    _check_extent(path, scene, float(z.min()), float(z.max()))
     for plane in (0.0, scene.pitch_mm / 2):
         z[np.abs(z - plane) < _SNAP_MM / 10] = plane
-    surface.vertices = np.column_stack([surface.vertices[:, :2], z])
-    return surface
+    return SurfaceMesh(vertices, faces)
 
 
 def _check_extent(path: Path, scene: Scene, low: float, high: float) -> None:
@@ -126,16 +114,8 @@ def _check_extent(path: Path, scene: Scene, low: float, high: float) -> None:
         )
 
 
-def _inertia_z(surface: Any) -> float:
-    """Integral of x2 + y2 over the volume, about the crank axis."""
-    x, y, _ = surface.center_mass
-    return float(surface.moment_inertia[2, 2] + surface.volume * (x**2 + y**2))
-
-
-def _positive_x(body: Manifold) -> Any:
-    import trimesh
-
-    from cranktopo.triangles.surface_mesh import mesh_of
-
-    half = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
-    return trimesh.Trimesh(half.vertices_mm, half.faces, process=False)
+def _properties(surface: SurfaceMesh) -> SolidProperties:
+    body = surface.as_trimesh()
+    x, y, z = (float(c) for c in body.center_mass)
+    volume = float(body.volume)
+    return SolidProperties(volume, (x, y, z), float(body.moment_inertia[2, 2] + volume * (x**2 + y**2)))

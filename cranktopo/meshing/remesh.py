@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from cranktopo.cad.session import cad_session, tetrahedra
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.meshing.curving import EDGES
+from cranktopo.triangles.shells import shells
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -30,12 +32,12 @@ _VOLUME_TOLERANCE = 5e-3
 
 
 def tetrahedralise(
-    surface: Any, element_size_mm: float, size_at: SizeField, name: str
+    surface: SurfaceMesh, element_size_mm: float, size_at: SizeField, name: str
 ) -> tuple[Array, Cells]:
     """Ten-node tetrahedra of a closed surface that may have tunnels and closed hollows.
 
     Args:
-        surface: trimesh surface, oriented outwards, hollows inwards.
+        surface: oriented outwards, hollows inwards.
         element_size_mm: largest element size.
         size_at: element size wanted at points (n, 3).
         name: of the surface, for messages.
@@ -48,7 +50,7 @@ def tetrahedralise(
     """
     points, tets = _fill(surface, element_size_mm, size_at, name)
     volume = _volumes(points, tets)
-    error = volume.sum() / surface.volume - 1
+    error = volume.sum() / surface.volume_mm3 - 1
     if volume.min() <= 0 or abs(error) > _VOLUME_TOLERANCE:
         raise CranktopoError(
             f"{name}: the remeshed body is {100 * error:+.2g} % off in volume.",
@@ -58,7 +60,7 @@ def tetrahedralise(
     return quadratic(points, tets)
 
 
-def _fill(surface: Any, size: float, size_at: SizeField, name: str) -> tuple[Array, Cells]:
+def _fill(surface: SurfaceMesh, size: float, size_at: SizeField, name: str) -> tuple[Array, Cells]:
     failure = ""
     for distance in _DISTANCES:
         try:
@@ -73,19 +75,18 @@ def _fill(surface: Any, size: float, size_at: SizeField, name: str) -> tuple[Arr
     )
 
 
-def _resurfaced(surface: Any, size: float, distance: float) -> Any:
-    import trimesh
+def _resurfaced(surface: SurfaceMesh, size: float, distance: float) -> SurfaceMesh:
     from mmgpy import MmgMeshS
 
-    mesh = MmgMeshS(np.asarray(surface.vertices), np.asarray(surface.faces, dtype=np.int32))
+    mesh = MmgMeshS(surface.vertices_mm, surface.faces.astype(np.int32))
     mesh.remesh(**_options(size, distance))
-    return trimesh.Trimesh(mesh.get_vertices(), mesh.get_triangles(), process=False)
+    return SurfaceMesh(np.asarray(mesh.get_vertices()), np.asarray(mesh.get_triangles(), np.int64))
 
 
-def _inside(surface: Any, size: float, name: str) -> tuple[Array, Cells]:
+def _inside(surface: SurfaceMesh, size: float, name: str) -> tuple[Array, Cells]:
     """Coarse tetrahedra on the triangles of the surface as they are."""
     with cad_session(f"surface of {name}") as gmsh:
-        loops = [gmsh.model.geo.addSurfaceLoop([_add_shell(gmsh, *shell)]) for shell in _shells(surface)]
+        loops = [gmsh.model.geo.addSurfaceLoop([_add_shell(gmsh, shell)]) for shell in shells(surface)]
         gmsh.model.geo.addVolume(loops)
         gmsh.model.geo.synchronize()
         gmsh.option.setNumber("Mesh.MeshSizeMax", 2 * size)
@@ -96,17 +97,13 @@ def _inside(surface: Any, size: float, name: str) -> tuple[Array, Cells]:
         return tetrahedra(gmsh, _TET4, 4)
 
 
-def _shells(surface: Any) -> list[tuple[Array, Cells]]:
-    """Vertices and faces of the outer shell, then of the hollows."""
-    parts = sorted(surface.split(only_watertight=False), key=lambda part: -part.volume)
-    return [(np.asarray(part.vertices), np.asarray(part.faces)) for part in parts]
-
-
-def _add_shell(gmsh: Any, vertices: Array, faces: Cells) -> int:
+def _add_shell(gmsh: Any, shell: SurfaceMesh) -> int:
     tag: int = gmsh.model.addDiscreteEntity(2)
     first = gmsh.model.mesh.getMaxNodeTag() + 1
-    gmsh.model.mesh.addNodes(2, tag, np.arange(first, first + len(vertices)), vertices.ravel())
-    gmsh.model.mesh.addElementsByType(tag, 2, [], (faces + first).ravel())
+    gmsh.model.mesh.addNodes(
+        2, tag, np.arange(first, first + len(shell.vertices_mm)), shell.vertices_mm.ravel()
+    )
+    gmsh.model.mesh.addElementsByType(tag, 2, [], (shell.faces + first).ravel())
     return tag
 
 

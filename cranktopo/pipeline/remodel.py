@@ -13,7 +13,7 @@ from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import Evaluation, evaluate
 from cranktopo.evaluate.targets import Target, resolve_target
-from cranktopo.meshing.imported_body import read_surface
+from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.remodel.fit import FittedWeb, fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
@@ -145,8 +145,7 @@ def drawing_notes(fitted: FittedWeb, near: ShapeError) -> list[str]:
 def _surface(target: Target, scene: Scene) -> SurfaceMesh:
     if target.file is None:
         raise CranktopoError(f"target '{target.name}': has no surface.", hint="Give a finished run.")
-    mesh = read_surface(target.file, scene)
-    return SurfaceMesh(mesh.vertices, mesh.faces)
+    return read_half_throw(target.file, scene)
 
 
 def _judge(target: Target, scene: Scene, progress: Progress) -> RemodelEvaluations:

@@ -66,7 +66,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, rules: ManufacturingLimits = _DE
     from cranktopo.fem.precision import double_precision
     from cranktopo.triangles.surface_mesh import solid_of
 
-    body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
+    body = solid_of(surface, "surface to be re-modelled")
     with double_precision():
         chosen, trials = select(_problem(body, scene, rules, _SEARCH_CELL_MM))
         fine = _problem(body, scene, rules, rules.cell_mm)

@@ -12,7 +12,7 @@ from cranktopo.cad.solid_files import surface_of
 from cranktopo.scene import Scene
 from cranktopo.store.manifest import SEED
 from cranktopo.surface.fidelity import distances_mm
-from cranktopo.surface.solids import web_slab
+from cranktopo.surface.solids import web_region
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 if TYPE_CHECKING:
@@ -50,9 +50,9 @@ def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
         scene: the design with the fitted web.
         surface: closed surface of the extracted half throw, mm.
     """
-    body = solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled")
+    body = solid_of(surface, "surface to be re-modelled")
     half, web = (_solid(scene, part) for part in ("half", "web"))
-    slab = web_slab(body, scene)
+    slab = web_region(body, scene)
     mean, largest, where = surface_distance_mm(mesh_of(web), mesh_of(slab))
     return ShapeError(
         overlap(half, body),
@@ -96,7 +96,7 @@ def surface_distance_mm(
 
 def _solid(scene: Scene, part: str) -> Manifold:
     mesh = surface_of(scene, "half" if part == "half" else "web")
-    return solid_of(mesh.vertices_mm, mesh.faces, f"fitted {part}")
+    return solid_of(mesh, f"fitted {part}")
 
 
 def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> Array:

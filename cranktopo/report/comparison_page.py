@@ -36,7 +36,8 @@ from cranktopo.report.tables import ResultTable
 from cranktopo.report.verdict import fatigue_fact
 from cranktopo.report.viewer import Body, Scene3D
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
-from cranktopo.triangles.surface_mesh import SurfaceMesh, read_stl
+from cranktopo.triangles.surface_files import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _FACET_MM = 2.0
 # Columns of a comparison that make its verdict, and how they read there.

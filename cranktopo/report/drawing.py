@@ -42,8 +42,8 @@ def write_drawing(scene: Scene, surface: SurfaceMesh, notes: list[str], paths: l
     sheet = Sheet(
         scene,
         scene.web,
-        solid_of(exact.vertices_mm, exact.faces, "fitted half throw"),
-        solid_of(surface.vertices_mm, surface.faces, "surface to be re-modelled"),
+        solid_of(exact, "fitted half throw"),
+        solid_of(surface, "surface to be re-modelled"),
     )
     figure = Figure(figsize=(16.5, 11.7))
     grid = figure.add_gridspec(

@@ -12,7 +12,7 @@ from cranktopo.report.sections import gallery_picture, origin_rows, pairs, versi
 from cranktopo.report.viewer import Body, Scene3D
 from cranktopo.scene import scene_from_dict
 from cranktopo.store import read_json
-from cranktopo.triangles.surface_mesh import read_stl
+from cranktopo.triangles.surface_files import read_stl
 
 _FACTS = (
     ("torsion_per_mass", "Torsional stiffness per mass", 1),

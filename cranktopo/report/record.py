@@ -16,7 +16,8 @@ from cranktopo.report.stress_file import read_run_stress, solve_run_stress
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, read_json, read_result, require_kind, resume_command
-from cranktopo.triangles.surface_mesh import SurfaceMesh, read_stl
+from cranktopo.triangles.surface_files import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 # What other commands print with --json, where the run holds it.
 _FATIGUE, _ACCURACY = "fatigue.json", "accuracy.json"

@@ -9,8 +9,8 @@ from cranktopo.report.page import Fact, Status
 from cranktopo.report.release_text import obstacles
 from cranktopo.report.tables import ResultTable
 from cranktopo.scene import Scene
-from cranktopo.surface.surface_checks import shell_volumes_mm3
 from cranktopo.surface.undercuts import Undercuts, half_throw_undercuts
+from cranktopo.triangles.shells import shell_volumes_mm3
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _RAYS_MM = 1.0

@@ -68,7 +68,7 @@ def shaded(
     """
     # A hair off the sides of the web: a cut in the plane of a face may leave that face on either part.
     start, end = web_z_mm[0] - _HAIR_MM, web_z_mm[1] + _HAIR_MM
-    whole = solid_of(mesh.vertices_mm, mesh.faces, "surface")
+    whole = solid_of(mesh)
     main, rest = whole.split_by_plane((0.0, 0.0, -1.0), -start)
     web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -end)
     coloured = ((main, JOURNAL_COLOUR), (web, WEB_COLOUR), (pin, JOURNAL_COLOUR))

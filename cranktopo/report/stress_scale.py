@@ -66,7 +66,7 @@ def quantiles_MPa(mesh: SurfaceMesh, stress: CaseStress, *shares: float) -> NDAr
         stress: stresses of the load cases.
         shares: parts of the area.
     """
-    fine = mesh_of(solid_of(mesh.vertices_mm, mesh.faces, "surface").refine_to_length(_FACE_MM))
+    fine = mesh_of(solid_of(mesh).refine_to_length(_FACE_MM))
     values = stress.at(fine.corners_mm.mean(axis=1))
     order = np.argsort(values, axis=1)
     below = np.cumsum(fine.areas_mm2[order], axis=1) / fine.areas_mm2.sum()

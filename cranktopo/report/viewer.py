@@ -136,7 +136,7 @@ def _simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
     """The mesh with at most so many faces, or as few as a tolerance of 0.8 mm gives."""
     if len(mesh.faces) <= most:
         return mesh
-    solid = solid_of(mesh.vertices_mm, mesh.faces, "surface")
+    solid = solid_of(mesh)
     for tolerance in _SIMPLER_MM:
         found = mesh_of(solid.simplify(tolerance))
         if len(found.faces) <= most:

@@ -69,7 +69,7 @@ def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
     import trimesh
     from scipy.spatial import cKDTree
 
-    fine = solid_of(mesh.vertices_mm, mesh.faces, "surface").refine_to_length(_FACET_MM).to_mesh64()
+    fine = solid_of(mesh).refine_to_length(_FACET_MM).to_mesh64()
     corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
     count = min(_NEIGHBOURS, len(corners))
     _, near = cKDTree(corners.mean(axis=1)).query(points_mm, k=count)
@@ -111,7 +111,7 @@ def _voxels(
     """Solid voxels with a margin of the journals, and those of them between the two heights."""
     from skimage.draw import polygon2mask
 
-    body = solid_of(mesh.vertices_mm, mesh.faces, "surface")
+    body = solid_of(mesh)
     bottom, top = mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)
     low, high = bottom - 2 * voxel_mm, top + 2 * voxel_mm
     margin = _MARGIN_VOXELS * voxel_mm

@@ -20,7 +20,7 @@ from cranktopo.surface.solids import (
     journal_halves,
     journal_stubs,
     web_bores,
-    web_slab,
+    web_region,
 )
 from cranktopo.triangles.self_intersections import self_intersections_mm
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
@@ -131,7 +131,7 @@ def extract_half_throw(
     field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target)
     body, mesh, dropped = _throw(cutter, field, iso, scene)
-    web = web_slab(body, scene)
+    web = web_region(body, scene)
     return WebSurface(
         half_throw=mesh,
         web=mesh_of(web),
@@ -273,4 +273,5 @@ def _joins(piece: Manifold, scene: Scene) -> bool:
 def _inside_out(hollow: Manifold) -> Manifold:
     mesh = hollow.to_mesh64()
     flipped = np.asarray(mesh.tri_verts)[:, ::-1]
-    return solid_of(np.asarray(mesh.vert_properties)[:, :3], flipped, "hollow of the surface")
+    flipped_mesh = SurfaceMesh(np.asarray(mesh.vert_properties)[:, :3], flipped)
+    return solid_of(flipped_mesh, "hollow of the surface")

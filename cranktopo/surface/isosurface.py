@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from cranktopo.frames import X
 from cranktopo.surface.grid import DensityGrid
-from cranktopo.triangles.surface_mesh import Faces, solid_of
+from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]
 _PAD_CELLS = 3
@@ -76,11 +76,12 @@ def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array
     """
     if not field.values.min() < iso < field.values.max():
         return Manifold()
-    vertices, faces = _marching_cubes(field, iso)
-    smooth = _taubin(vertices, faces)
+    rough = _marching_cubes(field, iso)
+    vertices, faces = rough.vertices_mm, rough.faces
+    smooth = _taubin(rough)
     if rough_mm is not None and len(rough_mm):
         smooth = vertices + _smoothed_share(vertices, rough_mm, field.spacing_mm) * (smooth - vertices)
-    return solid_of(smooth, faces, "iso-surface of the density").simplify(tolerance_mm)
+    return solid_of(SurfaceMesh(smooth, faces), "iso-surface of the density").simplify(tolerance_mm)
 
 
 def unsmoothed_solid(field: FineField, iso: float) -> Manifold:
@@ -90,16 +91,17 @@ def unsmoothed_solid(field: FineField, iso: float) -> Manifold:
         field: resampled density.
         iso: iso-value between the field's least and largest value.
     """
-    return solid_of(*_marching_cubes(field, iso), "iso-surface of the density")
+    return solid_of(_marching_cubes(field, iso), "iso-surface of the density")
 
 
-def _marching_cubes(field: FineField, iso: float) -> tuple[Array, Faces]:
+def _marching_cubes(field: FineField, iso: float) -> SurfaceMesh:
     from skimage.measure import marching_cubes
 
     vertices, faces, _, _ = marching_cubes(
         field.values, iso, gradient_direction="ascent", method="lorensen", allow_degenerate=True
     )
-    return vertices.astype(np.float64) * field.spacing_mm + field.origin_mm, faces.astype(np.int64)
+    points = vertices.astype(np.float64) * field.spacing_mm + field.origin_mm
+    return SurfaceMesh(points, faces.astype(np.int64))
 
 
 def _draw(inner: Array, first_mm: float, step_mm: float) -> None:
@@ -130,15 +132,17 @@ def _smoothed_share(vertices: Array, rough_mm: Array, spacing_mm: Array) -> Arra
     return np.asarray(np.clip(distance / _ROUGH_STEPS - 1, 0.0, 1.0))[:, None]
 
 
-def _taubin(vertices: Array, faces: Faces) -> Array:
+def _taubin(surface: SurfaceMesh) -> Array:
+    """Smoothed vertices."""
     import trimesh
     from scipy import sparse
 
+    faces = surface.faces
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    shape = (len(vertices), len(vertices))
+    shape = (len(surface.vertices_mm), len(surface.vertices_mm))
     neighbours = sparse.coo_matrix((np.ones(len(edges)), edges.T), shape=shape).tocsr()
     mean_of_neighbours = sparse.diags(1 / np.asarray(neighbours.sum(axis=1)).ravel()) @ neighbours
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    mesh = surface.as_trimesh()
     trimesh.smoothing.filter_taubin(
         mesh,
         lamb=_TAUBIN_LAMBDA,

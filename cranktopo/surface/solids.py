@@ -95,7 +95,7 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     return _prism(CrossSection([outline], FillRule.EvenOdd), start, end)
 
 
-def web_slab(solid: Manifold, scene: Scene) -> Manifold:
+def web_region(solid: Manifold, scene: Scene) -> Manifold:
     """The part of a solid between the web faces.
 
     Args:

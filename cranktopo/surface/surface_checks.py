@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import trimesh
-from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface.half_throw import WebSurface
 from cranktopo.triangles.self_intersections import self_intersections_mm
+from cranktopo.triangles.shells import connected, shell_volumes_mm3
 from cranktopo.triangles.surface_mesh import DEGENERATE_MM2, SurfaceMesh
 
 VOLUME_TOLERANCE_PERCENT = 0.5
@@ -42,20 +39,15 @@ class SurfaceReport:
     web_volume_error_percent: float
 
 
-def surface_json(surface: WebSurface, gates: SurfaceReport) -> dict[str, Any]:
-    """What a checked surface is, as metrics.json and `extract --json` hold it.
-
-    Args:
-        surface: the extracted surface.
-        gates: what its check measured.
-    """
+def surface_json(surface: WebSurface, report: SurfaceReport) -> dict[str, Any]:
+    """What a checked surface is, as metrics.json and `extract --json` hold it."""
     return {
         "iso_value": surface.iso_value,
         "web_volume_mm3": surface.volume_mm3,
-        "web_volume_error_percent": gates.web_volume_error_percent,
-        "faces": gates.faces,
-        "bodies": gates.bodies,
-        "cavities": gates.cavities,
+        "web_volume_error_percent": report.web_volume_error_percent,
+        "faces": report.faces,
+        "bodies": report.bodies,
+        "cavities": report.cavities,
         "dropped_islands": surface.dropped_islands,
         "dropped_volume_mm3": surface.dropped_volume_mm3,
         "x_symmetric": surface.x_symmetric,
@@ -72,7 +64,7 @@ def check_surface(surface: WebSurface) -> SurfaceReport:
         The measured values.
 
     Raises:
-        CranktopoError: first gate that fails, with code CRITERION_NOT_MET.
+        CranktopoError: first check that fails, with code CRITERION_NOT_MET.
     """
     mesh = surface.half_throw
     check_manifold(mesh)
@@ -109,7 +101,7 @@ def check_manifold(mesh: SurfaceMesh) -> None:
         CranktopoError: first property that fails, with code CRITERION_NOT_MET.
     """
     remedy = "Extract again at another resolution."
-    surface = trimesh.Trimesh(mesh.vertices_mm, mesh.faces, process=False)
+    surface = mesh.as_trimesh()
     if not surface.is_watertight:
         raise _failed("not watertight, or more than two faces at an edge", remedy)
     if not surface.is_winding_consistent:
@@ -136,15 +128,7 @@ def check_self_intersection(mesh: SurfaceMesh) -> None:
         raise _failed(f"it intersects itself near ({where}) mm", "Extract again at another resolution.")
 
 
-def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:
-    """Signed volume enclosed by each connected shell, mm3; negative for a hollow."""
-    surface = trimesh.Trimesh(mesh.vertices_mm, mesh.faces, process=False)
-    shell = _components(len(mesh.faces), surface.face_adjacency)
-    a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
-    return np.bincount(shell, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6).astype(np.float64)
-
-
-def _pinched_vertices(surface: trimesh.Trimesh) -> int:
+def _pinched_vertices(surface: Any) -> int:
     """How many more fans of faces there are than vertices: 0 for a 2-manifold."""
     faces = np.asarray(surface.faces)
     links = []
@@ -153,14 +137,8 @@ def _pinched_vertices(surface: trimesh.Trimesh) -> int:
         # corner number = 3 * face + place of the shared vertex in it
         places = [np.argmax(faces[f] == shared[:, None], axis=1) for f in surface.face_adjacency.T]
         links.append(3 * surface.face_adjacency + np.stack(places, axis=1))
-    fans = _components(faces.size, np.concatenate(links)).max() + 1
+    fans = connected(faces.size, np.concatenate(links)).max() + 1
     return int(fans - len(np.unique(faces)))
-
-
-def _components(nodes: int, links: NDArray[np.int64]) -> NDArray[np.int32]:
-    graph = sparse.coo_matrix((np.ones(len(links), bool), links.T), shape=(nodes, nodes))
-    labels: NDArray[np.int32] = connected_components(graph, directed=False)[1]
-    return labels
 
 
 def _failed(what: str, remedy: str) -> CranktopoError:

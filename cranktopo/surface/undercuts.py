@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.solids import web_bores, web_slab
+from cranktopo.surface.solids import web_bores, web_region
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
         scene: its bores, which are drilled after the die.
         step_mm: distance between rays.
     """
-    body = solid_of(web.vertices_mm, web.faces, "web") + web_bores(scene)
+    body = solid_of(web, "web") + web_bores(scene)
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
     ends = low[X] - _BEYOND_MM, high[X] + _BEYOND_MM
     y, z = (_centres(low[axis], high[axis], step_mm) for axis in (Y, Z))
@@ -87,8 +87,8 @@ def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) 
         scene: its bores and web faces.
         step_mm: distance between rays.
     """
-    body = solid_of(half_throw.vertices_mm, half_throw.faces, "half throw")
-    return undercuts(mesh_of(web_slab(body, scene)), scene, step_mm)
+    body = solid_of(half_throw, "half throw")
+    return undercuts(mesh_of(web_region(body, scene)), scene, step_mm)
 
 
 def _centres(low: float, high: float, step: float) -> Array:

@@ -17,11 +17,8 @@ Array = NDArray[np.float64]
 def self_intersections_mm(mesh: SurfaceMesh) -> Array:
     """Ends of the edges that pierce a face which they do not touch.
 
-    Two faces that intersect without sharing a vertex have such an edge. Extraction and the gates after it ask
+    Two faces that intersect without sharing a vertex have such an edge. Extraction and its checks ask
     for the same mesh: the last answer is kept.
-
-    Args:
-        mesh: a closed, oriented surface.
 
     Returns:
         Points, (n, 3), mm; none for a sound surface.
@@ -29,11 +26,11 @@ def self_intersections_mm(mesh: SurfaceMesh) -> Array:
     Raises:
         CranktopoError: the surface is not closed and oriented.
     """
-    return np.array(list(_crossings(mesh)), dtype=np.float64).reshape(-1, 3)
+    return np.array(list(_piercing_edges(mesh)), dtype=np.float64).reshape(-1, 3)
 
 
-def _crossings(mesh: SurfaceMesh) -> Iterator[list[float]]:
-    solid = solid_of(mesh.vertices_mm, mesh.faces, "surface")
+def _piercing_edges(mesh: SurfaceMesh) -> Iterator[list[float]]:
+    solid = solid_of(mesh)
     kept = solid.to_mesh64()
     points, faces = np.asarray(kept.vert_properties)[:, :3], np.asarray(kept.tri_verts).astype(np.int64)
     pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])

@@ -1,4 +1,4 @@
-"""The surface as a file that CAD, meshers, printers and viewers read."""
+"""Surfaces read from and written to the files of CAD, meshers, printers and viewers."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cranktopo.errors import CranktopoError
 from cranktopo.formats import SurfaceFormat
 from cranktopo.store.files import write_bytes
 from cranktopo.triangles.surface_mesh import SurfaceMesh
@@ -35,13 +36,10 @@ _3MF_TAIL = '</triangles></mesh></object></resources><build><item objectid="1"/>
 
 
 def write_surface(path: Path, mesh: SurfaceMesh, form: SurfaceFormat) -> None:
-    """Write a mesh atomically.
+    """Write a mesh atomically, in the frame of `cranktopo.frames`.
 
-    Args:
-        path: the file.
-        mesh: closed mesh, mm.
-        form: binary STL or 3MF, both in mm in the frame of `cranktopo.frames`, or GLB for viewers: metres,
-            as its specification demands, in the same frame.
+    STL (binary, single precision) and 3MF are in mm; GLB, for viewers, is in metres, as its
+    specification demands.
 
     Raises:
         CranktopoError: the file cannot be written.
@@ -50,31 +48,42 @@ def write_surface(path: Path, mesh: SurfaceMesh, form: SurfaceFormat) -> None:
 
 
 def write_stl(path: Path, mesh: SurfaceMesh) -> None:
-    """Write a mesh atomically as binary STL, mm, in the frame of `cranktopo.frames`.
+    """Write a mesh as `write_surface` does, as STL."""
+    write_surface(path, mesh, "stl")
+
+
+def read_stl(path: Path, name: str = "") -> SurfaceMesh:
+    """The surface in an STL file, mm, vertices joined; nothing about it is checked.
 
     Args:
         path: the file.
-        mesh: closed mesh; coordinates are stored in single precision.
+        name: of the file in the message, by default its path.
 
     Raises:
-        CranktopoError: the file cannot be written.
+        CranktopoError: it cannot be read.
     """
-    write_surface(path, mesh, "stl")
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(path)
+        return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
+    except Exception as error:  # trimesh raises what its parsers raise, all meaning this
+        name = name or f"'{path}'"
+        raise CranktopoError(
+            f"{name}: cannot be read as STL: {error}.", hint="Export it again as STL, mm."
+        ) from None
 
 
 def _stl(mesh: SurfaceMesh) -> bytes:
     import trimesh
 
-    surface = trimesh.Trimesh(mesh.vertices_mm, mesh.faces, process=False)
-    content: bytes = trimesh.exchange.stl.export_stl(surface)
+    content: bytes = trimesh.exchange.stl.export_stl(mesh.as_trimesh())
     return content
 
 
 def _glb(mesh: SurfaceMesh) -> bytes:
-    import trimesh
-
-    surface = trimesh.Trimesh(mesh.vertices_mm * _METRES_PER_MM, mesh.faces, process=False)
-    content: bytes = surface.export(file_type="glb")
+    in_metres = SurfaceMesh(mesh.vertices_mm * _METRES_PER_MM, mesh.faces)
+    content: bytes = in_metres.as_trimesh().export(file_type="glb")
     return content
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from manifold3d import Manifold, Mesh64
@@ -47,24 +47,25 @@ class SurfaceMesh:
         a, b, c = np.moveaxis(self.corners_mm, 1, 0)
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
+    def as_trimesh(self) -> Any:
+        """The same vertices and faces as a `trimesh.Trimesh`."""
+        import trimesh
 
-def solid_of(vertices_mm: Array, faces: Faces, what: str) -> Manifold:
-    """A closed mesh as a solid of the boolean engine.
+        return trimesh.Trimesh(self.vertices_mm, self.faces, process=False)
 
-    Args:
-        vertices_mm: (n, 3), mm.
-        faces: (m, 3) vertex numbers, oriented outward.
-        what: name of the mesh for the message.
+
+def solid_of(mesh: SurfaceMesh, name: str = "surface") -> Manifold:
+    """A closed mesh as a solid of the boolean engine; the message of an error calls it `name`.
 
     Raises:
         CranktopoError: the mesh is not a closed oriented 2-manifold.
     """
     # Copies, because the engine takes only arrays that it may write to.
-    vertices = np.array(vertices_mm, np.float64, order="C")
-    solid = Manifold(Mesh64(vertices, np.array(faces, np.uint64, order="C")))
+    vertices = np.array(mesh.vertices_mm, np.float64, order="C")
+    solid = Manifold(Mesh64(vertices, np.array(mesh.faces, np.uint64, order="C")))
     if solid.status().name != "NoError":
         raise CranktopoError(
-            f"{what}: not a closed, consistently oriented surface ({solid.status().name}).",
+            f"{name}: not a closed, consistently oriented surface ({solid.status().name}).",
             hint="Repair the mesh (close its holes, orient its faces) and try again.",
             code=ExitCode.INVALID_INPUT,
         )
@@ -88,30 +89,10 @@ def mesh_of(solid: Manifold) -> SurfaceMesh:
 
 
 def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
-    """The mesh of a solid as `mesh_of` gives it, faces that rounding made flat taken out.
-
-    Args:
-        solid: the solid.
-        tolerance_mm: how far the vertices around such a face may move.
-    """
+    """The mesh of a solid without faces that rounding made flat; vertices near them may move."""
     mesh = mesh_of(solid)
     for _ in range(_REPAIRS):
         if mesh.areas_mm2.min(initial=np.inf) > DEGENERATE_MM2:
             break
-        mesh = mesh_of(solid_of(mesh.vertices_mm, mesh.faces, "surface").simplify(tolerance_mm))
+        mesh = mesh_of(solid_of(mesh).simplify(tolerance_mm))
     return mesh
-
-
-def read_stl(path: Path) -> SurfaceMesh:
-    """The surface in an STL file, mm, vertices joined; not checked.
-
-    Raises:
-        CranktopoError: it cannot be read.
-    """
-    import trimesh
-
-    try:
-        mesh = trimesh.load_mesh(path)
-    except Exception as error:  # trimesh raises what its parsers raise, all meaning this
-        raise CranktopoError(f"'{path}': cannot be read as STL: {error}.", hint="Export it again.") from None
-    return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))

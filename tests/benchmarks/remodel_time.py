@@ -16,13 +16,12 @@ from unittest.mock import patch
 from cranktopo.effects.simulated import without
 from cranktopo.evaluate.evaluation import evaluate
 from cranktopo.evaluate.targets import Target
-from cranktopo.meshing.imported_body import read_surface
+from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.remodel import fit, select
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import shape_error
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import open_run
-from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 
 def timed(name: str, work: Callable[[], Any]) -> Any:
@@ -53,8 +52,7 @@ def searches_shown() -> Iterator[None]:
 def main(run: Path, judged: bool) -> None:
     """Fit, compare and, if asked, judge the web of a run."""
     scene = scene_of_run(open_run(str(run)))
-    mesh = read_surface(run / "web.stl", scene)
-    surface = SurfaceMesh(mesh.vertices, mesh.faces)
+    surface = read_half_throw(run / "web.stl", scene)
     with searches_shown():
         fitted = timed("fit", lambda: fit.fit_web(surface, scene, ManufacturingLimits()))
     sharp = without(fitted.scene, "fillets")

@@ -15,6 +15,7 @@ from cranktopo.meshing.imported_body import mesh_file
 from cranktopo.meshing.remesh import tetrahedralise
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 from tests.physics.evaluation_cases import mikron_with
 
 SIZE = 12.0
@@ -32,7 +33,8 @@ def test_a_hollow_and_a_tunnel_stay() -> None:
     block = trimesh.boolean.difference([trimesh.creation.box([40, 30, 20]), hole], engine="manifold")
     ball = trimesh.creation.icosphere(3, 5.0).apply_translation([-9, 0, 1])
     surface = trimesh.boolean.difference([block, ball], engine="manifold")
-    points, cells = tetrahedralise(surface, 5.0, lambda p: np.full(len(p), 5.0), "block")
+    body = SurfaceMesh(np.asarray(surface.vertices), np.asarray(surface.faces))
+    points, cells = tetrahedralise(body, 5.0, lambda p: np.full(len(p), 5.0), "block")
     volumes = signed_volumes(points, cells)
     assert volumes.min() > 0
     assert volumes.sum() == pytest.approx(40 * 30 * 20 - 8 * 8 * 20 - ball.volume, rel=1e-3)

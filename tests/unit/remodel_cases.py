@@ -48,7 +48,7 @@ def known_scene(scene: Scene, layout: Layout) -> Scene:
 def body_of(scene: Scene, facet_mm: float = 1.0) -> Manifold:
     """The half throw as a solid of the boolean engine."""
     mesh = surface_of(scene, "half", facet_mm)
-    return solid_of(mesh.vertices_mm, mesh.faces, "known body")
+    return solid_of(mesh, "known body")
 
 
 def table(**changes: Any) -> dict[str, Any]:

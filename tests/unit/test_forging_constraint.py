@@ -228,7 +228,7 @@ def trapped_mm3(path: Path, scene: Scene, step: float = 0.7) -> float:
 def _slab(mesh: trimesh.Trimesh) -> Manifold:
     from cranktopo.triangles.surface_mesh import solid_of
 
-    body = solid_of(mesh.vertices, mesh.faces, "half throw")
+    body = solid_of(SurfaceMesh(mesh.vertices, mesh.faces), "half throw")
     return body.trim_by_plane((0.0, 0.0, 1.0), 20.0).trim_by_plane((0.0, 0.0, -1.0), -39.0)
 
 

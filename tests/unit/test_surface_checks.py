@@ -14,7 +14,8 @@ from manifold3d import CrossSection, Manifold
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface import WebSurface, check_surface, extract_half_throw
-from cranktopo.surface.surface_checks import check_manifold, check_self_intersection, shell_volumes_mm3
+from cranktopo.surface.surface_checks import check_manifold, check_self_intersection
+from cranktopo.triangles.shells import shell_volumes_mm3, shells
 from cranktopo.triangles.surface_files import write_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
 from tests.unit.surface_cases import grid_of, obround, scene_with
@@ -121,7 +122,7 @@ def test_faces_that_rounding_makes_flat_are_taken_out() -> None:
     with pytest.raises(CranktopoError, match="degenerate"):
         check_manifold(SurfaceMesh(*_with_flat_face()))
     vertices, faces = _with_flat_face()
-    check_manifold(sound_mesh_of(solid_of(vertices, faces, "block"), 1e-3))
+    check_manifold(sound_mesh_of(solid_of(SurfaceMesh(vertices, faces)), 1e-3))
 
 
 def _with_flat_face() -> tuple[np.ndarray, np.ndarray]:
@@ -139,8 +140,11 @@ def test_two_bodies_are_refused(slot: WebSurface) -> None:
 def test_hollow_counts_as_cavity_and_not_as_body() -> None:
     inner = 0.1 * _CORNERS + 0.1
     vertices, faces = np.concatenate([_CORNERS, inner]), np.concatenate([_FACES, _FACES[:, ::-1] + 4])
-    volumes = shell_volumes_mm3(SurfaceMesh(vertices, faces))
-    np.testing.assert_allclose(np.sort(volumes), [-1e-3 / 6, 1 / 6])
+    mesh = SurfaceMesh(vertices, faces)
+    np.testing.assert_allclose(np.sort(shell_volumes_mm3(mesh)), [-1e-3 / 6, 1 / 6])
+    body, hollow = shells(mesh)
+    np.testing.assert_array_equal(body.corners_mm, _CORNERS[_FACES])
+    np.testing.assert_array_equal(hollow.corners_mm, inner[_FACES[:, ::-1]])
 
 
 @pytest.mark.parametrize(("scale", "passes"), [(1.0049, True), (1.0051, False), (0.9949, False)])

@@ -132,7 +132,7 @@ def test_symmetric_density_gives_a_symmetric_surface(slot: WebSurface) -> None:
     mirrored = mesh.vertices_mm * [-1, 1, 1]
     distance, _ = cKDTree(mesh.vertices_mm).query(mirrored)
     assert distance.max() < 1e-4
-    body = solid_of(mesh.vertices_mm, mesh.faces, "surface")
+    body = solid_of(mesh)
     right, left = (body.trim_by_plane((side, 0.0, 0.0), 0.0).volume() for side in (1.0, -1.0))
     assert right == pytest.approx(left, rel=1e-6)
     assert right == pytest.approx(mesh.volume_mm3 / 2, rel=1e-6)

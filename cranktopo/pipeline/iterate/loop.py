@@ -13,7 +13,7 @@ from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Evaluation, evaluate
 from cranktopo.evaluate.targets import Target
-from cranktopo.meshing.imported_body import read_surface
+from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
 from cranktopo.pipeline import optimise as pipeline
 from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_solids
@@ -284,8 +284,7 @@ def _optimised(folder: Path, scene: Scene, say: Say) -> SurfaceMesh:
             hint="Run the loop on other cells: --resolution-mm.",
             code=ExitCode.CRITERION_NOT_MET,
         )
-    mesh = read_surface(folder / "web.stl", scene)
-    return SurfaceMesh(mesh.vertices, mesh.faces)
+    return read_half_throw(folder / "web.stl", scene)
 
 
 def _evaluated(scene: Scene, settings: Settings) -> Evaluation:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from cranktopo.cad.solid_files import export_solid
 from cranktopo.frames import X
 from cranktopo.scene import Scene
-from cranktopo.triangles.surface_files import write_stl
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, read_stl, solid_of
+from cranktopo.triangles.surface_files import read_stl, write_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 WEB = "web_only.stl"
 HALF = "web"
@@ -46,7 +46,7 @@ def write_envelope(folder: Path) -> Path:
     if path.is_file():
         return path
     web = read_web(folder)
-    body = solid_of(web.vertices_mm, web.faces, f"web of {folder.name}")
+    body = solid_of(web, f"web of {folder.name}")
     half = body.trim_by_plane(_X_AXIS, 0.0).warp_batch(_snap).simplify(_SIMPLIFY_MM).warp_batch(_snap)
     write_stl(path, mesh_of(half + half.mirror(_X_AXIS)))  # simplified before it is mirrored, else lopsided
     return path

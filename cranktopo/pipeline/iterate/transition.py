@@ -26,7 +26,7 @@ def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
     Returns:
         Thickness, mm; 0 where a ray meets no material.
     """
-    body = solid_of(web.vertices_mm, web.faces, "web")
+    body = solid_of(web, "web")
     low, high = scene.web_z_mm[0] - _BEYOND_MM, scene.web_z_mm[1] + _BEYOND_MM
     throw = scene.throw
     angles = np.linspace(-np.pi / 2, np.pi / 2, RAYS + 2)[1:-1]
