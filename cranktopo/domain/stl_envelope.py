@@ -9,7 +9,8 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError, invalid
+from cranktopo.errors import invalid
+from cranktopo.triangles.shells import shell_volumes_mm3
 from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
@@ -19,35 +20,13 @@ _LEAST_MM = 2.0
 """No web is smaller, in metres every one is."""
 
 
-@lru_cache(maxsize=4)
 def envelope_from_stl(path: Path) -> Manifold:
     """The closed body in a surface mesh file, mm, in the frame of `cranktopo.frames`.
 
     Raises:
-        CranktopoError: the file is missing, unreadable, in metres, or its surface is not closed.
+        CranktopoError: the file is missing, unreadable, in metres, or its surface is not that of one body.
     """
-    surface = read_stl(path, f"{_KEY} = '{path}'")
-    if len(surface.faces) == 0:
-        raise invalid(_KEY, str(path), "holds no triangles", "Export the surface again as STL, mm.")
-    largest = float(np.ptp(surface.vertices_mm, axis=0).max())
-    if largest < _LEAST_MM:
-        raise invalid(_KEY, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
-    if not surface.as_trimesh().is_watertight:
-        raise invalid(_KEY, str(path), "must be a closed surface", "Close its holes.")
-    return _one_body(surface, path)
-
-
-def _one_body(surface: SurfaceMesh, path: Path) -> Manifold:
-    try:
-        body = solid_of(surface)
-    except CranktopoError:
-        body = None
-    if body is None or body.volume() <= 0:
-        raise invalid(_KEY, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
-    bodies = sum(piece.volume() > 0 for piece in body.decompose())
-    if bodies > 1:
-        raise invalid(_KEY, str(path), f"holds {bodies} separate bodies", "Remove the loose parts.")
-    return body
+    return solid_of(_closed_surface(path), f"{_KEY} = '{path}'")
 
 
 def bounds_mm(path: Path) -> tuple[float, float, float, float]:
@@ -82,3 +61,22 @@ def mirror_difference(body: Manifold) -> float:
 def section(path: Path, z_mm: float) -> list[NDArray[np.float64]]:
     """Closed contours (n, 2) of the body's cross-section at a height z, mm."""
     return [np.asarray(contour) for contour in envelope_from_stl(path).slice(z_mm).to_polygons()]
+
+
+@lru_cache(maxsize=4)
+def _closed_surface(path: Path) -> SurfaceMesh:
+    surface = read_stl(path, f"{_KEY} = '{path}'")
+    if len(surface.faces) == 0:
+        raise invalid(_KEY, str(path), "holds no triangles", "Export the surface again as STL, mm.")
+    largest = float(np.ptp(surface.vertices_mm, axis=0).max())
+    if largest < _LEAST_MM:
+        raise invalid(_KEY, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
+    mesh = surface.as_trimesh()
+    if not mesh.is_watertight:
+        raise invalid(_KEY, str(path), "must be a closed surface", "Close its holes.")
+    if not mesh.is_winding_consistent or surface.volume_mm3 <= 0:
+        raise invalid(_KEY, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
+    bodies = int((shell_volumes_mm3(surface) > 0).sum())
+    if bodies > 1:
+        raise invalid(_KEY, str(path), f"holds {bodies} separate bodies", "Remove the loose parts.")
+    return surface
