@@ -1,4 +1,4 @@
-"""`cranktopo designs`: the built-in designs, and a copy of one to edit."""
+"""`cranktopo designs`: the built-in designs, a copy of one to edit, a new one with every key."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cranktopo.cli.group import SuggestingGroup
 
 @click.group("designs", cls=SuggestingGroup)
 def command() -> None:
-    """List the built-in designs, or copy one to edit.
+    """List the built-in designs, copy one to edit, or begin a new one.
 
     Example: cranktopo designs copy mikron-iiic my-engine.toml
     """
@@ -59,3 +59,26 @@ def copy_command(design: str, file: Path, force: bool) -> None:
     write_text(file, copy_of(design, file))
     example = shlex.join(["cranktopo", "compare", str(file), "--baseline", design])
     click.echo(f"{file}: edit it, then for example: {example}")
+
+
+@command.command("new")
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--name", help="Name of the design; the file's by default.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def new_command(file: Path, name: str | None, force: bool) -> None:
+    """Write FILE (.toml), a design with every key: meaning, unit, range and default.
+
+    It is valid as it stands: replace the values, switch on what the engine needs.
+
+    Example: cranktopo designs new my-engine.toml
+    """
+    from cranktopo.scene.copying import design_name
+    from cranktopo.scene.loading import parse_scene
+    from cranktopo.scene.template import template
+    from cranktopo.store import check_file, write_text
+
+    check_file(file, "file", (".toml",), replace=force)
+    text = template(name or design_name(file))
+    parse_scene(text, str(file))
+    write_text(file, text)
+    click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from cranktopo.scene.base import Finite, NonNegative, Positive, SceneTable
+from cranktopo.scene.base import SHOWN, Finite, NonNegative, Positive, SceneTable
 
 
 class Gas(SceneTable):
@@ -21,9 +21,9 @@ class Gas(SceneTable):
 
     Its columns are `crank_angle_deg` and `pressure_bar` or `pressure_MPa`.
     """
-    peak_pressure_MPa: Positive | None = Field(default=None, examples=[5.16])
+    peak_pressure_MPa: Positive | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
     """Peak pressure that the combustion model is fitted to."""
-    peak_angle_deg: Finite | None = Field(default=None, examples=[11.0])
+    peak_angle_deg: Finite | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
     """Crank angle of the peak after firing top dead centre, below 60."""
     ambient_pressure_MPa: Positive = 0.101325
     """Pressure below the piston."""

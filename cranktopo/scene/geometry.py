@@ -39,7 +39,9 @@ class Throw(SceneTable):
     radius_mm: Positive = Field(examples=[48.0])
     """Distance of the crankpin's axis from the crank axis: half the stroke."""
     main_journal: Journal
+    """The main journal, centred on the crank axis."""
     crankpin: Journal
+    """The crankpin, centred on the throw radius."""
 
     @property
     def journals(self) -> tuple[tuple[Journal, float], tuple[Journal, float]]:
@@ -51,7 +53,6 @@ class CylinderPocket(SceneTable):
     """Cylindrical pocket with its axis parallel to the crank axis."""
 
     shape: Literal["cylinder"]
-    """Round pocket, its axis parallel to the crank axis."""
     face: Literal["through", "journal", "pin"] = "through"
     """Web face that it starts from; `through` = a hole through the web."""
     x_mm: Finite = 0.0
@@ -72,7 +73,6 @@ class SidePocket(SceneTable):
     """
 
     shape: Literal["side"]
-    """Slot cut from both lateral faces, symmetric in x."""
     y_mm: Finite = Field(examples=[24.0])
     """Centre along the throw, from the crank axis toward the crankpin."""
     length_mm: Positive = Field(examples=[20.0])
@@ -96,7 +96,6 @@ class BoxPocket(SceneTable):
     """Box-shaped pocket cut from one web face."""
 
     shape: Literal["box"]
-    """Box-shaped recess with sharp corners."""
     face: Literal["journal", "pin"] = Field(examples=["pin"])
     """Web face that it starts from."""
     x_mm: Finite = 0.0
@@ -137,13 +136,13 @@ class _WebBase(SceneTable):
     """Thickness along the crank axis."""
     bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
+    """What is taken out of the outline's solid; `shape` chooses the kind."""
 
 
 class ObroundWeb(_WebBase):
     """Slot-shaped web: both round ends centred on the axes."""
 
     outline: Literal["obround"]
-    """Slot shape: both round ends centred on the axes."""
     width_mm: Positive = Field(examples=[50.0])
     """Width across the throw."""
 
@@ -152,7 +151,6 @@ class RectangleWeb(_WebBase):
     """Rectangular web reaching `overhang_mm` beyond each axis."""
 
     outline: Literal["rectangle"]
-    """Rectangle."""
     width_mm: Positive = Field(examples=[50.0])
     """Width across the throw."""
     overhang_mm: Positive = Field(examples=[25.0])
@@ -165,7 +163,6 @@ class EllipseWeb(_WebBase):
     """Elliptical web centred half-way between the axes."""
 
     outline: Literal["ellipse"]
-    """Ellipse centred half-way between the axes."""
     semi_axis_throw_mm: Positive = Field(examples=[50.0])
     """Semi-axis along the throw."""
     semi_axis_lateral_mm: Positive = Field(examples=[32.0])
@@ -176,7 +173,6 @@ class TaperedWeb(_WebBase):
     """Convex hull of a circle on the crank axis and a circle on the pin axis."""
 
     outline: Literal["tapered"]
-    """Convex hull of a circle on the crank axis and one on the pin axis."""
     main_radius_mm: Positive = Field(examples=[32.0])
     """Radius of the circle on the crank axis."""
     pin_radius_mm: Positive = Field(examples=[25.0])
@@ -184,13 +180,12 @@ class TaperedWeb(_WebBase):
 
 
 class ProfileWeb(_WebBase):
-    """Half-widths at stations along the throw direction, joined by a curve of continuous curvature.
+    """Half-widths at stations along the throw, joined by a curve of continuous curvature.
 
     A half-width of 0 at an end closes the outline with a round end.
     """
 
     outline: Literal["profile"]
-    """Half-widths at stations, joined by a spline of continuous curvature: what `remodel` fits."""
     stations_mm: tuple[Finite, ...] = Field(
         min_length=3, examples=[(-24.0, -15.0, 5.0, 24.0, 45.0, 64.0, 72.0)]
     )
@@ -222,7 +217,6 @@ class BoxEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a box, symmetric in x."""
 
     shape: Literal["box"]
-    """Box, symmetric in x."""
     half_width_mm: Positive = Field(examples=[48.0])
     """Half of its width across the throw."""
     y_min_mm: Finite = Field(examples=[-34.0])
@@ -235,7 +229,6 @@ class CylinderEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a cylinder around the crank axis."""
 
     shape: Literal["cylinder"]
-    """Cylinder around the crank axis."""
     radius_mm: Positive = Field(examples=[82.0])
     """Its radius."""
 
@@ -244,7 +237,6 @@ class OutlineEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a closed polygon of (x, y) points."""
 
     shape: Literal["outline"]
-    """Closed polygon, extruded along the crank axis."""
     points_mm: tuple[tuple[Finite, Finite], ...] = Field(
         min_length=3, examples=[((-40.0, -30.0), (40.0, -30.0), (40.0, 80.0), (-40.0, 80.0))]
     )
@@ -258,7 +250,6 @@ class StlEnvelope(_EnvelopeBase):
     """
 
     shape: Literal["stl"]
-    """Closed surface mesh."""
     file: str = Field(examples=["envelope.stl"])
     """STL in mm with z along the crank and y along the throw, a path relative to this file."""
     symmetric: bool = False

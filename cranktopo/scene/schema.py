@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from cranktopo.errors import CranktopoError, invalid, suggest
-from cranktopo.scene.base import Fraction, NonNegative, Positive, SceneTable
+from cranktopo.scene.base import SHOWN, UNLESS_IN_LIBRARY, Fraction, NonNegative, Positive, SceneTable
 from cranktopo.scene.engine import Engine
 from cranktopo.scene.fatigue_settings import Fatigue
 from cranktopo.scene.geometry import Envelope, Throw, Web
@@ -43,13 +43,13 @@ def material_library() -> dict[str, dict[str, Any]]:
 class Material(SceneTable):
     """Linear elastic material; a known `name` fills in every value that is not given."""
 
-    name: str = Field(default="custom", examples=["31CrMoV9"])
+    name: str = Field(default="custom", examples=["31CrMoV9"], json_schema_extra=SHOWN)
     """A name of the library fills in every key that is not given; any other name needs own values."""
-    E_GPa: Positive = Field(examples=[210.0])
+    E_GPa: Positive = Field(examples=[210.0], json_schema_extra=UNLESS_IN_LIBRARY)
     """Young's modulus."""
-    poisson: float = Field(ge=0, lt=0.5, examples=[0.3])
+    poisson: float = Field(ge=0, lt=0.5, examples=[0.3], json_schema_extra=UNLESS_IN_LIBRARY)
     """Poisson's ratio."""
-    density_kg_m3: Positive = Field(examples=[7850.0])
+    density_kg_m3: Positive = Field(examples=[7850.0], json_schema_extra=UNLESS_IN_LIBRARY)
     """Density."""
     yield_MPa: Positive | None = Field(default=None, examples=[900.0])
     """Yield strength."""
@@ -162,11 +162,15 @@ class Scene(SceneTable):
     description: str = ""
     """One line about the design, for `cranktopo designs list`."""
     throw: Throw
+    """The crank throw without its web."""
     web: Web
+    """The web between main journal and crankpin; `outline` chooses its shape."""
     material: Material
+    """Linear elastic, isotropic material; the whole crankshaft is made of it."""
     supports: Supports = Supports()
     engine: Engine | None = None
     envelope: Envelope | None = None
+    """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
     effects: Effects = Effects()
     optimise: Optimise = Optimise()
     fatigue: Fatigue = Fatigue()

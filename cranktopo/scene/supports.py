@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from cranktopo.errors import invalid, suggest
-from cranktopo.scene.base import NonNegative, Positive, SceneTable
+from cranktopo.scene.base import SHOWN, UNLESS_IN_LIBRARY, NonNegative, Positive, SceneTable
 
 
 @cache
@@ -22,15 +22,19 @@ def bearing_library() -> dict[str, dict[str, Any]]:
 class RollerBearing(SceneTable):
     """Roller bearing given by the load-displacement table of one roller; a known `name` fills it in."""
 
-    name: str = Field(default="custom", examples=["HK4520"])
+    name: str = Field(default="custom", examples=["HK4520"], json_schema_extra=SHOWN)
     """A name of the library fills in every key that is not given; any other name needs own values."""
     kind: Literal["radial", "thrust"] = "radial"
     """Direction in which the bearing carries; only radial ones support a journal."""
-    rollers: int = Field(ge=3, le=1000, examples=[38])
+    rollers: int = Field(ge=3, le=1000, examples=[38], json_schema_extra=UNLESS_IN_LIBRARY)
     """Number of rollers."""
-    displacement_mm: tuple[Positive, ...] = Field(min_length=3, examples=[(0.001, 0.004, 0.01)])
+    displacement_mm: tuple[Positive, ...] = Field(
+        min_length=3, examples=[(0.001, 0.004, 0.01)], json_schema_extra=UNLESS_IN_LIBRARY
+    )
     """Displacements of one roller, increasing."""
-    reaction_N: tuple[NonNegative, ...] = Field(min_length=3, examples=[(33.0, 172.0, 501.0)])
+    reaction_N: tuple[NonNegative, ...] = Field(
+        min_length=3, examples=[(33.0, 172.0, 501.0)], json_schema_extra=UNLESS_IN_LIBRARY
+    )
     """Reaction of one roller at each displacement, increasing."""
     source: str = ""
     """Where the values come from."""

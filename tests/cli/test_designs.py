@@ -116,3 +116,37 @@ def test_run_is_a_target_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyP
     found = resolve_target(run.name[:12])
     assert found.file is not None
     assert found.file.resolve() == (run.path / "web.stl").resolve()
+
+
+def test_new_design_is_valid_and_named_after_its_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "my engine.toml"
+    assert main(["designs", "new", str(path)]) == 0
+    assert load_scene(str(path)).name == "my-engine"
+    command = shlex.split(capsys.readouterr().out.strip().partition("for example: ")[2])
+    assert command[0] == "cranktopo"
+    assert main(command[1:]) == 0
+
+
+def test_new_design_takes_a_name_and_no_place_that_is_taken(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.toml"
+    assert main(["designs", "new", str(path), "--name", "wide-2"]) == 0
+    assert load_scene(str(path)).name == "wide-2"
+    before = path.read_text(encoding="utf-8")
+    assert main(["designs", "new", str(path)]) == 2
+    assert "exists. Give --force" in capsys.readouterr().err
+    assert path.read_text(encoding="utf-8") == before
+    assert main(["designs", "new", str(tmp_path / "b.toml"), "--name", "two words"]) == 3
+    assert not (tmp_path / "b.toml").exists()
+
+
+def test_copy_keeps_comments_and_order(tmp_path: Path) -> None:
+    """Line by line what was written, but for the name and what was published."""
+    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    (tmp_path / "one.toml").write_text(text, encoding="utf-8")
+    assert main(["designs", "copy", str(tmp_path / "one.toml"), str(tmp_path / "two.toml")]) == 0
+    copied = (tmp_path / "two.toml").read_text(encoding="utf-8")
+    assert copied == text.replace('name = "mikron-iiic"', 'name = "two"')
