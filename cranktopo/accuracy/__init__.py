@@ -1,1 +1,1 @@
-"""What accuracy costs in time: ladders of finer and finer models, their frontier, and choices from it."""
+"""What accuracy costs in time: studies over finer and finer models, their Pareto front, choices from it."""

@@ -7,8 +7,9 @@ from statistics import median
 
 import numpy as np
 
+from cranktopo.accuracy.level import OPTIMISER
 from cranktopo.accuracy.optimiser_study import cell_sizes
-from cranktopo.accuracy.stored_studies import Known
+from cranktopo.accuracy.stored_studies import StoredStudy
 from cranktopo.domain.build import laterally_symmetric
 from cranktopo.domain.resolution import (
     available_memory_MiB,
@@ -23,19 +24,12 @@ from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene
 
 _START_S = 20.0
-"""Compiling and writing files where nothing was measured: the order of the README's first run."""
+"""Compiling and writing files where nothing was measured, roughly."""
 
 
 @dataclass(frozen=True)
 class CellChoice:
-    """A cell size and what is to be expected of it.
-
-    Attributes:
-        cell_mm: largest cell edge.
-        error_percent: bound of the error of both stiffnesses.
-        seconds: expected wall time.
-        source: what the time was taken from.
-    """
+    """A largest cell edge, the error bound of both stiffnesses, the expected wall time and its source."""
 
     cell_mm: float
     error_percent: float
@@ -50,20 +44,14 @@ class CellChoice:
 
 
 def choose_cells(
-    scene: Scene, percent: float | None, budget_s: float | None, known: Known | None = None
+    scene: Scene, percent: float | None, budget_s: float | None, measured: StoredStudy | None = None
 ) -> CellChoice:
-    """The coarsest cells for an accuracy, or the finest for a time.
-
-    Args:
-        scene: the design.
-        percent: largest error of the printed stiffnesses, or None.
-        budget_s: wall time, or None.
-        known: what was measured on this machine before.
+    """The coarsest cells for a largest error of the printed stiffnesses, or the finest for a wall time.
 
     Raises:
         CranktopoError: out of reach of the memory, the budget, or both together.
     """
-    choices = _choices(scene, known)
+    choices = _choices(scene, measured)
     if percent is not None:
         choice = _for_accuracy(choices, percent)
         if budget_s is not None and choice.seconds > budget_s:
@@ -85,7 +73,7 @@ def _for_accuracy(choices: list[CellChoice], percent: float) -> CellChoice:
         raise CranktopoError(
             f"--accuracy {percent:g}%: the finest cells that fit into the memory, {best.cell_mm:.3g} mm, "
             f"give {best.error_percent:.2g} %.",
-            hint="Judge the result with 'cranktopo evaluate RUN --accuracy', which is more exact.",
+            hint="Evaluate the result with 'cranktopo evaluate RUN --accuracy', which is more exact.",
             code=ExitCode.USAGE,
         )
     return fit[0]
@@ -103,7 +91,7 @@ def _for_budget(choices: list[CellChoice], budget_s: float) -> CellChoice:
     return fit[-1]
 
 
-def _choices(scene: Scene, known: Known | None) -> list[CellChoice]:
+def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     """Usable cell sizes, coarsest first; at least one.
 
     Raises:
@@ -113,28 +101,28 @@ def _choices(scene: Scene, known: Known | None) -> list[CellChoice]:
     simulated = simulated_scene(scene, effects)
     quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
     sizes, available = cell_sizes(simulated), available_memory_MiB()
-    fit = [cell for cell in sizes if estimated_memory_MiB(simulated, cell, quarter, cases) <= available]
-    if not fit:
+    usable = [cell for cell in sizes if estimated_memory_MiB(simulated, cell, quarter, cases) <= available]
+    if not usable:
         nearest = sizes[0] if sizes else scene.optimise.resolution_mm
         check_resolution(simulated, nearest, quarter, cases, available)
     found = []
-    for cell in fit:
+    for cell in usable:
         work = estimated_cells(simulated, cell, quarter) * cases
         error = max(model_error_percent(simulated, cell).values())
-        found.append(CellChoice(cell, error, *_seconds(work, known)))
+        found.append(CellChoice(cell, error, *_seconds(work, measured)))
     return found
 
 
-def _seconds(work: float, known: Known | None) -> tuple[float, str]:
+def _seconds(work: float, measured: StoredStudy | None) -> tuple[float, str]:
     """Expected wall time of an optimisation of so many cells times load cases, and what it is taken from."""
-    rungs = [r for r in known.rungs("optimiser") if r["family"] == "cells"] if known else []
-    if known is None or not rungs:
+    levels = [r for r in measured.levels(OPTIMISER) if r["family"] == "cells"] if measured else []
+    if measured is None or not levels:
         rates = CostRates()
         seconds = _START_S + rates.iterations * rates.seconds_per_cell_solve * work
         return seconds, "not measured here: run cranktopo accuracy"
-    done = sorted((r["settings"]["cells"] * r["settings"]["load_cases"], r["seconds"]) for r in rungs)
-    sizes, times = np.array([d[0] for d in done]), np.array([d[1] for d in done])
+    done = sorted((r["settings"]["cells"] * r["settings"]["load_cases"], r["seconds"]) for r in levels)
+    sizes, times = np.array(done).T
     inside = float(np.exp(np.interp(np.log(work), np.log(sizes), np.log(times))))
-    beyond = max(1.0, work / sizes[-1])
-    compiling = median(rung["compile_seconds"] for rung in rungs)
-    return known.slowdown * (inside * beyond + compiling), f"measured on {known.design}"
+    beyond = max(1.0, work / float(sizes[-1]))
+    compiling = median(level["compile_seconds"] for level in levels)
+    return measured.slowdown * (inside * beyond + compiling), f"measured on {measured.design}"

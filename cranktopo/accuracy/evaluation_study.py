@@ -1,26 +1,24 @@
-"""The judge's ladder: element size and order, refined at the fillets or not."""
+"""Levels of the body-fitted evaluation: element size and order, refined at the fillets or not."""
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
-from cranktopo.accuracy.level import BENDING, TORSION, Level
-from cranktopo.accuracy.machine import PeakMemory
+from cranktopo.accuracy.level import BENDING, EVALUATION, TORSION, Level, PlannedLevel
+from cranktopo.accuracy.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.evaluate.elasticity import Order
 from cranktopo.evaluate.evaluation import RATIO, MeshResult, default_element_size_mm, evaluate_on_mesh
 from cranktopo.evaluate.targets import Target
 
 COST_GROWTH = 1.9
-"""How much more a mesh costs than one 1.5 times coarser (`python -m tests.benchmarks.evaluation_meshes`)."""
+"""Cost of a mesh over that of one 1.5 times coarser (`python -m tests.benchmarks.evaluation_meshes`)."""
 
 
 @dataclass(frozen=True)
 class EvaluationMesh:
-    """A mesh of the judge.
+    """A mesh whose elements are `steps` times a factor of 1.5 coarser than by default.
 
     Attributes:
-        steps: how many times 1.5 its elements are coarser than by default.
         graded: refined at fillets and sharp rings.
         order: degree of the displacements.
     """
@@ -35,12 +33,22 @@ class EvaluationMesh:
         kind = "graded" if self.graded else "uniform"
         return kind if self.order == 2 else f"linear {kind}"
 
+    @property
+    def relative_cost(self) -> float:
+        """Cost over that of the default mesh, before anything was timed.
+
+        Unknowns grow a little slower than the square of the fineness, because the refined rings hold most of
+        them; a mesh without them has a third of the unknowns, and linear elements an eighth.
+        """
+        share = 1.0 if self.graded else 0.3
+        return float(share * (0.4 if self.order == 1 else 1.0) * COST_GROWTH**-self.steps)
+
     def size_mm(self, target: Target) -> float:
         """General element size."""
         return default_element_size_mm(target.scene) * RATIO**self.steps
 
 
-LADDER = (
+MESHES = (
     EvaluationMesh(3, False),
     EvaluationMesh(2, False),
     EvaluationMesh(2, True, 1),
@@ -57,46 +65,31 @@ LADDER = (
 """In the order of their cost."""
 
 
-def relative_cost(model: EvaluationMesh) -> float:
-    """Cost of a rung over that of the default mesh, before anything was timed.
+def evaluation_levels(target: Target) -> list[PlannedLevel]:
+    """Levels of a target, cheapest first; surface files are always meshed graded."""
 
-    Unknowns grow a little slower than the square of the fineness, because the refined rings hold most of
-    them; a mesh without them has a third of the unknowns, and linear elements an eighth.
-    """
-    share = 1.0 if model.graded else 0.3
-    return float(share * (0.4 if model.order == 1 else 1.0) * COST_GROWTH**-model.steps)
+    def planned(mesh: EvaluationMesh) -> PlannedLevel:
+        name = f"{mesh.family} {mesh.size_mm(target):.3g} mm"
+        return PlannedLevel(name, mesh.relative_cost, lambda: _solve(target, mesh))
+
+    return [planned(mesh) for mesh in MESHES if target.file is None or mesh.graded]
 
 
-def solve_level(target: Target, model: EvaluationMesh) -> Level:
-    """Solve one rung.
-
-    Args:
-        target: what is judged.
-        model: the rung.
-
-    Raises:
-        CranktopoError: impossible geometry or a failed solve.
-    """
-    memory, began = PeakMemory(), time.perf_counter()
-    found = evaluate_on_mesh(target, model.size_mm(target), graded=model.graded, order=model.order)
-    seconds = time.perf_counter() - began
+def _solve(target: Target, mesh: EvaluationMesh) -> Level:
+    forget_peak_memory()
+    found = evaluate_on_mesh(target, mesh.size_mm(target), graded=mesh.graded, order=mesh.order)
     size = found.stiffness.element_size_mm
+    settings = {"element_size_mm": size, "steps": mesh.steps, "graded": mesh.graded, "order": mesh.order}
     return Level(
-        ladder="judge",
-        name=f"{model.family} {size:.3g} mm",
-        family=model.family,
-        settings={
-            "element_size_mm": size,
-            "steps": model.steps,
-            "graded": model.graded,
-            "order": model.order,
-        },
+        study=EVALUATION,
+        name=f"{mesh.family} {size:.3g} mm",
+        family=mesh.family,
+        settings=settings,
         size_mm=size,
         unknowns=3 * found.stiffness.nodes,
-        seconds=seconds,
-        peak_memory_MiB=memory.MiB,
+        seconds=found.seconds,
+        peak_memory_MiB=peak_memory_MiB(),
         values=stiffnesses(found),
-        spent_seconds=seconds,
     )
 
 

@@ -1,11 +1,18 @@
-"""One rung of a ladder: a model, what it cost, and what it found."""
+"""One level of an accuracy study: a model, what it cost, and what it gave."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 StudyName = Literal["judge", "fillet stress", "optimiser"]
+"""Names of the studies as JSON files hold them."""
+EVALUATION: Final = "judge"
+FILLET_STRESS: Final = "fillet stress"
+OPTIMISER: Final = "optimiser"
+TITLES: dict[str, str] = {EVALUATION: "evaluation", FILLET_STRESS: FILLET_STRESS, OPTIMISER: OPTIMISER}
+"""Names of the studies as they are printed."""
 TORSION, BENDING, STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
 NAME_OF_CASE = {"torsion": TORSION, "bending": BENDING}
 """Name of the stiffness that a load case of the optimiser gives."""
@@ -16,22 +23,17 @@ class Level:
     """A model of a design, solved once.
 
     Attributes:
-        ladder: which ladder it stands on.
-        name: shown, unique on its ladder.
-        family: rungs that differ in nothing but their size, and converge to one value.
-        settings: what makes it this rung.
+        name: printed, unique within its study.
+        family: levels that differ only in size and converge to one value have the same family.
         size_mm: element size, element size in the fillet, or cell size.
         unknowns: degrees of freedom.
-        seconds: wall time, JAX's compilation not counted.
-        peak_memory_MiB: largest resident memory.
-        values: stiffnesses N m/rad and N/mm, peak stress MPa; of the judge in every ladder.
-        band_percent: bound of the judge's error of the values, where they are taken as they are.
-        compile_seconds: JAX's compilation, which the next process finds stored.
-        model: stiffnesses by the optimiser's own model, where it has one.
-        spent_seconds: wall time of everything, the judging of the result included.
+        seconds: wall time without JAX's compilation.
+        values: stiffnesses N m/rad and N/mm, peak stress MPa; always from the body-fitted evaluation.
+        band_percent: error bound of `values` themselves, where the evaluation gives one.
+        model: stiffnesses by the optimiser's own model, where there is one.
     """
 
-    ladder: StudyName
+    study: StudyName
     name: str
     family: str
     settings: dict[str, Any]
@@ -43,4 +45,12 @@ class Level:
     band_percent: float = 0.0
     compile_seconds: float = 0.0
     model: dict[str, float] = field(default_factory=dict)
-    spent_seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlannedLevel:
+    """A level that is still to be solved; `cost` is relative to the other levels of its study."""
+
+    name: str
+    cost: float
+    solve: Callable[[], Level]

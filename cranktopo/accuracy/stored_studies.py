@@ -1,4 +1,4 @@
-"""Frontiers kept in the user's cache, so that an accuracy or a budget can choose a rung without measuring."""
+"""Studies kept in the user's cache, so that an accuracy or a budget can choose a level without measuring."""
 
 from __future__ import annotations
 
@@ -13,106 +13,73 @@ from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.targets import Target
 from cranktopo.store import read_json, user_cache, write_json
 
-SCHEMA_VERSION = 1
-_FILE = "accuracy.json"
+SCHEMA_VERSION = 2
 
 
 @dataclass(frozen=True)
-class Known:
-    """What was measured on this machine.
-
-    Attributes:
-        design: the design, or the path of the surface, that was measured.
-        slowdown: how many times slower this machine is now.
-        result: what `cranktopo accuracy --json` printed.
-    """
+class StoredStudy:
+    """What `accuracy --json` printed of a design; `slowdown`: how much slower the machine is now."""
 
     design: str
     slowdown: float
     result: dict[str, Any]
 
-    def rungs(self, ladder: StudyName) -> list[dict[str, Any]]:
-        """Rungs of a ladder."""
-        return [rung for rung in self.result["rungs"] if rung["ladder"] == ladder]
+    def levels(self, study: StudyName) -> list[dict[str, Any]]:
+        """Levels of a study as in JSON."""
+        return [level for level in self.result["rungs"] if level["ladder"] == study]
 
 
-def memory_path() -> Path:
-    """The file of frontiers in the user's cache."""
-    return user_cache() / _FILE
+def studies_path() -> Path:
+    """The file of studies in the user's cache."""
+    return user_cache() / "accuracy.json"
 
 
 def key_of(target: Target) -> str:
-    """What a target's frontier is kept under: a design's name, or the path of the surface of a run or file.
+    """What a target's study is kept under: a design's name, or the path of the surface of a run or file.
 
     A surface has no name of its own: every run directory `web` would pass for the design `web`.
     """
     return target.name if target.file is None else str(target.file.resolve())
 
 
-def remember(key: str, result: Mapping[str, Any]) -> Path | None:
-    """Keep a frontier; those of another machine or version are dropped.
-
-    Args:
-        key: from `key_of`.
-        result: what `cranktopo accuracy --json` prints.
-
-    Returns:
-        The file, or None where the cache cannot be written or nothing was measured.
-    """
+def store_study(key: str, result: Mapping[str, Any]) -> Path | None:
+    """Keep what `accuracy --json` prints; None where nothing was measured or the cache cannot be written."""
     if not result["rungs"]:
         return None
-    machine = Machine(**result["machine"])
-    kept = _of_kind(_stored(), machine)
-    kept.pop(key, None)  # the newest is the last
-    data = {"schema_version": SCHEMA_VERSION, "designs": {**kept, key: dict(result)}}
+    stored = {name: kept for name, kept in _stored().items() if name != key}  # the newest is the last
     try:
-        memory_path().parent.mkdir(parents=True, exist_ok=True)
-        write_json(memory_path(), data)
+        studies_path().parent.mkdir(parents=True, exist_ok=True)
+        write_json(
+            studies_path(), {"schema_version": SCHEMA_VERSION, "designs": {**stored, key: dict(result)}}
+        )
     except (OSError, CranktopoError):
         return None
-    return memory_path()
+    return studies_path()
 
 
-def recall(key: str, ladder: StudyName) -> Known | None:
-    """A frontier on this machine that holds a ladder, or else the newest other one that does.
+def load_study(key: str, study: StudyName) -> StoredStudy | None:
+    """What was measured under a key, or else the newest other design, that holds a study.
 
-    Args:
-        key: from `key_of`.
-        ladder: what is wanted of it; surfaces have only the judge's.
-
-    Returns:
-        What was measured, or None where nothing was measured on a machine of this kind.
+    None where nothing was measured on a machine of this kind. Surfaces have only the evaluation's study.
     """
     stored = _stored()
     if not stored:
         return None
-    machine = this_machine()  # timed only when there is something to compare
-    kept = {name: v for name, v in _of_kind(stored, machine).items() if _holds(v, ladder)}
-    if not kept:
-        return None
-    name = key if key in kept else list(kept)[-1]
-    before = Machine(**kept[name]["machine"])
-    return Known(name, machine.reference_s / before.reference_s, kept[name])
-
-
-def _holds(result: Mapping[str, Any], ladder: StudyName) -> bool:
-    return any(rung["ladder"] == ladder for rung in result["rungs"])
+    here, usable = this_machine(), {}  # timed only when there is something to compare
+    for name, result in stored.items():
+        machine = Machine(**result["machine"])
+        if machine.same_kind(here) and any(level["ladder"] == study for level in result["rungs"]):
+            usable[name] = StoredStudy(name, here.reference_s / machine.reference_s, result)
+    return usable.get(key) or (list(usable.values())[-1] if usable else None)
 
 
 def _stored() -> dict[str, Any]:
-    """Frontiers by design; none where there is no file, or one of another version."""
-    if not memory_path().is_file():
-        return {}
+    """Studies by key; none where there is no file, one of another version, or a damaged one."""
     try:
-        data = read_json(memory_path())
-        return dict(data["designs"]) if data["schema_version"] == SCHEMA_VERSION else {}
-    except (CranktopoError, KeyError, TypeError):
-        return {}
-
-
-def _of_kind(stored: Mapping[str, Any], machine: Machine) -> dict[str, Any]:
-    """Those of machines of this kind; none where an entry cannot be read."""
-    try:
-        return {k: v for k, v in stored.items() if Machine(**v["machine"]).same_kind(machine)}
-    except (KeyError, TypeError):
+        data = read_json(studies_path())
+        valid = data["schema_version"] == SCHEMA_VERSION and all(
+            Machine(**result["machine"]) for result in data["designs"].values()
+        )
+        return dict(data["designs"]) if valid else {}
+    except (OSError, CranktopoError, KeyError, TypeError, AttributeError):
         return {}

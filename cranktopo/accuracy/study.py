@@ -1,153 +1,100 @@
-"""Climbing the ladders of a design, cheapest rung first, until a time budget is used."""
+"""Accuracy studies of a design: levels solved from cheap to fine until a time budget is used."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from cranktopo.accuracy import evaluation_study as evaluation_study
-from cranktopo.accuracy import stress_study as stress_study
-from cranktopo.accuracy.level import Level
+from cranktopo.accuracy.evaluation_study import evaluation_levels
+from cranktopo.accuracy.level import (
+    EVALUATION,
+    FILLET_STRESS,
+    OPTIMISER,
+    TITLES,
+    Level,
+    PlannedLevel,
+    StudyName,
+)
 from cranktopo.accuracy.machine import Machine, this_machine
+from cranktopo.accuracy.stress_study import stress_levels
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.targets import Target
 
 Progress = Callable[[str], None]
 
-_SHARES = {"judge": 0.35, "fillet stress": 0.2, "optimiser": 1.0}
-"""Share of what is left of the budget that a ladder may use, in this order."""
-_STRESS_POWER = 1.8
-"""Growth of a mesh's cost with the fineness of its fillets (`python -m tests.benchmarks.fatigue_mesh`)."""
-
-
-@dataclass(frozen=True)
-class Task:
-    """A rung that is still to be climbed.
-
-    Attributes:
-        name: shown.
-        cost: relative to the other rungs of its ladder.
-        run: solves it.
-    """
-
-    name: str
-    cost: float
-    run: Callable[[], Level]
+_SHARES = {EVALUATION: 0.35, FILLET_STRESS: 0.2, OPTIMISER: 1.0}
+"""Share of what is left of the budget that a study may use, in this order; the last one takes all."""
 
 
 @dataclass(frozen=True)
 class Study:
-    """All rungs that a budget allowed.
-
-    Attributes:
-        design: what was solved.
-        budget_s: as given.
-        spent_s: wall time of everything.
-        machine: where.
-        rungs: in the order of climbing.
-        failures: rungs without an answer, and why, one sentence each.
-        interrupted: whether the user ended it.
-    """
+    """All levels that a budget allowed, in the order of solving; `failures` has a sentence per failed one."""
 
     design: str
     budget_s: float
     spent_s: float
     machine: Machine
-    rungs: tuple[Level, ...]
+    levels: tuple[Level, ...]
     failures: tuple[str, ...]
     interrupted: bool
 
 
-def climb(target: Target, budget_s: float, progress: Progress = lambda _: None) -> Study:
-    """Climb every ladder that a design calls for; an interruption keeps the rungs that are done.
+def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
+    """The studies that a target calls for; a surface file has only that of the evaluation."""
+    found: dict[StudyName, list[PlannedLevel]] = {EVALUATION: evaluation_levels(target)}
+    found[FILLET_STRESS] = stress_levels(target)
+    if target.file is None and target.scene.envelope is not None:
+        from cranktopo.accuracy.optimiser_study import optimiser_levels
 
-    Args:
-        target: a design; of a surface file only the judge's ladder is climbed.
-        budget_s: wall time to use.
-        progress: called with one line before every rung.
-    """
+        found[OPTIMISER] = optimiser_levels(target.scene)
+    return {name: levels for name, levels in found.items() if levels}
+
+
+def run_studies(target: Target, budget_s: float, progress: Progress = lambda _: None) -> Study:
+    """Solve level after level within a wall time; Ctrl-C ends it early and keeps what is done."""
     began = time.perf_counter()
     machine = this_machine()
-    rungs: list[Level] = []
+    levels: list[Level] = []
     failures: list[str] = []
+
+    def spent_s() -> float:
+        return time.perf_counter() - began
+
+    def run(name: StudyName, planned: Sequence[PlannedLevel], share: float) -> None:
+        def announce(text: str) -> None:
+            progress(f"{spent_s():.0f} of {budget_s:g} s: {TITLES[name]}, {text}")
+
+        if spent_s() < budget_s:
+            for found in _solved(planned, share * (budget_s - spent_s()), announce):
+                if isinstance(found, Level):
+                    levels.append(found)
+                else:
+                    failures.append(f"{TITLES[name]}, {found}")
+
     interrupted = False
     try:
-        ladders = _ladders(target)
-        for name, tasks in ladders.items():
-            left = budget_s - (time.perf_counter() - began)
-            share = 1.0 if name == list(ladders)[-1] else _SHARES[name]
-            if left > 0:
-                _climb_one(name, tasks, share * left, (began, budget_s), rungs, failures, progress)
+        studies = planned_studies(target)
+        for name, planned in studies.items():
+            run(name, planned, 1.0 if name == list(studies)[-1] else _SHARES[name])
     except KeyboardInterrupt:
         interrupted = True
-    spent = time.perf_counter() - began
-    return Study(target.name, budget_s, spent, machine, tuple(rungs), tuple(failures), interrupted)
+    return Study(target.name, budget_s, spent_s(), machine, tuple(levels), tuple(failures), interrupted)
 
 
-def _climb_one(
-    ladder: str,
-    tasks: Sequence[Task],
-    allowed_s: float,
-    clock: tuple[float, float],
-    rungs: list[Level],
-    failures: list[str],
-    progress: Progress,
-) -> None:
-    """Climb one ladder as far as its share of the budget allows; its first rung is always tried."""
-    start, (began, budget) = time.perf_counter(), clock
-    rate: float | None = None
-    for number, task in enumerate(tasks):
-        guess = None if rate is None else rate * task.cost
-        used = time.perf_counter() - start
-        if number > 0 and used + (guess or 0.0) > allowed_s:
+def _solved(planned: Sequence[PlannedLevel], allowed_s: float, announce: Progress) -> Iterator[Level | str]:
+    """Solved levels, or why one failed, until the next would not fit; the first is always tried."""
+    start, rate = time.perf_counter(), None
+    for number, level in enumerate(planned):
+        began = time.perf_counter()
+        guess = None if rate is None else rate * level.cost
+        if number > 0 and began - start + (guess or 0.0) > allowed_s:
             return
-        about = "" if guess is None else f", about {guess:.2g} s"
-        progress(f"{time.perf_counter() - began:.0f} of {budget:g} s: {ladder}, {task.name}{about}")
+        announce(level.name + ("" if guess is None else f", about {guess:.2g} s"))
         try:
-            rungs.append(task.run())
+            found = level.solve()
         except CranktopoError as error:
-            failures.append(f"{ladder}, {task.name}: {error}")
+            yield f"{level.name}: {error}"
             continue
-        rate = rungs[-1].spent_seconds / task.cost
-
-
-def _ladders(target: Target) -> dict[str, list[Task]]:
-    found = {"judge": _judge_tasks(target)}
-    if stress_study.calls_for_stress(target):
-        found["fillet stress"] = _stress_tasks(target)
-    if target.file is None and target.scene.envelope is not None:
-        found["optimiser"] = _optimiser_tasks(target)
-    return found
-
-
-def _judge_tasks(target: Target) -> list[Task]:
-    def task(model: evaluation_study.EvaluationMesh) -> Task:
-        name = f"{model.family} {model.size_mm(target):.3g} mm"
-        return Task(
-            name, evaluation_study.relative_cost(model), lambda: evaluation_study.solve_level(target, model)
-        )
-
-    usable = [m for m in evaluation_study.LADDER if target.file is None or m.graded]
-    return [task(model) for model in usable]
-
-
-def _stress_tasks(target: Target) -> list[Task]:
-    def task(fraction: float) -> Task:
-        return Task(
-            f"{fraction:g} of the radius",
-            fraction**-_STRESS_POWER,
-            lambda: stress_study.solve_stress_level(target, fraction),
-        )
-
-    return [task(fraction) for fraction in stress_study.LADDER]
-
-
-def _optimiser_tasks(target: Target) -> list[Task]:
-    from cranktopo.accuracy import optimiser_study as optimiser_study
-
-    def task(model: optimiser_study.OptimiserModel) -> Task:
-        cost = model.cell_mm**-3
-        return Task(model.name, cost, lambda: optimiser_study.solve_optimiser_level(target.scene, model))
-
-    return [task(model) for model in optimiser_study.optimiser_study(target.scene)]
+        rate = (time.perf_counter() - began) / level.cost
+        yield found

@@ -1,4 +1,4 @@
-"""`cranktopo accuracy`: what accuracy costs in time, for the judge and for the optimiser."""
+"""`cranktopo accuracy`: what accuracy costs in time, for the evaluation and for the optimiser."""
 
 from __future__ import annotations
 
@@ -39,27 +39,26 @@ _BUDGET_S = 120.0
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(design: str, budget_s: float, journals: str | None, out: Path | None, as_json: bool) -> int:
-    """Climb the ladders of DESIGN (or of a run or surface file) from cheap to exact until the budget is used.
+    """Solve DESIGN (or a run or surface file) on finer and finer levels until the budget is used.
 
-    The judge's ladder: element size, order, refined fillets. The optimiser's: cell size, tolerance,
-    precision, iterations, hexahedra; its shapes are judged. Where the design calls for it, the peak stress
-    in the fillets. The result is kept for `--accuracy` and `--budget` of evaluate and optimise. Ctrl-C ends
-    it early and keeps what is done.
+    Of the body-fitted evaluation: element size, order, refined fillets. Of the optimiser: cell size,
+    tolerance, precision, iterations, hexahedra; its shapes are evaluated. Where the design calls for it, the
+    peak stress in the fillets. The result is kept for `--accuracy` and `--budget` of evaluate and optimise.
+    Ctrl-C ends it early and keeps what is done.
 
     Example: cranktopo accuracy mikron-iiic --budget 120s
     """
     from cranktopo.accuracy.pareto import pareto_front
-    from cranktopo.accuracy.stored_studies import key_of, remember
-    from cranktopo.accuracy.study import climb
+    from cranktopo.accuracy.stored_studies import key_of, store_study
+    from cranktopo.accuracy.study import run_studies
     from cranktopo.evaluate.targets import resolve_target
     from cranktopo.store import check_folder
 
     target = resolve_target(design, journals)
     folder = out or _folder(target)
     check_folder(folder)
-    frontier = pareto_front(climb(target, budget_s, say))
-    result = frontier.as_json()
-    kept = remember(key_of(target), result)
+    result = pareto_front(run_studies(target, budget_s, say)).as_json()
+    kept = store_study(key_of(target), result)
     files = _write(result, folder)
     click.echo(json.dumps({**result, "files": files}) if as_json else _text(result))
     for path in (*files.values(), *([str(kept)] if kept else [])):

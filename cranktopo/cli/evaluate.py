@@ -106,10 +106,11 @@ def _evaluate(target: Target, wanted: Meshing) -> tuple[Evaluation, bool]:
 
         return evaluate(target, wanted.element_size_mm, say), True
     from cranktopo.accuracy.error_target import ErrorTarget, evaluate_to
-    from cranktopo.accuracy.stored_studies import key_of, recall
+    from cranktopo.accuracy.level import EVALUATION
+    from cranktopo.accuracy.stored_studies import key_of, load_study
 
-    known = recall(key_of(target), "judge")
-    found, reached = evaluate_to(target, ErrorTarget(wanted.accuracy, wanted.budget_s), known, say)
+    measured = load_study(key_of(target), EVALUATION)
+    found, reached = evaluate_to(target, ErrorTarget(wanted.accuracy, wanted.budget_s), measured, say)
     if wanted.budget_s is not None and found.total_seconds > wanted.budget_s:
         say(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
     return found, reached

@@ -158,9 +158,10 @@ def _surface_warning(surface: dict[str, Any]) -> list[str]:
 def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) -> Scene:
     """The scene with the cell size that an accuracy or a time asks for, said on stderr."""
     from cranktopo.accuracy.cell_choice import choose_cells
-    from cranktopo.accuracy.stored_studies import recall
+    from cranktopo.accuracy.level import OPTIMISER
+    from cranktopo.accuracy.stored_studies import load_study
 
-    choice = choose_cells(scene, accuracy, budget_s, recall(scene.name, "optimiser"))
+    choice = choose_cells(scene, accuracy, budget_s, load_study(scene.name, OPTIMISER))
     say(str(choice))
     return scene.with_optimise(resolution_mm=choice.cell_mm)
 

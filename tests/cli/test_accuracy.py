@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.accuracy.evaluation_study import LADDER
+from cranktopo.accuracy.evaluation_study import MESHES
 from cranktopo.cli.main import main
 from cranktopo.scene import load_scene
 from cranktopo.scene.loading import designs_folder
@@ -33,15 +33,15 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "cache" / "cranktopo"
 
 
-def test_a_budget_buys_rungs_a_table_a_plot_and_a_memory(
+def test_a_budget_buys_levels_a_table_a_plot_and_a_stored_study(
     design: str,
     cache: Path,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A ladder of two rungs, and a budget that even a slow or busy machine climbs them in."""
-    monkeypatch.setattr("cranktopo.accuracy.evaluation_study.LADDER", LADDER[:2])
+    """Two levels, and a budget that is enough for them even on a slow or busy machine."""
+    monkeypatch.setattr("cranktopo.accuracy.evaluation_study.MESHES", MESHES[:2])
     out = tmp_path / "out"
     assert main(["accuracy", design, "--budget", "10min", "--out", str(out), "--json"]) == 0
     captured = capsys.readouterr()
@@ -60,7 +60,7 @@ def test_a_budget_buys_rungs_a_table_a_plot_and_a_memory(
     assert stored["rungs"] == result["rungs"]
     assert "# What accuracy costs in time: opposed-piston-casting" in (out / "accuracy.md").read_text()
     assert "opposed-piston-casting" in json.loads((cache / "accuracy.json").read_text())["designs"]
-    assert re.search(r"\d of 600 s: judge, uniform [\d.]+ mm", captured.err)
+    assert re.search(r"\d of 600 s: evaluation, uniform [\d.]+ mm", captured.err)
 
 
 def test_every_evaluation_prints_its_estimate_beside_the_value(
@@ -106,7 +106,7 @@ def test_mistakes_are_one_clear_line(
     assert len(captured.err.strip().splitlines()) == 1
 
 
-def test_a_broken_memory_is_no_obstacle(cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_broken_cache_is_no_obstacle(cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cache.mkdir(parents=True)
     (cache / "accuracy.json").write_text("{", encoding="utf-8")
     assert main(["optimise", "--budget", "0.1s"]) == 2
@@ -116,10 +116,10 @@ def test_a_broken_memory_is_no_obstacle(cache: Path, capsys: pytest.CaptureFixtu
 def test_the_folder_is_checked_before_the_budget_is_spent(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def climbed(*_: object) -> None:
-        raise AssertionError("climbed before the destination was checked")
+    def solved(*_: object) -> None:
+        raise AssertionError("solved before the destination was checked")
 
-    monkeypatch.setattr("cranktopo.accuracy.study.climb", climbed)
+    monkeypatch.setattr("cranktopo.accuracy.study.run_studies", solved)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     assert main(["accuracy", "--out", str(tmp_path / "mine" / "folder")]) == 3
     assert "is a file. Choose another --out." in capsys.readouterr().err
@@ -130,7 +130,7 @@ def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
 ) -> None:
     """Nothing is dropped beside an STL of the user's."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cranktopo.accuracy.study._ladders", lambda _: {})
+    monkeypatch.setattr("cranktopo.accuracy.study.planned_studies", lambda _: {})
     run, scene = tmp_path / "one", load_scene("opposed-piston-casting").model_dump(mode="json")
     command = ["cranktopo", "optimise"]
     create_run(design="casting", design_toml=CASTING, scene=scene, options={}, command=command, out=run)
@@ -160,8 +160,8 @@ def test_an_accuracy_chooses_the_cells_of_a_run(
 
 
 @pytest.mark.slow
-def test_both_ladders_of_a_design(cache: Path, tmp_path: Path) -> None:
-    """One rung each of judge, fillets and optimiser at least, and a report that shows them."""
+def test_all_studies_of_a_design(cache: Path, tmp_path: Path) -> None:
+    """At least one level each of evaluation, fillet stress and optimiser."""
     out = tmp_path / "out"
     assert main(["accuracy", "--budget", "90s", "--out", str(out), "-q"]) == 0
     result = json.loads((out / "accuracy.json").read_text())

@@ -1,4 +1,4 @@
-"""Errors, efficient rungs, recommendations, tables, memory and choices, from rungs made by hand."""
+"""Errors, Pareto front, recommendations, tables, stored studies and choices, from levels made by hand."""
 
 from __future__ import annotations
 
@@ -10,16 +10,24 @@ from typing import Any
 
 import pytest
 
-from cranktopo.accuracy import error_target as judging
-from cranktopo.accuracy import stored_studies as memory
+from cranktopo.accuracy import error_target, stored_studies
 from cranktopo.accuracy.cell_choice import choose_cells
-from cranktopo.accuracy.error_target import RUNGS, ErrorTarget, first_rung
-from cranktopo.accuracy.level import BENDING, TORSION, Level, StudyName
-from cranktopo.accuracy.machine import Machine, PeakMemory, reference_seconds
-from cranktopo.accuracy.optimiser_study import optimiser_study
+from cranktopo.accuracy.error_target import LEVELS, ErrorTarget, evaluate_to, first_level
+from cranktopo.accuracy.level import (
+    BENDING,
+    EVALUATION,
+    OPTIMISER,
+    TORSION,
+    Level,
+    PlannedLevel,
+    StudyName,
+)
+from cranktopo.accuracy.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
+from cranktopo.accuracy.optimiser_study import optimiser_models
 from cranktopo.accuracy.pareto import ParetoFront, pareto_front
-from cranktopo.accuracy.stored_studies import Known, key_of, recall, remember
-from cranktopo.accuracy.study import Study, Task, _climb_one, climb
+from cranktopo.accuracy.stored_studies import StoredStudy, key_of, load_study, store_study
+from cranktopo.accuracy.study import Study, run_studies
+from cranktopo.domain.resolution import estimated_cells
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.targets import Target
 from cranktopo.report.accuracy import (
@@ -35,89 +43,88 @@ from cranktopo.scene import Scene
 MACHINE = Machine("a processor", 2, 0.1)
 
 
-def rung(ladder: StudyName, family: str, size: float, seconds: float, **found: Any) -> Level:
+def level(study: StudyName, family: str, size: float, seconds: float, **found: Any) -> Level:
     settings = {"size": size, **found.pop("settings", {})}
     model = found.pop("model", {})
     values = {TORSION: found["torsion"], BENDING: found["bending"]} if "torsion" in found else {}
     name = f"{family} {size:g}"
-    cost = (1000, seconds, 200.0)
-    return Level(ladder, name, family, settings, size, *cost, values, 0.3, 0.5, model, seconds + 1)
+    return Level(study, name, family, settings, size, 1000, seconds, 200.0, values, 0.3, 0.5, model)
 
 
-def judge_rung(steps: int, seconds: float, graded: bool = True, shift: float = 0.0) -> Level:
+def mesh_level(steps: int, seconds: float, graded: bool = True, shift: float = 0.0) -> Level:
     """The limit is 100 in torsion, order 2, and 50 in bending, order 1."""
     size = 4.0 * 1.5**steps
     settings = {"steps": steps, "graded": graded, "order": 2}
     torsion, bending = 100 + 0.1 * size**2 + shift, 50 + 0.2 * size + shift
     family = "graded" if graded else "uniform"
-    return rung("judge", family, size, seconds, torsion=torsion, bending=bending, settings=settings)
+    return level(EVALUATION, family, size, seconds, torsion=torsion, bending=bending, settings=settings)
 
 
-def ascent(*rungs: Level, interrupted: bool = False) -> Study:
-    return Study("by-hand", 30.0, 20.0, MACHINE, rungs, ("judge, a mesh: failed",), interrupted)
+def study(*levels: Level, interrupted: bool = False) -> Study:
+    return Study("by-hand", 30.0, 20.0, MACHINE, levels, ("evaluation, a mesh: failed",), interrupted)
 
 
 @pytest.fixture
-def frontier() -> ParetoFront:
+def front() -> ParetoFront:
     own = {"settings": {"iterations": 30, "cells": 8000, "load_cases": 2}}
     return pareto_front(
-        ascent(
-            judge_rung(2, 3.0, graded=False, shift=2.0),
-            judge_rung(2, 4.0),
-            judge_rung(1, 8.0),
-            judge_rung(0, 16.0),
-            judge_rung(1, 17.0, graded=False, shift=1.0),
-            rung("optimiser", "cells", 3.0, 9.0, torsion=98.0, bending=51.0, model={TORSION: 99.0}, **own),
-            rung("optimiser", "cells", 2.4, 18.0, torsion=99.0, bending=50.5, model={TORSION: 99.5}, **own),
-            rung("optimiser", "10 iterations", 3.0, 5.0, **own),
+        study(
+            mesh_level(2, 3.0, graded=False, shift=2.0),
+            mesh_level(2, 4.0),
+            mesh_level(1, 8.0),
+            mesh_level(0, 16.0),
+            mesh_level(1, 17.0, graded=False, shift=1.0),
+            level(OPTIMISER, "cells", 3.0, 9.0, torsion=98.0, bending=51.0, model={TORSION: 99.0}, **own),
+            level(OPTIMISER, "cells", 2.4, 18.0, torsion=99.0, bending=50.5, model={TORSION: 99.5}, **own),
+            level(OPTIMISER, "10 iterations", 3.0, 5.0, **own),
         )
     )
 
 
-def test_errors_are_against_the_extrapolated_value(frontier: ParetoFront) -> None:
-    limits = frontier.limits["judge"]
+def test_errors_are_against_the_extrapolated_value(front: ParetoFront) -> None:
+    limits = front.limits[EVALUATION]
     assert limits[TORSION].value == pytest.approx(100.0, rel=1e-6)
     assert limits[TORSION].order == pytest.approx(2.0, abs=1e-5)
     assert limits[BENDING].value == pytest.approx(50.0, rel=1e-6)
-    last = frontier.rungs[3]
+    last = front.levels[3]
     assert last.errors_percent[TORSION] == pytest.approx(1.6, rel=1e-4)
     assert last.errors_percent[BENDING] == pytest.approx(1.6, rel=1e-4)
     assert last.orders == {TORSION: pytest.approx(2.0, abs=1e-5), BENDING: pytest.approx(1.0, abs=1e-5)}
-    assert frontier.rungs[1].orders == {}
+    assert front.levels[1].orders == {}
 
 
-def test_only_rungs_that_no_cheaper_one_beats_are_efficient(frontier: ParetoFront) -> None:
-    judged = [placed for placed in frontier.rungs if placed.rung.ladder == "judge"]
-    assert [placed.efficient for placed in judged] == [True, True, True, True, False]
+def test_levels_that_no_cheaper_one_beats_are_efficient(front: ParetoFront) -> None:
+    meshes = [found for found in front.levels if found.level.study == EVALUATION]
+    assert [found.efficient for found in meshes] == [True, True, True, True, False]
 
 
-def test_recommendation_is_the_cheapest_whose_error_is_surely_below(frontier: ParetoFront) -> None:
-    finest = frontier.rungs[3]
+def test_recommendation_is_the_cheapest_whose_error_is_surely_below(front: ParetoFront) -> None:
+    finest = front.levels[3]
     assert finest.error_percent is not None
     assert finest.bound_percent is not None
     assert finest.bound_percent > finest.error_percent
-    chosen = frontier.cheapest("judge", finest.bound_percent + 1e-9)
+    chosen = front.cheapest(EVALUATION, finest.bound_percent + 1e-9)
     assert chosen is finest
-    assert frontier.cheapest("judge", finest.error_percent) is None
-    loose = frontier.cheapest("judge", 50.0)
-    assert loose is frontier.rungs[0]
+    assert front.cheapest(EVALUATION, finest.error_percent) is None
+    loose = front.cheapest(EVALUATION, 50.0)
+    assert loose is front.levels[0]
 
 
-def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(frontier: ParetoFront) -> None:
-    first = frontier.rungs[5]
+def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(front: ParetoFront) -> None:
+    first = front.levels[5]
     assert first.model_errors_percent == {TORSION: pytest.approx(100 / 98)}
     assert first.error_percent == pytest.approx(max(abs(e) for e in first.errors_percent.values()))
     assert first.uncertainty_percent == pytest.approx(
-        max(limit.uncertainty_percent for limit in frontier.limits["optimiser"].values())
+        max(limit.uncertainty_percent for limit in front.limits[OPTIMISER].values())
     )
-    sure = replace(first.rung, band_percent=50.0)
-    assert pareto_front(ascent(sure, frontier.rungs[6].rung)).rungs[0].uncertainty_percent == 50.0
-    empty = frontier.rungs[7]
+    sure = replace(first.level, band_percent=50.0)
+    assert pareto_front(study(sure, front.levels[6].level)).levels[0].uncertainty_percent == 50.0
+    empty = front.levels[7]
     assert (empty.error_percent, empty.efficient, empty.errors_percent) == (None, False, {})
 
 
-def test_json_and_pages(frontier: ParetoFront) -> None:
-    result = frontier.as_json()
+def test_json_and_pages(front: ParetoFront) -> None:
+    result = front.as_json()
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     assert {r["ladder"] for r in result["recommendations"]} == {"judge", "optimiser"}
     tables = dict(rung_tables(result))
@@ -134,7 +141,7 @@ def test_json_and_pages(frontier: ParetoFront) -> None:
     assert list(joined.get_xdata()) == [3.0, 4.0, 8.0, 16.0]
 
 
-def test_the_report_of_a_run_shows_its_ladders(frontier: ParetoFront) -> None:
+def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
     metrics = {
         "grid": {"cell_mm": 1.5},
         "load_cases": {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}},
@@ -142,7 +149,7 @@ def test_the_report_of_a_run_shows_its_ladders(frontier: ParetoFront) -> None:
         "surface": {},
         "seconds": {"total": 12.0},
     }
-    plain, full = (accuracy_section(metrics, ladder, "one") for ladder in (None, frontier.as_json()))
+    plain, full = (accuracy_section(metrics, ladder, "one") for ladder in (None, front.as_json()))
     assert ("error estimate, torsion", "1.3 %") in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == ["This run", "Judge", "Optimiser", "Cheapest rung"]
     assert [p.alt for p in plain.pictures] == ["Error against seconds. torsion: 1.3 % in 12 s"]
@@ -151,8 +158,8 @@ def test_the_report_of_a_run_shows_its_ladders(frontier: ParetoFront) -> None:
     assert full.pictures[0].alt != plain.pictures[0].alt
 
 
-def test_one_rung_has_no_error_and_no_plot() -> None:
-    result = pareto_front(ascent(judge_rung(2, 3.0))).as_json()
+def test_one_level_has_no_error_and_no_plot() -> None:
+    result = pareto_front(study(mesh_level(2, 3.0))).as_json()
     page = accuracy_page(result, "today")
     assert page.sections[0].pictures == ()
     assert page.facts[0].value == "no accuracy reached"
@@ -160,84 +167,97 @@ def test_one_rung_has_no_error_and_no_plot() -> None:
     assert result["rungs"][0]["error_percent"] is None
 
 
-def tasks(rungs: list[Level | Exception]) -> list[Task]:
-    def run(result: Level | Exception) -> Level:
-        if isinstance(result, Exception):
-            raise result
-        return result
+class Clock:
+    """A wall clock that only solving a level moves."""
 
-    return [Task(f"task {n}", 2.0**n, partial(run, r)) for n, r in enumerate(rungs)]
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = 0.0
+        monkeypatch.setattr("cranktopo.accuracy.study.time.perf_counter", lambda: self.now)
+
+    def planned(self, results: list[Level | BaseException]) -> list[PlannedLevel]:
+        """Levels of cost 1, 2, 4 ... that take 4 s per unit of cost."""
+
+        def solve(result: Level | BaseException, seconds: float) -> Level:
+            self.now += seconds
+            if isinstance(result, BaseException):
+                raise result
+            return result
+
+        return [
+            PlannedLevel(f"level {n}", 2.0**n, partial(solve, result, 4 * 2.0**n))
+            for n, result in enumerate(results)
+        ]
 
 
-def test_a_ladder_ends_before_the_rung_that_would_not_fit() -> None:
-    """The first rung says that a unit of cost takes 4 s: the third one would need 16."""
-    rungs: list[Level] = []
-    failures: list[str] = []
-    planned: list[Level | Exception] = [judge_rung(2, 3.0), CranktopoError("no mesh."), judge_rung(0, 16.0)]
-    lines: list[str] = []
-    clock = (0.0, 100.0)
-    _climb_one("judge", tasks(planned), 10.0, clock, rungs, failures, lines.append)
-    assert [r.size_mm for r in rungs] == [9.0]
-    assert failures == ["judge, task 1: no mesh."]
-    assert len(lines) == 2
-    assert "about 8 s" in lines[1]
-    rungs.clear()
-    _climb_one("judge", tasks(planned), 17.0, clock, rungs, failures, lines.append)
-    assert len(rungs) == 2
+def run(
+    monkeypatch: pytest.MonkeyPatch, scene: Scene, budget_s: float, results: list[Level | BaseException]
+) -> tuple[Study, list[str]]:
+    clock, lines = Clock(monkeypatch), list[str]()
+    planned = {EVALUATION: clock.planned(results)}
+    monkeypatch.setattr("cranktopo.accuracy.study.planned_studies", lambda target: planned)
+    monkeypatch.setattr("cranktopo.accuracy.study.this_machine", lambda: MACHINE)
+    return run_studies(Target("mikron", scene), budget_s, lines.append), lines
+
+
+def test_a_study_ends_before_the_level_that_would_not_fit(
+    monkeypatch: pytest.MonkeyPatch, mikron: Scene
+) -> None:
+    """Levels of 4, 8 and 16 s: the third needs a budget of 28; a failed one says nothing of the speed."""
+    three = [mesh_level(2, 3.0), CranktopoError("no mesh."), mesh_level(0, 16.0)]
+    short, lines = run(monkeypatch, mikron, 27.0, [*three])
+    assert [found.size_mm for found in short.levels] == [9.0]
+    assert short.failures == ("evaluation, level 1: no mesh.",)
+    assert lines == ["0 of 27 s: evaluation, level 0", "4 of 27 s: evaluation, level 1, about 8 s"]
+    full, lines = run(monkeypatch, mikron, 28.0, [*three])
+    assert [found.size_mm for found in full.levels] == [9.0, 4.0]
+    assert lines[2].endswith("level 2, about 16 s")
 
 
 def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch, mikron: Scene) -> None:
-    row = [judge_rung(2, 0.1), judge_rung(1, 0.1)]
-
-    def interrupt() -> Level:
-        raise KeyboardInterrupt
-
-    planned = [*tasks([*row]), Task("slow", 3.0, interrupt)]
-    monkeypatch.setattr("cranktopo.accuracy.study._ladders", lambda target: {"judge": planned})
-    found = climb(Target("mikron", mikron), 60.0)
+    done = [mesh_level(2, 0.1), mesh_level(1, 0.1)]
+    found, _ = run(monkeypatch, mikron, 60.0, [*done, KeyboardInterrupt()])
     assert found.interrupted
-    assert list(found.rungs) == row
+    assert list(found.levels) == done
     assert "interrupted after" in accuracy_page(pareto_front(found).as_json(), "").headline
 
 
 @pytest.fixture
 def cache(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(memory, "this_machine", lambda: replace(MACHINE, reference_s=0.2))
+    monkeypatch.setattr(stored_studies, "this_machine", lambda: replace(MACHINE, reference_s=0.2))
 
 
-def test_a_frontier_is_kept_with_the_speed_of_its_machine(cache: None, frontier: ParetoFront) -> None:
-    result = frontier.as_json()
-    assert recall("by-hand", "judge") is None
-    assert remember("by-hand", result) == memory.memory_path()
-    found, other = recall("by-hand", "judge"), recall("another", "judge")
+def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: ParetoFront) -> None:
+    result = front.as_json()
+    assert load_study("by-hand", EVALUATION) is None
+    assert store_study("by-hand", result) == stored_studies.studies_path()
+    found, other = load_study("by-hand", EVALUATION), load_study("another", EVALUATION)
     assert found is not None
     assert other is not None
     assert (found.slowdown, found.result) == (pytest.approx(2.0), result)
     assert other.design == "by-hand"
-    remember("newer", result)
-    newest = recall("another", "judge")
+    store_study("newer", result)
+    newest = load_study("another", EVALUATION)
     assert newest is not None
     assert newest.design == "newer"
-    remember("by-hand", {**result, "machine": replace(MACHINE, cores=64).as_json()})
-    assert recall("by-hand", "judge") is None, "times of another machine say nothing"
+    for name in ("by-hand", "newer"):
+        store_study(name, {**result, "machine": replace(MACHINE, cores=64).as_json()})
+    assert load_study("by-hand", EVALUATION) is None, "times of another machine say nothing"
 
 
-def test_only_a_frontier_that_holds_the_ladder_is_recalled(
-    cache: None, frontier: ParetoFront, mikron: Scene
-) -> None:
-    """A surface is judged, never optimised; so is a design whose budget ended before the optimiser's turn."""
-    judged = pareto_front(ascent(judge_rung(2, 3.0), judge_rung(1, 8.0))).as_json()
-    remember("web", judged)
-    assert recall(mikron.name, "optimiser") is None
-    remember("by-hand", frontier.as_json())
-    remember(mikron.name, judged)
+def test_only_a_study_of_the_same_kind_is_loaded(cache: None, front: ParetoFront, mikron: Scene) -> None:
+    """A surface is only evaluated; so is a design whose budget ended before the optimiser's turn."""
+    judged = pareto_front(study(mesh_level(2, 3.0), mesh_level(1, 8.0))).as_json()
+    store_study("web", judged)
+    assert load_study(mikron.name, OPTIMISER) is None
+    store_study("by-hand", front.as_json())
+    store_study(mikron.name, judged)
     for wanted in (mikron.name, "another"):
-        found = recall(wanted, "optimiser")
+        found = load_study(wanted, OPTIMISER)
         assert found is not None
         assert found.design == "by-hand"
         assert "measured on by-hand" in str(choose_cells(mikron, 5.0, None, found))
-    own, newest = recall(mikron.name, "judge"), recall("another", "judge")
+    own, newest = load_study(mikron.name, EVALUATION), load_study("another", EVALUATION)
     assert own is not None
     assert newest is not None
     assert (own.design, newest.design) == (mikron.name, mikron.name)
@@ -249,38 +269,38 @@ def test_surfaces_are_kept_under_their_path(mikron: Scene, tmp_path: Path) -> No
     assert len({key_of(run), key_of(other), "web"}) == 3
 
 
-def test_a_damaged_memory_is_none(cache: None, frontier: ParetoFront) -> None:
-    remember("by-hand", frontier.as_json())
-    memory.memory_path().write_text('{"schema_version": 1, "designs": 3}', encoding="utf-8")
-    assert recall("by-hand", "judge") is None
+def test_a_damaged_file_holds_nothing(cache: None, front: ParetoFront) -> None:
+    store_study("by-hand", front.as_json())
+    stored_studies.studies_path().write_text('{"schema_version": 2, "designs": 3}', encoding="utf-8")
+    assert load_study("by-hand", EVALUATION) is None
 
 
-def test_the_first_rung_follows_from_what_was_measured(frontier: ParetoFront) -> None:
+def test_the_first_level_follows_from_what_was_measured(front: ParetoFront) -> None:
     """Steps 2, 1, 0: 4 + (3 not measured), 8 + 4, 16 + 8 s here, twice as much on the slower machine."""
-    known = Known("by-hand", 2.0, frontier.as_json())
-    bound = frontier.rungs[2].bound_percent
+    known = StoredStudy("by-hand", 2.0, front.as_json())
+    bound = front.levels[2].bound_percent
     assert bound is not None
-    assert first_rung(ErrorTarget(percent=bound + 0.01), known) == 1
-    assert first_rung(ErrorTarget(budget_s=25.0), known) == 1
-    assert first_rung(ErrorTarget(budget_s=49.0), known) == 2
-    assert first_rung(ErrorTarget(budget_s=1.0), known) == 0
-    assert first_rung(ErrorTarget(percent=bound + 0.01, budget_s=1.0), known) == 0
-    assert first_rung(ErrorTarget(percent=2.0), None) == 2
-    assert first_rung(ErrorTarget(percent=0.001), None) == len(RUNGS) - 1
-    assert first_rung(ErrorTarget(budget_s=1000.0), None) == 0
+    assert first_level(ErrorTarget(percent=bound + 0.01), known) == 1
+    assert first_level(ErrorTarget(budget_s=25.0), known) == 1
+    assert first_level(ErrorTarget(budget_s=49.0), known) == 2
+    assert first_level(ErrorTarget(budget_s=1.0), known) == 0
+    assert first_level(ErrorTarget(percent=bound + 0.01, budget_s=1.0), known) == 0
+    assert first_level(ErrorTarget(percent=2.0), None) == 2
+    assert first_level(ErrorTarget(percent=0.001), None) == len(LEVELS) - 1
+    assert first_level(ErrorTarget(budget_s=1000.0), None) == 0
 
 
-class FakeJudge:
+class FakeEvaluation:
     """Stiffness 100 + 0.05 size^2 in torsion, and a mesh that takes 1.9 times as long as the coarser one."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now, self.sizes = 0.0, [0.0]
         self.sizes.clear()
-        monkeypatch.setattr(judging.time, "perf_counter", lambda: self.now)
-        monkeypatch.setattr(judging, "evaluate_on_mesh", self.judge)
-        monkeypatch.setattr(judging, "evaluation", self.evaluation)
+        monkeypatch.setattr(error_target.time, "perf_counter", lambda: self.now)
+        monkeypatch.setattr(error_target, "evaluate_on_mesh", self.mesh)
+        monkeypatch.setattr(error_target, "evaluation", self.evaluation)
 
-    def judge(self, target: Target, size: float, **_: Any) -> Any:
+    def mesh(self, target: Target, size: float, **_: Any) -> Any:
         seconds = 1000 * size**-1.583  # 1.9 per factor 1.5
         self.now += seconds
         self.sizes.append(size)
@@ -292,11 +312,11 @@ class FakeJudge:
         return type("Evaluation", (), {"error_percent": 3 * change, "size": fine.size, "seconds": seconds})
 
 
-def test_evaluation_climbs_to_the_accuracy_and_no_further(
+def test_evaluation_refines_to_the_accuracy_and_no_further(
     monkeypatch: pytest.MonkeyPatch, mikron: Scene
 ) -> None:
-    fake = FakeJudge(monkeypatch)
-    found, reached = judging.evaluate_to(Target("mikron", mikron), ErrorTarget(percent=1.2))
+    fake = FakeEvaluation(monkeypatch)
+    found, reached = evaluate_to(Target("mikron", mikron), ErrorTarget(percent=1.2))
     assert reached
     assert found.error_percent <= 1.2
     assert fake.sizes == sorted(set(fake.sizes), reverse=True), "no mesh twice"
@@ -308,14 +328,14 @@ def test_evaluation_climbs_to_the_accuracy_and_no_further(
 def test_evaluation_keeps_within_its_budget(
     monkeypatch: pytest.MonkeyPatch, mikron: Scene, budget: float
 ) -> None:
-    fake = FakeJudge(monkeypatch)
-    found, reached = judging.evaluate_to(Target("mikron", mikron), ErrorTarget(budget_s=budget))
+    fake = FakeEvaluation(monkeypatch)
+    found, reached = evaluate_to(Target("mikron", mikron), ErrorTarget(budget_s=budget))
     cheapest = len(fake.sizes) == 2
     assert reached
     assert found.size == min(fake.sizes)
     assert cheapest or fake.now <= budget
     assert fake.now * 3.3 > budget, "the next mesh would not have fitted"
-    _, reached = judging.evaluate_to(Target("mikron", mikron), ErrorTarget(percent=1e-6, budget_s=budget))
+    _, reached = evaluate_to(Target("mikron", mikron), ErrorTarget(percent=1e-6, budget_s=budget))
     assert not reached
 
 
@@ -359,22 +379,20 @@ def test_a_memory_too_small_for_any_cells_is_named(
         choose_cells(mikron, *wish)
 
 
-def test_the_optimisers_ladder_ends_where_walls_end_it(mikron: Scene) -> None:
+def test_the_optimisers_study_ends_where_walls_end_it(mikron: Scene) -> None:
     """The finest cells are 1.5 mm over 2 to the power 8/3: they fit twice into 0.5 mm, not into 0.25 mm."""
-    usual, single, none = (optimiser_study(throw_with(mikron, bore)) for bore in (24.0, 41.0, 41.5))
+    usual, single, none = (optimiser_models(throw_with(mikron, bore)) for bore in (24.0, 41.0, 41.5))
     assert [model.label for model in usual[:4]] == ["", "", "", "10 iterations"]
     assert [(model.label, model.cell_mm) for model in single] == [("", pytest.approx(1.5 * 2 ** (-8 / 3)))]
     assert none == ()
 
 
-def test_measured_times_replace_the_rough_ones(mikron: Scene, frontier: ParetoFront) -> None:
-    known = Known("by-hand", 2.0, frontier.as_json())
+def test_measured_times_replace_the_rough_ones(mikron: Scene, front: ParetoFront) -> None:
+    known = StoredStudy("by-hand", 2.0, front.as_json())
     guess, found = (choose_cells(mikron, 5.0, None, k) for k in (None, known))
     assert guess.cell_mm == found.cell_mm
     assert "measured on by-hand" in str(found)
     # 18 s for 16 000 cells times cases, in proportion beyond, twice as slow now, 0.5 s of compilation.
-    from cranktopo.domain.resolution import estimated_cells
-
     work = 2 * estimated_cells(mikron, found.cell_mm, quarter=True)
     assert found.seconds == pytest.approx(2 * (18 * work / 16000 + 0.5), rel=1e-6)
 
@@ -382,7 +400,8 @@ def test_measured_times_replace_the_rough_ones(mikron: Scene, frontier: ParetoFr
 def test_memory_and_speed_are_measured() -> None:
     import numpy as np
 
-    peak = PeakMemory()
+    forget_peak_memory()
+    before = peak_memory_MiB()
     block = np.ones(40 * 2**17)  # 40 MiB
-    assert peak.MiB > block.nbytes / 2**20
-    assert reference_seconds() > 0
+    assert peak_memory_MiB() > before + 0.9 * block.nbytes / 2**20
+    assert this_machine().reference_s > 0
