@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.cad.session import cad_session, triangles
+from cranktopo.cad.step_text import StepLabel, label_step, time_of_writing
 from cranktopo.cad.throw_solid import (
     add_crankshaft,
     add_full_throw,
@@ -23,6 +24,7 @@ from cranktopo.formats import SOLIDS, SolidPart
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
 from cranktopo.store import check_file, replacing
+from cranktopo.store.manifest import versions
 
 if TYPE_CHECKING:
     from cranktopo.triangles.surface_mesh import SurfaceMesh
@@ -60,6 +62,7 @@ def export_solid(scene: Scene, part: SolidPart, path: Path, facet_mm: float = 1.
             with _quiet_stdout():
                 gmsh.write(str(temporary))
         if suffix != ".stl":
+            label_step(temporary, _label(scene, part))
             _read_back(temporary, volume)
     return volume
 
@@ -93,12 +96,36 @@ def step_volume_mm3(path: Path) -> float:
 
 
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
+    """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
     if part == "web":
         check_solid(scene)
-        web = add_web(occ, scene)
-        check_body(occ, web, web_volume_mm3(scene), "web")
-        return web
-    return {"half": add_half_throw, "throw": add_full_throw, "crankshaft": add_crankshaft}[part](occ, scene)
+        body = add_web(occ, scene)
+        check_body(occ, body, web_volume_mm3(scene), "web")
+    else:
+        add = {"half": add_half_throw, "throw": add_full_throw, "crankshaft": add_crankshaft}[part]
+        body = add(occ, scene)
+    _remove_loose(occ)
+    return body
+
+
+def _remove_loose(occ: Any) -> int:
+    """Remove the points, curves and faces that bound no body, and count them."""
+    before = len(occ.getEntities())
+    for dim in (2, 1, 0):  # what bounds something is kept by gmsh
+        occ.remove(occ.getEntities(dim))
+    return before - len(occ.getEntities())
+
+
+def _label(scene: Scene, part: SolidPart) -> StepLabel:
+    names = {"half": "half throw"}
+    version = versions()["cranktopo"] or "unknown version"
+    return StepLabel(
+        f"{scene.name} {names.get(part, part)}",
+        "mm; z along the crank axis, y along the throw, origin at the mid-main-journal plane",
+        "cranktopo",
+        version,
+        time_of_writing(),
+    )
 
 
 @contextmanager
@@ -127,10 +154,16 @@ def _triangulate(gmsh: Any, body: DimTags, facet_mm: float) -> None:
 
 
 def _read_back(path: Path, volume: float) -> None:
-    found = step_volume_mm3(path)
-    if abs(found - volume) > STEP_TOLERANCE * volume:
+    """Check that a STEP file gives the body that was written, and nothing beside it."""
+    with cad_session(str(path)) as gmsh:
+        occ = gmsh.model.occ
+        occ.importShapes(str(path), highestDimOnly=False)
+        loose = _remove_loose(occ)
+        found = [float(occ.getMass(*pair)) for pair in occ.getEntities(3)]
+    if len(found) != 1 or loose or abs(found[0] - volume) > STEP_TOLERANCE * volume:
         raise CranktopoError(
-            f"STEP file: reads back with {found:.3f} mm3 instead of {volume:.3f} mm3.",
+            f"STEP file: reads back as {len(found)} solids of {sum(found):.3f} mm3 and {loose} loose points, "
+            f"curves and faces instead of one solid of {volume:.3f} mm3.",
             hint="Export STL, or change the dimensions slightly.",
             code=ExitCode.SOLVER,
         )

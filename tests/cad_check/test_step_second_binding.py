@@ -1,0 +1,90 @@
+"""STEP files of every built-in design read by a second OCC binding, which shares no code with gmsh's.
+
+Needs the optional extra: `pip install -e '.[cad-check]'`, then `python -m pytest tests/cad_check -m slow`.
+Skipped without it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cranktopo.cad.solid_files import export_solid
+from cranktopo.formats import PARTS, SolidPart
+from cranktopo.scene import load_scene
+from cranktopo.scene.loading import builtin_designs
+
+pytestmark = pytest.mark.slow
+BOX_MM = 1e-4
+
+
+def ocp(module: str) -> Any:
+    return pytest.importorskip(f"OCP.{module}", reason="optional extra cad-check (cadquery-ocp) missing")
+
+
+def read(path: Path) -> Any:
+    """The document of a STEP file, its names kept."""
+    reader = ocp("STEPCAFControl").STEPCAFControl_Reader()
+    document = ocp("TDocStd").TDocStd_Document(ocp("TCollection").TCollection_ExtendedString("check"))
+    reader.SetNameMode(True)
+    assert reader.ReadFile(str(path)) == ocp("IFSelect").IFSelect_ReturnStatus.IFSelect_RetDone
+    assert reader.Transfer(document)
+    return reader, document
+
+
+def free_shapes(document: Any) -> list[tuple[str, Any]]:
+    """Name and shape of each product that no other one holds."""
+    tool = ocp("XCAFDoc").XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    labels = ocp("TDF").TDF_ChildIterator(tool.BaseLabel())
+    found = []
+    while labels.More():
+        label = labels.Value()
+        name = ocp("TDataStd").TDataStd_Name()
+        assert label.FindAttribute(ocp("TDataStd").TDataStd_Name.GetID_s(), name)
+        if tool.IsFree_s(label):
+            found.append((name.Get().ToExtString(), tool.GetShape_s(label)))
+        labels.Next()
+    return found
+
+
+def count(shape: Any, kind: str, outside: str | None = None) -> int:
+    kinds = ocp("TopAbs").TopAbs_ShapeEnum
+    skipped = [getattr(kinds, f"TopAbs_{outside}")] if outside else []
+    explorer = ocp("TopExp").TopExp_Explorer(shape, getattr(kinds, f"TopAbs_{kind}"), *skipped)
+    number = 0
+    while explorer.More():
+        number += 1
+        explorer.Next()
+    return number
+
+
+def box(shape: Any) -> list[float]:
+    bounds = ocp("Bnd").Bnd_Box()
+    ocp("BRepBndLib").BRepBndLib.AddOptimal_s(shape, bounds, True, False)
+    low, high = bounds.CornerMin(), bounds.CornerMax()
+    return [low.X(), low.Y(), low.Z(), high.X(), high.Y(), high.Z()]
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("design", sorted(builtin_designs()))
+def test_one_named_sound_solid(design: str, part: SolidPart, tmp_path: Path) -> None:
+    scene = load_scene(design)
+    path = tmp_path / f"{design}-{part}.step"
+    volume = export_solid(scene, part, path)
+    _, document = read(path)
+    [(name, shape)] = free_shapes(document)
+    assert name.startswith(f"{scene.name} ")
+    assert (count(shape, "SOLID"), count(shape, "SHELL", "SOLID")) == (1, 0)
+    assert [count(shape, kind, holder) for kind, holder in (("FACE", "SHELL"), ("EDGE", "FACE"))] == [0, 0]
+    assert count(shape, "VERTEX", "EDGE") == 0
+    assert ocp("BRepCheck").BRepCheck_Analyzer(shape).IsValid()
+    properties = ocp("GProp").GProp_GProps()
+    ocp("BRepGProp").BRepGProp.VolumeProperties_s(shape, properties)
+    assert properties.Mass() == pytest.approx(volume, rel=1e-5)
+    solid = ocp("TopExp").TopExp_Explorer(shape, ocp("TopAbs").TopAbs_ShapeEnum.TopAbs_SOLID).Current()
+    assert box(shape) == pytest.approx(box(solid), abs=BOX_MM)
+    ends = {"web": scene.web_z_mm, "half": (0.0, scene.pitch_mm / 2), "throw": (0.0, scene.pitch_mm)}
+    if part in ends:
+        assert (box(shape)[2], box(shape)[5]) == pytest.approx(ends[part], abs=BOX_MM)
