@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.accuracy.evaluation_study import EvaluationMesh
 from cranktopo.accuracy.level import EVALUATION
 from cranktopo.accuracy.stored_studies import StoredStudy
-from cranktopo.evaluate.evaluation import Evaluation, MeshResult, evaluate_on_mesh, evaluation
+from cranktopo.evaluate.evaluation import Evaluation, MeshResult, Progress, evaluate_on_mesh, evaluation
 from cranktopo.evaluate.targets import Target
-
-Progress = Callable[[str], None]
 
 LEVELS = tuple(EvaluationMesh(steps, graded=True) for steps in (2, 1, 0, -1, -2, -3))
 """The finer mesh of each evaluation, cheapest first; the coarser one has elements 1.5 times as large.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cranktopo.accuracy.evaluation_study import evaluation_levels
@@ -19,9 +19,8 @@ from cranktopo.accuracy.level import (
 from cranktopo.accuracy.machine import Machine, this_machine
 from cranktopo.accuracy.stress_study import stress_levels
 from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.targets import Target
-
-Progress = Callable[[str], None]
 
 _SHARES = {EVALUATION: 0.35, FILLET_STRESS: 0.2, OPTIMISER: 1.0}
 """Share of what is left of the budget that a study may use, in this order; the last one takes all."""

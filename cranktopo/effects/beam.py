@@ -65,9 +65,6 @@ def throw_compliance(scene: Scene) -> ThrowCompliance:
 
     Fillets shorten the journals by the integral of 1 - J / J(z), and the web, whose free length ends at
     their feet.
-
-    Args:
-        scene: the scene.
     """
     main, pin = (_shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
     web = _web(scene)

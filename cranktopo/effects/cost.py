@@ -18,9 +18,8 @@ class Cost:
     """Extra work of an effect; negative where it saves work.
 
     Attributes:
-        solves: solves in each iteration of the optimiser, or once of the judge.
-        cells: cells of the optimiser's grid or elements of the judge's mesh.
-        seconds: rough time for the whole run.
+        solves: solves in each iteration of the optimiser, or once of the evaluation.
+        cells: cells of the optimiser's grid or elements of the evaluation's mesh.
     """
 
     solves: float = 0.0
@@ -49,8 +48,8 @@ class CostRates:
     Attributes:
         iterations: designs until an optimisation converges; 31 on the built-in engine.
         seconds_per_cell_solve: one load case of one design iteration, per cell; 2.9e-6 to 4.8e-6 on two
-            cores (`python -m tests.benchmarks.effects_cost`), compilation not counted.
-        seconds_per_element: one direct solve of the judge per quadratic tetrahedron; an order of magnitude.
+            cores (archived benchmark "cost of effects", docs/benchmarks.md), without compilation.
+        seconds_per_element: one direct solve per quadratic tetrahedron; an order of magnitude.
     """
 
     iterations: int = 35
@@ -59,13 +58,7 @@ class CostRates:
 
 
 class Costing:
-    """Costs of a scene's effects at given rates.
-
-    Args:
-        scene: the scene; its envelope and resolution give the size of the optimiser's grid.
-        rates: seconds per unit of work.
-        mirrored: whether the lateral mirror halves the grid.
-    """
+    """Costs of a scene's effects at given rates."""
 
     def __init__(self, scene: Scene, rates: CostRates, mirrored: bool) -> None:
         self._scene = scene
@@ -100,7 +93,7 @@ class Costing:
 
 
 def _target(scene: Scene) -> Target:
-    """What the grid holds; a throw whose envelope is absent, or its file gone, is planned for the judge."""
+    """What the grid holds; a throw whose envelope is absent, or its file gone, is not optimised."""
     envelope = scene.envelope
     gone = envelope is not None and envelope.shape == "stl" and not Path(envelope.file).is_file()
     return "web" if envelope is None or gone else "envelope"

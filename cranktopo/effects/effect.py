@@ -16,8 +16,6 @@ class Effect:
 
     Attributes:
         name: name as in the scene's `[effects]`.
-        state: `on` or `off`.
-        reason: why, with numbers.
         estimate_percent: what the effect changes, in percent of the quantity named in the reason; None when
             nothing is known or no closed form exists.
         cost: what having it on costs.
@@ -45,11 +43,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class EffectPlan:
-    """The effects of a scene, in the order of the scene's table.
-
-    Attributes:
-        effects: one entry per effect.
-    """
+    """The effects of a scene, in the order of the scene's table."""
 
     effects: tuple[Effect, ...]
 

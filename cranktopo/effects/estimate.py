@@ -15,7 +15,6 @@ class Estimate:
         percent: size of the effect, percent of the quantity that matters; None when it is not known.
         because: the estimate in words, with its numbers.
         changes: what leaving the effect out changes.
-        cost: what having it on costs.
         absent: why `auto` leaves it out whatever its size; empty when the size decides.
         needed: why `auto` takes it in whatever its size; empty when the size decides.
         impossible: why it cannot be on at all; empty when it can.

@@ -22,8 +22,6 @@ class Facts:
     """Facts of a scene that several rules share.
 
     Attributes:
-        scene: the scene.
-        costing: what solves and cells cost.
         asymmetry: what is not its own mirror image in x; empty when all is.
     """
 

@@ -1,4 +1,4 @@
-"""The plan: each effect on or off, by the scene's word or by its estimate against the threshold."""
+"""The plan: each effect on or off, by the scene's own choice or by its estimate against the threshold."""
 
 from __future__ import annotations
 
@@ -36,10 +36,6 @@ LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
 def plan(scene: Scene, rates: CostRates | None = None) -> EffectPlan:
     """Decide every effect of a scene.
 
-    Args:
-        scene: the scene.
-        rates: seconds per unit of work; rough ones by default.
-
     Raises:
         CranktopoError: the scene switches an effect on that it has no data for, switches off one that it
             relies on, or leaves no load case; gas data that cannot be used.
@@ -74,7 +70,6 @@ def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
     """The scene as its own effects plan has it simulated.
 
     Args:
-        scene: what the user wrote.
         kept: features that stay even where the plan leaves them out.
 
     Raises:

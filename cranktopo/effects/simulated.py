@@ -18,8 +18,6 @@ def simulated_scene(scene: Scene, plan: EffectPlan, kept: Collection[Feature] = 
     manufacturing constraint on where the plan has it on.
 
     Args:
-        scene: what the user wrote.
-        plan: its effects.
         kept: features that stay even where the plan leaves them out.
 
     Returns:
@@ -43,12 +41,7 @@ def _switched(scene: Scene, effect: str, state: Switch) -> Scene:
 
 
 def without(scene: Scene, feature: Feature) -> Scene:
-    """The scene with both journals without one feature; the same object when they have none.
-
-    Args:
-        scene: the throw.
-        feature: "bores" or "fillets".
-    """
+    """The scene with both journals without one feature; the same object when they have none."""
     key, throw = _FEATURES[feature], scene.throw
     if getattr(throw.main_journal, key) == 0 == getattr(throw.crankpin, key):
         return scene

@@ -42,7 +42,7 @@ def bearing_compliance(facts: Facts) -> Estimate:
 def fillets(facts: Facts) -> Estimate:
     """Rings at the ends of the journals: they shorten journals and web in the beam and torsion formulae.
 
-    They cost nothing: for stiffness alone the judge needs more elements at a sharp ring than at a fillet.
+    They cost nothing: for stiffness alone a sharp ring needs more elements than a fillet.
     """
     throw = facts.scene.throw
     if throw.main_journal.fillet_mm == 0 and throw.crankpin.fillet_mm == 0:

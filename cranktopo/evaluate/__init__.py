@@ -1,1 +1,1 @@
-"""The independent judge: tet10 finite elements on the body-fitted solid, condensed to 6 x 6 stiffnesses."""
+"""Body-fitted evaluation: tet10 finite elements on the exact solid, condensed to 6 x 6 stiffnesses."""

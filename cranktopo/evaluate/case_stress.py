@@ -1,4 +1,4 @@
-"""Von Mises stress of a target under its load cases, on the judge's mesh: to look at, not for fatigue."""
+"""Von Mises stress of a target under its load cases, on its evaluation mesh: for pictures, not fatigue."""
 
 from __future__ import annotations
 
@@ -35,11 +35,9 @@ class CaseStress:
     """Von Mises stress of load cases at the nodes of a half throw.
 
     Attributes:
-        cases: the load cases.
         points_mm: nodes, shape (n, 3).
         von_mises_MPa: shape (cases, n).
         mirrored: the nodes are those of the half x >= 0.
-        element_size_mm: general element size of the mesh.
     """
 
     cases: tuple[LoadCase, ...]
@@ -79,23 +77,17 @@ def case_stress(
     `stress_model.solve_stresses`: the largest value depends on the mesh, all but the neighbourhood of such
     edges does not.
 
-    Args:
-        target: a design, a run or a surface file.
-        cases: load cases; each holds loads of one symmetry.
-        element_size_mm: general element size; by default that of an evaluation.
-        progress: called with one line.
-
     Raises:
         CranktopoError: impossible geometry or a failed solve.
     """
     size = element_size_mm or default_element_size_mm(target.scene)
     progress(f"{target.name}: stresses, element size {size:.3g} mm")
-    part = mesh_target(target, size)
+    meshed = mesh_target(target, size)
     youngs, poisson = target.scene.material.E_GPa * MPA_PER_GPA, target.scene.material.poisson
-    model = assemble(part.mesh, youngs, poisson)
+    model = assemble(meshed.mesh, youngs, poisson)
     wanted = [kind for kind, factor in _FACTORS.items() if any(factor(case) for case in cases)]
-    fields = unit_fields(model, target.scene, part.mesh.mirrored, wanted)
+    fields = unit_fields(model, target.scene, meshed.mesh.mirrored, wanted)
     share = np.array([[_FACTORS[kind](case) for kind in (f.kind for f in fields)] for case in cases])
     found = nodal_stress(model, share @ np.stack([f.displacement_mm for f in fields]), youngs, poisson)
     stress = von_mises(found.nodal_MPa)
-    return CaseStress(tuple(cases), model.nodes_mm.T, stress, part.mesh.mirrored, size)
+    return CaseStress(tuple(cases), model.nodes_mm.T, stress, meshed.mesh.mirrored, size)

@@ -64,9 +64,6 @@ def condense(
 
     Args:
         model: half throw, or its half x >= 0 when lateral is not "none".
-        scene: the throw (web position, pitch).
-        parity: motion about the mid-pin plane.
-        lateral: motions even or odd in x of a quarter model, or all six of a half model.
         further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
 
@@ -104,12 +101,7 @@ def condense(
 
 
 def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
-    """The six rigid motions of the nodes of the section z = 0, shape (unknowns, 6).
-
-    Args:
-        nodes_mm: all nodes, shape (3, n); there are 3 n unknowns.
-        section: numbers of the section's nodes.
-    """
+    """The six rigid motions of the section z = 0, shape (unknowns, 6), from all nodes (3, n)."""
     x, y = nodes_mm[0, section], nodes_mm[1, section]
     motions = np.zeros((nodes_mm.size, 6))
     for axis in range(3):
@@ -122,12 +114,7 @@ def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
 
 
 def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.intp]:
-    """Numbers of the nodes on a coordinate plane.
-
-    Args:
-        nodes_mm: all nodes, shape (3, n).
-        axis: 0, 1 or 2 for a plane across x, y or z.
-        position_mm: coordinate of the plane on that axis.
+    """Numbers of the nodes, (3, n), on a coordinate plane; axis 0, 1, 2 is across x, y, z.
 
     Raises:
         CranktopoError: none there.
@@ -136,7 +123,7 @@ def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.in
     if found.size == 0:
         raise CranktopoError(
             f"mesh: no nodes on the plane {'xyz'[axis]} = {position_mm:g} mm.",
-            hint="The part must reach from z = 0 to half the pitch.",
+            hint="The body must reach from z = 0 to half the pitch.",
             code=ExitCode.SOLVER,
         )
     return found

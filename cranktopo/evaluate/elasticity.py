@@ -32,8 +32,6 @@ class Elasticity:
         nodes_mm: node coordinates, shape (3, nodes); corner nodes come first.
         stiffness: matrix over unknowns 3 node + axis, N/mm.
         prolongation: linear to quadratic interpolation over unknowns, shape (3 nodes, 3 corners).
-        mesh: scikit-fem mesh (curved).
-        volume_mm3: volume of the mesh.
         order: degree of the displacements; with 1 the nodes are the corners alone.
     """
 
@@ -49,10 +47,7 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2)
     """Assemble the isotropic stiffness matrix.
 
     Args:
-        mesh: ten-node tetrahedra.
-        youngs_MPa: Young's modulus.
-        poisson: Poisson's ratio.
-        order: degree of the displacements; 1 only to show what quadratic elements are worth.
+        order: degree of the displacements; 1 only for comparison with quadratic elements.
 
     Raises:
         CranktopoError: an element is inverted at a quadrature point.
@@ -90,7 +85,6 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
     straddle z are integrated over their inside quadrature points.
 
     Args:
-        model: the body.
         axis: 0, 1, 2 for x, y, z.
         z_from_mm: start of the material.
     """
@@ -107,12 +101,7 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
 
 
 def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
-    """Nodal forces of rotation about the crank axis at 1 rad/s, shape (unknowns,), N.
-
-    Args:
-        model: the body.
-        density_tonne_per_mm3: mass density.
-    """
+    """Nodal forces of rotation about the crank axis at 1 rad/s, shape (unknowns,), N."""
     from skfem import Basis
 
     basis = Basis(model.mesh, _element(model.order), intorder=_LOAD_ORDER)

@@ -41,9 +41,6 @@ class Stiffness:
     Attributes:
         torsion: N m/rad by support "free", "held", "spring".
         bending: N/mm by support "pinned", "clamped", "spring".
-        nodes: number of mesh nodes.
-        element_size_mm: general element size.
-        mesh_seconds, solve_seconds: wall time.
     """
 
     torsion: dict[str, float | None]
@@ -59,14 +56,10 @@ class Evaluation:
     """All that is reported about one target; units in the field names.
 
     Attributes:
-        target: name.
         throw_kg, web_kg: mass of the throw, and of one web between its faces.
-        inertia_kg_mm2: about the crank axis.
         unbalance_kg_mm: mass times y of the centre of mass.
-        fine: stiffnesses reported.
         torsion_support, bending_support: the supports that the scene asks for.
         torsion_error_percent, bending_error_percent: bound of the discretisation error.
-        total_seconds: wall time of everything.
     """
 
     target: str
@@ -133,17 +126,10 @@ def default_element_size_mm(scene: Scene) -> float:
 
 @dataclass(frozen=True)
 class MeshResult:
-    """A target on one mesh.
-
-    Attributes:
-        target: what was judged.
-        part: its mesh and exact mass properties.
-        stiffness: found on that mesh.
-        graded: whether the mesh is refined at fillets and sharp rings.
-    """
+    """A target on one mesh."""
 
     target: Target
-    part: MeshedThrow
+    meshed: MeshedThrow
     stiffness: Stiffness
     graded: bool = True
 
@@ -157,11 +143,6 @@ def evaluate(
     target: Target, element_size_mm: float | None = None, progress: Progress = lambda _: None
 ) -> Evaluation:
     """Evaluate a target on a mesh of the given size and on one 1.5 times coarser.
-
-    Args:
-        target: what to evaluate.
-        element_size_mm: general element size; by default as `default_element_size_mm`.
-        progress: called with one line per step.
 
     Raises:
         CranktopoError: impossible geometry or a failed solve.
@@ -183,43 +164,32 @@ def evaluate_on_mesh(
     """A target on one mesh.
 
     Args:
-        target: what to judge.
-        element_size_mm: general element size.
         graded: refine at fillets and sharp rings; surface files are always graded.
-        order: degree of the displacements.
-        progress: called with one line.
 
     Raises:
         CranktopoError: impossible geometry or a failed solve.
     """
     progress(f"{target.name}: element size {element_size_mm:.3g} mm")
     start = time.perf_counter()
-    part = mesh_target(target, element_size_mm, graded)
-    meshed = time.perf_counter() - start
+    meshed = mesh_target(target, element_size_mm, graded)
+    seconds = time.perf_counter() - start
     return MeshResult(
-        target, part, condensed_stiffness(part, target.scene, element_size_mm, meshed, order), graded
+        target, meshed, condensed_stiffness(meshed, target.scene, element_size_mm, seconds, order), graded
     )
 
 
 def condensed_stiffness(
-    part: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
+    meshed: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
 ) -> Stiffness:
     """Stiffnesses of a meshed half throw for every support: two condensations.
-
-    Args:
-        part: meshed half throw.
-        scene: material, supports, positions.
-        element_size_mm: reported with the result.
-        mesh_seconds: reported with the result.
-        order: degree of the displacements.
 
     Raises:
         CranktopoError: a mesh that does not fill the solid, or a failed solve.
     """
     start = time.perf_counter()
-    model = assemble(part.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, order)
-    mirrored = part.mesh.mirrored
-    _check_volume(part, model.volume_mm3 * (2 if mirrored else 1))
+    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, order)
+    mirrored = meshed.mesh.mirrored
+    _check_volume(meshed, model.volume_mm3 * (2 if mirrored else 1))
     twist = condense(model, scene, "antisymmetric", "odd" if mirrored else "none")
     bend = condense(model, scene, "symmetric", "even" if mirrored else "none")
     spring = bearing_spring_N_per_mm(scene)
@@ -237,10 +207,10 @@ def condensed_stiffness(
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds)
 
 
-def _check_volume(part: MeshedThrow, meshed_mm3: float) -> None:
-    if abs(meshed_mm3 - part.half.volume_mm3) > _VOLUME_TOLERANCE * part.half.volume_mm3:
+def _check_volume(meshed: MeshedThrow, volume_mm3: float) -> None:
+    if abs(volume_mm3 - meshed.half.volume_mm3) > _VOLUME_TOLERANCE * meshed.half.volume_mm3:
         raise CranktopoError(
-            f"mesh: holds {meshed_mm3:.1f} mm3, the half throw {part.half.volume_mm3:.1f} mm3.",
+            f"mesh: holds {volume_mm3:.1f} mm3, the half throw {meshed.half.volume_mm3:.1f} mm3.",
             hint="Choose another element size.",
             code=ExitCode.SOLVER,
         )
@@ -248,11 +218,6 @@ def _check_volume(part: MeshedThrow, meshed_mm3: float) -> None:
 
 def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> MeshedThrow:
     """Mesh of a target's half throw.
-
-    Args:
-        target: what to mesh.
-        element_size_mm: general element size.
-        graded: refine at fillets and sharp rings; surface files are always graded.
 
     Raises:
         CranktopoError: impossible geometry, or no valid mesh.
@@ -265,23 +230,17 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
 
 
 def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluation:
-    """All that is reported, with a bound of the finer mesh's error from what the coarser one says.
-
-    Args:
-        coarse: a target on a mesh.
-        fine: the same on a mesh 1.5 times finer.
-        seconds: wall time of everything that was needed.
-    """
-    target, part = fine.target, fine.part
+    """All that is reported, with a bound of the finer mesh's error from what the coarser one says."""
+    target, meshed = fine.target, fine.meshed
     scene = target.scene
     supports = scene.supports
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     return Evaluation(
         target=target.name,
-        throw_kg=2 * density * part.half.volume_mm3,
-        web_kg=density * part.web_volume_mm3,
-        inertia_kg_mm2=2 * density * part.half.inertia_z_mm5,
-        unbalance_kg_mm=2 * density * part.half.volume_mm3 * part.half.centre_mm[1],
+        throw_kg=2 * density * meshed.half.volume_mm3,
+        web_kg=density * meshed.web_volume_mm3,
+        inertia_kg_mm2=2 * density * meshed.half.inertia_z_mm5,
+        unbalance_kg_mm=2 * density * meshed.half.volume_mm3 * meshed.half.centre_mm[1],
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,
@@ -295,10 +254,6 @@ def bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float |
     """Bound of the relative error of the fine values, %: the largest over all of them.
 
     Two unstructured meshes may happen to agree in one support; hardly in all.
-
-    Args:
-        coarse: stiffnesses on a mesh 1.5 times coarser.
-        fine: the same on the mesh whose values are reported; None where there is none.
     """
     pairs = ((_known(coarse[name]), value) for name, value in fine.items() if value is not None)
     return SAFETY * max(100 * abs(high / low - 1) for high, low in pairs)

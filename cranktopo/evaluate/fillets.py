@@ -42,25 +42,14 @@ class Place:
 
 
 def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
-    """Which points lie on a fillet's surface, rims included, (n,).
-
-    Args:
-        scene: the throw.
-        fillet: which one.
-        points_mm: points (3, n) of the near half throw.
-    """
+    """Which points (3, n) of the near half throw lie on a fillet's surface, rims included, (n,)."""
     across, height, radius = _section(scene, fillet, points_mm)
     on = np.abs(np.hypot(across, height) - radius) < _OFF_MM
     return on & (across < _OFF_MM) & (height > -_OFF_MM)
 
 
 def place(scene: Scene, point_mm: Array) -> Place:
-    """The place of one surface point.
-
-    Args:
-        scene: the throw.
-        point_mm: (3,) point of the throw, near or far half.
-    """
+    """The place of one surface point (3,) of the near or far half."""
     x, y, z = (float(v) for v in point_mm)
     near = np.array([[x], [y], [min(z, scene.pitch_mm - z)]])
     for fillet in ("journal", "pin"):

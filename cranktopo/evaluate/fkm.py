@@ -20,10 +20,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FkmStrength:
-    """Strength of material and part.
+    """Strength of material and component.
 
     Attributes:
-        ultimate_MPa: tensile strength.
         group: material group in pyLife's names: "Steel", "Forg_Steel", "CaseHard_Steel", "GJS", ...
         roughness_um: Rz of the surface.
         treatment_factor: K_V, credit for a treated surface.
@@ -42,7 +41,6 @@ class FkmResult:
     Attributes:
         safety: fatigue limit over amplitude; no safety factor of the guideline is applied.
         limit_MPa: amplitude that the point endures at its stress ratio.
-        reversed_MPa: fully reversed strength of material.
         support_factor: n, from the stress gradient.
         design_factor: K_WK.
         mean_factor: K_AK.
@@ -57,12 +55,7 @@ class FkmResult:
 
 
 def fkm(stress: LocalStress, strength: FkmStrength) -> FkmResult:
-    """Safety of points by the FKM guideline.
-
-    Args:
-        stress: cyclic stress.
-        strength: of material and part.
-    """
+    """Safety of points by the FKM guideline."""
     import pandas as pd
     from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
 

@@ -20,13 +20,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LsaStrength:
-    """Strength of material and part.
+    """Strength of material and component.
 
     Attributes:
         fatigue_tension_MPa, fatigue_bending_MPa: fully reversed strengths of the specimen.
-        yield_MPa, ultimate_MPa: static strengths.
         specimen_diameter_mm: of the bending specimen.
-        size_factor, survival_factor: reductions of the strength.
         treatment_factor: credit for a treated surface (1.3 for hardened fillets).
     """
 
@@ -49,7 +47,6 @@ class LsaResult:
         amplitude_term, mean_term: shares of the strength that amplitude and mean stress use up.
         support_factor: fG, from the stress gradient.
         notch_ratio: beta/alpha.
-        strength_MPa: fully reversed strength of the point.
     """
 
     safety: Array
@@ -61,12 +58,7 @@ class LsaResult:
 
 
 def lsa(stress: LocalStress, strength: LsaStrength) -> LsaResult:
-    """Safety by local stress analysis; a compressive mean stress earns no credit.
-
-    Args:
-        stress: cyclic stress.
-        strength: of material and part.
-    """
+    """Safety by local stress analysis; a compressive mean stress earns no credit."""
     s, gradient = strength, stress.gradient_per_mm
     ratio = s.fatigue_bending_MPa / s.fatigue_tension_MPa
     support = 1 + (ratio - 1) / (2 / s.specimen_diameter_mm) * gradient

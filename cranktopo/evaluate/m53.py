@@ -62,7 +62,6 @@ class Nominal:
     Attributes:
         bending_MPa: bending of the web.
         shear_MPa: radial force over the web's section.
-        pin_torsion_MPa, journal_torsion_MPa: torsion of pin and journal.
     """
 
     bending_MPa: float
@@ -73,12 +72,7 @@ class Nominal:
 
 @dataclass(frozen=True)
 class FilletCheck:
-    """One fillet against the rule.
-
-    Attributes:
-        equivalent_MPa: equivalent alternating stress.
-        strength_MPa: fatigue strength.
-    """
+    """One fillet against the rule."""
 
     equivalent_MPa: float
     strength_MPa: float
@@ -108,11 +102,7 @@ def outside_validity(d: Dimensions) -> tuple[str, ...]:
 
 
 def concentration_factors(d: Dimensions) -> Factors:
-    """The rule's polynomials.
-
-    Args:
-        d: the throw; outside the validity of the rule the values mean little (`outside_validity`).
-    """
+    """The rule's polynomials; of little meaning outside their validity (`outside_validity`)."""
     s, w, b = max(d.overlap, -0.5), d.web_thickness / d.pin, d.web_width / d.pin
     bores = d.journal_bore / d.pin, d.pin_bore / d.pin
     rec = max(1 + (d.pin_recess + d.journal_recess) / d.pin * (1.8 + 3.2 * d.overlap), 1.0)
@@ -130,9 +120,7 @@ def fatigue_strength_MPa(diameter_mm: float, fillet_mm: float, ultimate_MPa: flo
     """Fatigue strength of a fillet.
 
     Args:
-        diameter_mm: of the pin or journal.
         fillet_mm: its radius; less than 2 mm counts as 2 mm.
-        ultimate_MPa: tensile strength.
         process: 1.05 drop forged, 1.0 free forged, 0.93 cast.
     """
     radius = max(fillet_mm, 2.0)
@@ -148,7 +136,6 @@ def nominal_stresses(d: Dimensions, moment_Nmm: float, force_N: float, torque_Nm
     """Nominal stresses of alternating section forces.
 
     Args:
-        d: the throw.
         moment_Nmm: bending moment at the web's mid-plane.
         force_N: radial force through the web.
         torque_Nmm: torque through pin and journal.
@@ -169,8 +156,6 @@ def pin_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
     """Equivalent alternating stress in the pin fillet.
 
     Args:
-        f: stress concentration factors.
-        n: alternating nominal stresses.
         additional_MPa: additional bending stress from misalignment and vibration.
     """
     bending = f.alpha_bending * n.bending_MPa + additional_MPa
@@ -181,8 +166,6 @@ def journal_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> flo
     """Equivalent alternating stress in the journal fillet.
 
     Args:
-        f: stress concentration factors.
-        n: alternating nominal stresses.
         additional_MPa: additional bending stress from misalignment and vibration.
     """
     bending = f.beta_bending * n.bending_MPa + f.beta_shear * n.shear_MPa + additional_MPa

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.effects.beam import web_lever_mm
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
+from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.m53 import (
     LEAST_FACTOR,
     Dimensions,
@@ -23,7 +24,7 @@ from cranktopo.evaluate.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
-from cranktopo.evaluate.safety_field import Progress, check_material, load_kinds
+from cranktopo.evaluate.safety_field import check_material, load_kinds
 from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history
@@ -39,13 +40,9 @@ class RuleCheck:
     """A throw against IACS UR M53.
 
     Attributes:
-        name: of the target.
-        throw_kg: its mass.
         outside: dimensions outside the validity of the rule's polynomials.
         closed, elements: concentration factors by polynomial and by finite elements.
-        nominal: alternating nominal stresses.
         closed_checks, element_checks: pin and journal fillet with either set of factors.
-        quality: of the mesh.
     """
 
     name: str
@@ -98,12 +95,6 @@ def check_rule(
     progress: Progress = lambda _: None,
 ) -> RuleCheck:
     """Check a throw against the rule.
-
-    Args:
-        target: a design.
-        kind: load states.
-        fillet_fraction: element size in the fillets over their radius.
-        progress: called with one line per step.
 
     Raises:
         CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.

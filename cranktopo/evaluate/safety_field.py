@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.effects import plan
 from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.fillets import Place, place
 from cranktopo.evaluate.fkm import FkmStrength, fkm
 from cranktopo.evaluate.local_stress import LocalStress
@@ -26,7 +27,8 @@ from cranktopo.units import NMM_PER_NM
 
 Array = NDArray[np.float64]
 FieldMethod = Literal["lsa", "fkm"]
-Progress = Callable[[str], None]
+PointSafety = tuple[Array, Array, Array, dict[str, Array]]
+"""Safety, fully reversed strength, share of the amplitude, and factors by name, each of shape (n,)."""
 
 _UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
     "bending": lambda h: h.radial_N,
@@ -42,12 +44,8 @@ class Critical:
     """The point of least safety.
 
     Attributes:
-        place: where.
-        safety: there.
-        amplitude_MPa, mean_MPa, gradient_per_mm: cyclic stress there.
         strength_MPa: fully reversed strength of the point.
-        amplitude_share: part of the used strength that is the amplitude's, 0 to 1.
-        factors: of the method, by name.
+        amplitude_share: fraction of the used strength that the amplitude uses, 0 to 1.
         states: the two extreme load states.
     """
 
@@ -92,13 +90,8 @@ class FatigueField:
     """Safety over the surface of a whole throw.
 
     Attributes:
-        model: unit stresses.
-        method: "lsa" or "fkm".
-        history: load states.
         safety, amplitude_MPa, mean_MPa: at each node of each image, shape (images, n).
-        critical: point of least safety in the fillets.
         elsewhere: point of least safety off them, on edges and pockets that the mesh does not resolve.
-        fillet_safety: least safety of each fillet.
     """
 
     model: StressModel
@@ -114,10 +107,6 @@ class FatigueField:
 
 def check_material(scene: Scene, method: str) -> None:
     """Check that the material has what a method needs.
-
-    Args:
-        scene: holds the material.
-        method: "lsa", "fkm" or "m53".
 
     Raises:
         CranktopoError: a strength is missing.
@@ -135,11 +124,6 @@ def check_material(scene: Scene, method: str) -> None:
 def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
     """Check everything that a user can get wrong, before the first solve.
 
-    Args:
-        target: a design.
-        method: "lsa", "fkm" or "m53".
-        kind: load states.
-
     Raises:
         CranktopoError: missing material data or loads, or sharp fillets.
     """
@@ -152,10 +136,6 @@ def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[L
     """Effects that the plan of a scene switches on, and the loads to be solved.
 
     The extreme states hold radial force and torque; the tangential force only acts in the cycle.
-
-    Args:
-        scene: the throw and its effects.
-        kind: "extremes" or "cycle".
     """
     enabled = plan(scene).enabled
     possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
@@ -173,13 +153,6 @@ def assess(
 ) -> FatigueField:
     """Fatigue safety of a throw by a method of local stresses.
 
-    Args:
-        target: a design.
-        method: "lsa" or "fkm".
-        kind: load states.
-        fillet_fraction: element size in the fillets over their radius.
-        progress: called with one line per step.
-
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
@@ -191,17 +164,10 @@ def assess(
 
 
 def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) -> FatigueField:
-    """Safety at every surface node of every image of the model.
-
-    Args:
-        model: unit stresses.
-        method: "lsa" or "fkm".
-        history: load states.
-    """
+    """Safety at every surface node of every image of the model."""
     loads = np.stack([_UNIT_OF[kind](history) for kind in model.kinds], axis=1)
     found = [extremes(model.stress, loads * image.signs) for image in model.images]
-    strength = [_strength(model.scene, method)(e.local) for e in found]
-    safety = np.stack([s[0] for s in strength])
+    safety = np.stack([_point_safety(model.scene, method, e.local)[0] for e in found])
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
@@ -219,11 +185,15 @@ def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) 
     )
 
 
-def _strength(
-    scene: Scene, method: FieldMethod
-) -> Callable[[LocalStress], tuple[Array, Array, Array, dict[str, Array]]]:
-    """Function giving safety, reversed strength, amplitude's share, and factors of points."""
-    return _by_lsa(scene) if method == "lsa" else _by_fkm(scene)
+def _point_safety(scene: Scene, method: FieldMethod, stress: LocalStress) -> PointSafety:
+    if method == "lsa":
+        by_lsa = lsa(stress, lsa_strength(scene))
+        factors = {"fG": by_lsa.support_factor, "beta_over_alpha": by_lsa.notch_ratio}
+        return by_lsa.safety, by_lsa.strength_MPa, by_lsa.amplitude_term * by_lsa.safety, factors
+    by_fkm = fkm(stress, fkm_strength(scene))
+    factors = {"n": by_fkm.support_factor, "K_WK": by_fkm.design_factor, "K_AK": by_fkm.mean_factor}
+    strength, share = by_fkm.reversed_MPa / by_fkm.design_factor, np.minimum(by_fkm.mean_factor, 1.0)
+    return by_fkm.safety, strength, share, factors
 
 
 def lsa_strength(scene: Scene) -> LsaStrength:
@@ -252,29 +222,6 @@ def fkm_strength(scene: Scene) -> FkmStrength:
     )
 
 
-def _by_lsa(scene: Scene) -> Callable[[LocalStress], tuple[Array, Array, Array, dict[str, Array]]]:
-    strength = lsa_strength(scene)
-
-    def judge(stress: LocalStress) -> tuple[Array, Array, Array, dict[str, Array]]:
-        r = lsa(stress, strength)
-        share = r.amplitude_term * r.safety
-        return r.safety, r.strength_MPa, share, {"fG": r.support_factor, "beta_over_alpha": r.notch_ratio}
-
-    return judge
-
-
-def _by_fkm(scene: Scene) -> Callable[[LocalStress], tuple[Array, Array, Array, dict[str, Array]]]:
-    strength = fkm_strength(scene)
-
-    def judge(stress: LocalStress) -> tuple[Array, Array, Array, dict[str, Array]]:
-        r = fkm(stress, strength)
-        factors = {"n": r.support_factor, "K_WK": r.design_factor, "K_AK": r.mean_factor}
-        share = np.minimum(r.mean_factor, 1.0)
-        return r.safety, r.reversed_MPa / r.design_factor, share, factors
-
-    return judge
-
-
 def _critical(
     model: StressModel,
     method: FieldMethod,
@@ -288,7 +235,7 @@ def _critical(
     e = found[image]
     local = e.local
     one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
-    _, strength, share, factors = _strength(model.scene, method)(one)
+    _, strength, share, factors = _point_safety(model.scene, method, one)
     point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
     return Critical(
         place(model.scene, point),

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.evaluation import RATIO, SCHEMA_VERSION, bound_percent, default_element_size_mm
 from cranktopo.evaluate.shaft_assembly import (
@@ -19,7 +18,7 @@ from cranktopo.evaluate.shaft_assembly import (
     throw_matrix,
 )
 from cranktopo.evaluate.torsional import DiskModel, disk_model
-from cranktopo.loads.bearings import bearing_spring_N_per_mm
+from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
@@ -30,13 +29,7 @@ class ShaftEvaluation:
     """A whole crankshaft.
 
     Attributes:
-        design: name of the scene.
-        angles_deg: angle of each throw.
-        bearings: how its sections are supported.
-        mass_kg: of all throws.
-        stiffness: end to end and per throw.
         error_percent: bound of the stiffnesses' discretisation error.
-        disks: its model as disks and springs.
     """
 
     design: str
@@ -66,26 +59,17 @@ class ShaftEvaluation:
 
 
 def evaluate_shaft(scene: Scene, bearings: Bearings, element_size_mm: float | None = None) -> ShaftEvaluation:
-    """Chain the condensed throws of a design by its firing order, on a mesh and on one 1.5 times coarser.
-
-    Args:
-        scene: design with an engine.
-        bearings: support of every mid-journal section.
-        element_size_mm: general element size; by default as `default_element_size_mm`.
+    """Assemble the throws of a design by its firing order, on a mesh and on one 1.5 times coarser.
 
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
     """
     angles = scene.shaft_angles_deg
-    spring = bearing_spring_N_per_mm(scene)
-    if bearings == "spring" and spring is None:
-        raise CranktopoError(
-            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm, or choose rigid bearings."
-        )
+    spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
     meshes = [mesh_throw(scene, size * factor) for factor in (RATIO, 1.0)]
     coarse, stiffness = (
-        shaft_stiffness(shaft_matrix(_throw(part, scene), angles), bearings, spring or 0.0) for part in meshes
+        shaft_stiffness(shaft_matrix(_throw(meshed, scene), angles), bearings, spring) for meshed in meshes
     )
     half = meshes[-1].half
     density = 2 * density_kg_per_mm3(scene.material.density_kg_m3)
@@ -95,7 +79,7 @@ def evaluate_shaft(scene: Scene, bearings: Bearings, element_size_mm: float | No
     return ShaftEvaluation(scene.name, angles, bearings, mass, stiffness, error, disks)
 
 
-def _throw(part: MeshedThrow, scene: Scene) -> NDArray[np.float64]:
+def _throw(meshed: MeshedThrow, scene: Scene) -> NDArray[np.float64]:
     """Stiffness of a throw over the motions of its two sections, (12, 12)."""
-    model = assemble(part.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
-    return throw_matrix(model, scene, part.mesh.mirrored)
+    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+    return throw_matrix(model, scene, meshed.mesh.mirrored)

@@ -31,7 +31,7 @@ class ShaftStiffness:
 
     Attributes:
         end_to_end_Nm_per_rad: torque over relative rotation of the end sections.
-        throws_Nm_per_rad: the same for the two sections of each throw, in the chain.
+        throws_Nm_per_rad: the same for the two sections of each throw in the assembled shaft.
     """
 
     end_to_end_Nm_per_rad: float
@@ -47,11 +47,6 @@ def throw_matrix(model: Elasticity, scene: Scene, mirrored: bool) -> Array:
     """Stiffness of the full throw over the six motions of its near and then its far section, (12, 12).
 
     Each section moves in its own axes, parallel to those of the throw; units mm, rad, N, N mm.
-
-    Args:
-        model: half throw, or its half x >= 0.
-        scene: the throw.
-        mirrored: the model is the half x >= 0.
 
     Raises:
         CranktopoError: a failed solve.
@@ -72,17 +67,12 @@ def throw_matrix(model: Elasticity, scene: Scene, mirrored: bool) -> Array:
 
 
 def shaft_matrix(throw: Array, angles_deg: Sequence[float]) -> Array:
-    """Stiffness of a shaft of equal throws turned about the crank axis, shape (6 (n + 1), 6 (n + 1)).
-
-    Args:
-        throw: `throw_matrix` of one throw.
-        angles_deg: angle of each throw, in order along the shaft.
-    """
+    """Stiffness of a shaft of equal throws turned about the crank axis, shape (6 (n + 1), 6 (n + 1))."""
     shaft = np.zeros((6 * (len(angles_deg) + 1),) * 2)
     for index, angle in enumerate(angles_deg):
         turn = _turn(math.radians(angle))
-        part = slice(6 * index, 6 * index + 12)
-        shaft[part, part] += turn @ throw @ turn.T
+        motions = slice(6 * index, 6 * index + 12)
+        shaft[motions, motions] += turn @ throw @ turn.T
     return shaft
 
 
@@ -90,10 +80,8 @@ def shaft_stiffness(shaft: Array, bearings: Bearings, spring_N_per_mm: float = 0
     """Torsional stiffness of a shaft whose every section sits in a bearing.
 
     Args:
-        shaft: `shaft_matrix`.
         bearings: "rigid" fixes each section's centre radially, "spring" supports it, "free" does not; every
             bearing lets the section tilt, turn and move axially.
-        spring_N_per_mm: radial stiffness of a bearing, for "spring".
     """
     sections = shaft.shape[0] // 6
     stiffness = shaft.copy()

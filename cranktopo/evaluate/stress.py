@@ -42,9 +42,7 @@ def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, p
     1976).
 
     Args:
-        model: the body.
         displacement_mm: shape (fields, unknowns).
-        youngs_MPa, poisson: elastic constants.
     """
     from skfem import Basis, ElementTetP2
 
@@ -85,8 +83,6 @@ def hooke(strain: Array, youngs_MPa: float, poisson: float) -> Array:
 
     Args:
         strain: tensor strains (..., 6), last axis as `COMPONENTS`.
-        youngs_MPa: Young's modulus.
-        poisson: Poisson's ratio.
     """
     shear = youngs_MPa / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)

@@ -29,7 +29,7 @@ RULE_FRACTION = 0.17
 _ACROSS_WEB = 6
 """Elements through the web: the same rule."""
 _NEAR_PEAK = 0.98
-"""Part of the largest stress from which a node counts as the place where the rule checks the mesh."""
+"""Fraction of the largest stress from which a node counts as the place where the rule checks the mesh."""
 NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
 """Quality limits of the same rule for surface-normal stress and jump between elements."""
 
@@ -41,11 +41,9 @@ class Quality:
     Attributes:
         fillet_size_mm: element size asked for in the finer fillet.
         longest_edge: longest element edge in the fillets over the fillet's radius.
-        nodes: number of mesh nodes.
         normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
         jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
             worst.
-        mesh_seconds, solve_seconds: wall time.
     """
 
     fillet_size_mm: float
@@ -89,7 +87,6 @@ class Image:
 
         Args:
             points_mm: points (3, n) of the model.
-            pitch_mm: distance of the throw's two mid-main-journal planes.
         """
         x, y, z = points_mm
         return np.stack([-x if self.flip_x else x, y, pitch_mm - z if self.flip_z else z])
@@ -100,15 +97,8 @@ class StressModel:
     """Stresses of unit loads on the surface of the half throw, or of its half x >= 0.
 
     Attributes:
-        name: of the target.
-        scene: the throw.
-        throw_kg: mass of the throw.
-        kinds: load of each field.
-        surface: outer surface of the model.
         stress: of each field per unit load.
-        images: mirror images that make up the throw.
         on_journal, on_pin: which surface nodes lie on the fillets, shape (n,).
-        quality: of the mesh.
     """
 
     name: str
@@ -134,8 +124,6 @@ def solve_stresses(
     """Mesh a throw for stresses and solve the unit loads that are asked for.
 
     Args:
-        target: a design; a surface file has no fillets.
-        kinds: which loads; the others cost no solve.
         fillet_fraction: element size in the fillets over their radius.
 
     Raises:
@@ -145,26 +133,26 @@ def solve_stresses(
     scene, material = target.scene, target.scene.material
     start = time.perf_counter()
     size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
-    part = mesh_throw(scene, size, fillet_fraction=fillet_fraction)
-    meshed = time.perf_counter()
+    meshed = mesh_throw(scene, size, fillet_fraction=fillet_fraction)
+    began_solving = time.perf_counter()
     youngs = material.E_GPa * MPA_PER_GPA
-    model = assemble(part.mesh, youngs, material.poisson)
-    fields = unit_fields(model, scene, part.mesh.mirrored, kinds)
+    model = assemble(meshed.mesh, youngs, material.poisson)
+    fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds)
     found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, material.poisson)
-    planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if part.mesh.mirrored else [])
+    planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
     surface = outer_surface(model, found.elements, tuple(planes))
     stress = surface_stress(model, surface, found)
     journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
     density = density_kg_per_mm3(material.density_kg_m3)
-    seconds = (meshed - start, time.perf_counter() - meshed)
+    seconds = (began_solving - start, time.perf_counter() - began_solving)
     return StressModel(
         target.name,
         scene,
-        2 * density * part.half.volume_mm3,
+        2 * density * meshed.half.volume_mm3,
         tuple(f.kind for f in fields),
         surface,
         stress,
-        _images(fields, part.mesh.mirrored),
+        _images(fields, meshed.mesh.mirrored),
         journal,
         pin,
         _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1], seconds),

@@ -26,7 +26,6 @@ class Extremes:
     """Signed von Mises stress in its two extreme states at every node.
 
     Attributes:
-        local: amplitude, mean and related gradient.
         highest, lowest: state of the largest and of the smallest value, shape (n,).
     """
 
@@ -41,15 +40,14 @@ def extremes(found: SurfaceStress, loads: Array) -> Extremes:
     On a surface free of traction the dominating principal stress has the sign of the first invariant.
 
     Args:
-        found: unit stresses of the fields.
         loads: factor of each field in each state, shape (states, fields).
     """
     count = found.stress_MPa.shape[1]
     high, low = np.empty(count, dtype=np.intp), np.empty(count, dtype=np.intp)
     for start in range(0, count, _CHUNK):
-        part = slice(start, start + _CHUNK)
-        signed = _signed(found.stress_MPa[:, part], loads)
-        high[part], low[part] = signed.argmax(axis=1), signed.argmin(axis=1)
+        chunk = slice(start, start + _CHUNK)
+        signed = _signed(found.stress_MPa[:, chunk], loads)
+        high[chunk], low[chunk] = signed.argmax(axis=1), signed.argmin(axis=1)
     upper, lower = (_at(found.stress_MPa, loads[state]) for state in (high, low))
     top, bottom = _sign(upper) * von_mises(upper), _sign(lower) * von_mises(lower)
     worst = np.where(np.abs(top) >= np.abs(bottom), high, low)

@@ -38,7 +38,6 @@ def torsional_stiffness_Nm_per_rad(
     Args:
         block: antisymmetric block holding ux, ry, rz (and more).
         support: "free" to translate and tilt, "held" against both, "spring" radial springs.
-        spring_N_per_mm: radial stiffness of each bearing, for "spring".
     """
     twist = torsion_motion(block, support, spring_N_per_mm)[block.motions.index(RZ)]
     return 1.0 / (2.0 * float(twist)) / NMM_PER_NM
@@ -52,20 +51,13 @@ def bending_stiffness_N_per_mm(
     Args:
         block: symmetric block holding uy, uz, rx (and more).
         support: "pinned" section centre, "clamped" (no tilt either), or "spring" radial springs.
-        spring_N_per_mm: radial stiffness of each bearing, for "spring".
     """
     motion = bending_motion(block, block.load, support, spring_N_per_mm)
     return 2.0 / (block.load_compliance + float(block.load @ motion))
 
 
 def torsion_motion(block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0) -> Array:
-    """Section motion per unit torque, shape (m,), mm and rad per N mm.
-
-    Args:
-        block: antisymmetric block holding ux, ry, rz (and more).
-        support: as in `torsional_stiffness_Nm_per_rad`.
-        spring_N_per_mm: radial stiffness of each bearing, for "spring".
-    """
+    """Section motion per unit torque, shape (m,), mm and rad per N mm."""
     torque = np.array([1.0 if m == RZ else 0.0 for m in block.motions])
     return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), torque)
 
@@ -81,10 +73,7 @@ def bending_motion(
     """Section motion under section forces, shape (m,), mm and rad.
 
     Args:
-        block: symmetric block.
         force: on the section of the half throw, shape (m,), N and N mm.
-        support: as in `bending_stiffness_N_per_mm`.
-        spring_N_per_mm: radial stiffness of each bearing, for "spring".
         turning: whether the section may turn about the crank axis; a tangential force needs a torque there.
     """
     released = _BENDING[support] - (frozenset() if turning else {RZ})

@@ -60,7 +60,6 @@ def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, f
     """Faces of the mesh that belong to one element only and lie in none of the given planes.
 
     Args:
-        model: the body.
         elements: nodes of each element, shape (10, elements).
         planes: (axis, position in mm) of symmetry planes and end sections.
     """
@@ -82,11 +81,6 @@ def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> S
 
     The derivative is that of the nodal stresses interpolated by the element's shape functions, averaged over
     the faces that meet at a node.
-
-    Args:
-        model: the body.
-        surface: its surface.
-        found: stresses at all nodes.
     """
     stress = found.nodal_MPa[:, surface.nodes]
     return SurfaceStress(stress, _depth(model, surface, found), _jumps(surface, found))

@@ -24,11 +24,9 @@ class Target:
     """Something to evaluate.
 
     Attributes:
-        name: shown in tables.
         scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
             where `file` is None.
         file: STL or STEP of the half throw, mm, or None.
-        run: the run directory that it was taken from, or None.
     """
 
     name: str
@@ -39,11 +37,6 @@ class Target:
 
 def resolve_targets(texts: Sequence[str], design: str | None = None, fillets: bool = False) -> list[Target]:
     """Targets from what the user typed, each with a name of its own.
-
-    Args:
-        texts: as `resolve_target` takes them.
-        design: design for the journals of STL and STEP files.
-        fillets: as `load_simulated` takes it.
 
     Raises:
         CranktopoError: as `resolve_target`.
@@ -63,8 +56,6 @@ def resolve_target(text: str, design: str | None = None, fillets: bool = False) 
 
     Args:
         text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
-        design: design for the journals of an STL or STEP file.
-        fillets: as `load_simulated` takes it.
 
     Raises:
         CranktopoError: nothing of that name, no finished run of `optimise`, or a geometry file without a
@@ -103,7 +94,6 @@ def load_simulated(design: str, fillets: bool = False) -> Scene:
     """The scene of a design, without what its effects plan leaves out.
 
     Args:
-        design: TOML path or name of a built-in design.
         fillets: keep the fillets, which stresses need however little they change the stiffness.
 
     Raises:

@@ -17,7 +17,6 @@ class DiskModel:
     """Disks joined by massless springs.
 
     Attributes:
-        inertia_kg_m2: of each disk.
         stiffness_Nm_per_rad: of the spring after each disk but the last.
     """
 
@@ -52,11 +51,6 @@ def disk_model(scene: Scene, throw_inertia_kg_mm2: float, throws_Nm_per_rad: tup
 
     To a throw's own inertia come the rotating rod mass and half the reciprocating mass at the throw radius
     (the usual mean of a slider crank; Ker Wilson, Practical Solution of Torsional Vibration Problems).
-
-    Args:
-        scene: moving masses, throw radius.
-        throw_inertia_kg_mm2: of the throw about the crank axis.
-        throws_Nm_per_rad: stiffness of each throw in the shaft.
     """
     moving = 0.0
     if scene.engine is not None:

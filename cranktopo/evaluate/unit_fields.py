@@ -9,12 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.condense import RX, Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
 from cranktopo.evaluate.support_stiffness import bending_motion, torsion_motion
 from cranktopo.frames import Parity
-from cranktopo.loads.bearings import bearing_spring_N_per_mm
+from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.scene import Scene
 from cranktopo.units import density_tonne_per_mm3
@@ -34,7 +33,6 @@ class UnitField:
             bending); "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque
             at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
             "centrifugal" 1 rad2/s2 about the crank axis.
-        displacement_mm: shape (unknowns,).
         sign_x: +1 if the load is its own mirror image in x, -1 if its opposite.
         sign_z: the same for the mirror at the mid-pin plane.
     """
@@ -49,12 +47,6 @@ def unit_fields(
     model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind]
 ) -> tuple[UnitField, ...]:
     """Displacement fields of the load kinds that are asked for; the others cost no solve.
-
-    Args:
-        model: half throw, or its half x >= 0.
-        scene: supports, material, positions.
-        mirrored: the model is the half x >= 0.
-        kinds: which loads.
 
     Returns:
         The fields in the order moment, bending, tangential, torsion, centrifugal.
@@ -131,11 +123,4 @@ def _units(block: Condensed) -> Array:
 
 
 def _spring(scene: Scene, support: Literal["free", "held", "pinned", "clamped", "spring"]) -> float:
-    if support != "spring":
-        return 0.0
-    spring = bearing_spring_N_per_mm(scene)
-    if spring is None:
-        raise CranktopoError(
-            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm, or choose rigid bearings."
-        )
-    return spring
+    return required_bearing_spring_N_per_mm(scene) if support == "spring" else 0.0

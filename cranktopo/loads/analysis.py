@@ -25,7 +25,6 @@ class Extreme:
     """A value and the crank angle where it occurs.
 
     Attributes:
-        value: in the unit of its curve.
         deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
     """
 
@@ -42,9 +41,6 @@ class Cycle:
     """Curves over one working cycle at one speed.
 
     Attributes:
-        pressure: cylinder pressure.
-        forces: forces of one throw.
-        torque: torque along the shaft.
         indicated_work_J: work of the gas in one cylinder per cycle, J.
         series_difference_percent: largest difference of the textbook series from the exact motion, in
             percent of the largest exact value: displacement, velocity, acceleration.
@@ -71,10 +67,6 @@ class LoadAnalysis:
     """Loads of a scene with an engine at the engine's speed.
 
     Attributes:
-        engine: the scene's engine.
-        radius_mm: throw radius, mm.
-        balance: mass properties of the throw.
-        rotating: centrifugal forces at that speed.
         cycle: curves over the cycle; None when the scene gives only peak loads.
     """
 
@@ -86,12 +78,7 @@ class LoadAnalysis:
 
 
 def at_speed(scene: Scene, speed_rpm: float) -> Scene:
-    """The scene with its engine at another speed; gas pressures stay as they are.
-
-    Args:
-        scene: one with an engine.
-        speed_rpm: the other speed.
-    """
+    """The scene with its engine at another speed; gas pressures stay as they are."""
     engine = _engine(scene).model_copy(update={"speed_rpm": speed_rpm})
     return scene.model_copy(update={"engine": engine})
 
@@ -100,7 +87,6 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
     """Forces over the cycle at the engine's speed.
 
     Args:
-        scene: the scene; it must have an engine.
         enabled: `reciprocating_inertia` and `rotating_rod_mass` among these names make the inertia of the
             piston and of the rod count.
 
@@ -150,8 +136,6 @@ def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> 
 
     Args:
         curve: cylinder pressure over one cycle, an even number of points.
-        engine: bore and rod length.
-        radius_mm: throw radius.
     """
     motion = exact_motion(np.radians(curve.angle_deg), radius_mm, engine.rod_length_mm)
     volume = math.pi / 4 * engine.bore_mm**2 * motion.displacement_mm
@@ -164,12 +148,7 @@ def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> 
 
 
 def series_difference_percent(radius_mm: float, rod_length_mm: float) -> dict[str, float]:
-    """Largest difference of the textbook series from the exact motion over a turn, in percent of the peak.
-
-    Args:
-        radius_mm: throw radius.
-        rod_length_mm: rod length between centres.
-    """
+    """Largest difference of the textbook series from the exact motion over a turn, in percent of the peak."""
     angle = np.radians(np.arange(0.0, 360.0, 0.25))
     exact, series = (motion(angle, radius_mm, rod_length_mm) for motion in (exact_motion, series_motion))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cranktopo.errors import invalid
+from cranktopo.errors import CranktopoError, invalid
 from cranktopo.loads.gas import gas_force_N, pressure_curve
 from cranktopo.scene import Scene
 from cranktopo.scene.supports import RollerBearing
@@ -20,6 +20,20 @@ def bearing_spring_N_per_mm(scene: Scene) -> float | None:
     if supports.bearing_clearance_mm is not None:
         return clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
     return None
+
+
+def required_bearing_spring_N_per_mm(scene: Scene) -> float:
+    """The same for supports that are springs.
+
+    Raises:
+        CranktopoError: the scene says nothing about it.
+    """
+    spring = bearing_spring_N_per_mm(scene)
+    if spring is None:
+        raise CranktopoError(
+            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm, or choose rigid bearings."
+        )
+    return spring
 
 
 def max_gas_force_N(scene: Scene) -> float:

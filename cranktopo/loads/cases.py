@@ -1,4 +1,4 @@
-"""Load cases handed to the optimiser and the judge, derived from the engine or unit loads."""
+"""Load cases handed to the optimiser and the evaluation, derived from the engine or unit loads."""
 
 from __future__ import annotations
 

@@ -31,9 +31,6 @@ class Combustion:
     """A combustion model fitted to the peak.
 
     Attributes:
-        gas: the scene's table, with peak pressure and angle.
-        radius_mm: throw radius, mm.
-        rod_length_mm: rod length, mm.
         cycle_deg: 720 (four-stroke) or 360 (two-stroke), deg.
         start_deg: start of burning from firing top dead centre, deg (negative: before it).
         heat_MPa: heat released per cycle over the clearance volume, N/mm2.
@@ -54,9 +51,6 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
     start from this one equation (Brent's method).
 
     Args:
-        gas: the scene's table, with peak pressure and angle.
-        radius_mm: throw radius.
-        rod_length_mm: rod length between centres.
         cycle_deg: length of the working cycle, 720 (four-stroke) or 360 (two-stroke).
 
     Raises:
@@ -91,7 +85,6 @@ def combustion_pressure_MPa(model: Combustion, angle_deg: Array) -> Array:
     """Absolute cylinder pressure over the cycle, MPa.
 
     Args:
-        model: the fitted model.
         angle_deg: crank angles from firing top dead centre, 0 up to the cycle length, deg.
     """
     gas = model.gas

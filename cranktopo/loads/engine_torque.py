@@ -36,7 +36,6 @@ def shaft_torque(
         angle_deg: evenly spaced crank angles over one cycle, deg.
         throw_torque_Nm: torque of one throw at these angles after its own firing dead centre, N m.
         order: cylinder numbers in the order of firing; cylinder 1 is at the free end.
-        cycle_deg: length of the cycle, deg.
     """
     interval = cycle_deg / len(order)
     single = np.empty((len(order), len(angle_deg)))

@@ -18,8 +18,6 @@ class ThrowForces:
     """Forces at each crank angle of the cycle; positive toward the crank axis (compression of the rod).
 
     Attributes:
-        angle_deg: crank angles from firing top dead centre, deg.
-        gas_force_N: gas force on the piston, N.
         inertia_force_N: inertia force of the piston group, N.
         small_end_force_N: gas and inertia force on the piston pin, N.
         side_force_N: force of the piston on the cylinder wall, N.
@@ -29,7 +27,6 @@ class ThrowForces:
         web_force_N: radial force less the centrifugal force of the rod's rotating mass, N.
         crankpin_force_N: magnitude of the force that the rod's bearing passes to the pin, N.
         main_journal_force_N: magnitude of the force on each main journal of a throw that stands alone, N.
-        torque_Nm: torque of the throw, N m.
     """
 
     angle_deg: Array
@@ -56,8 +53,6 @@ class RotatingForces:
 
     Attributes:
         r_w2_m_s2: throw radius times angular speed squared, m/s2 (N per kg).
-        rod_N: centrifugal force of the rod's rotating mass, N.
-        throw_N: centrifugal force of the throw's own unbalance, N.
     """
 
     r_w2_m_s2: float
@@ -68,14 +63,7 @@ class RotatingForces:
 def rotating_forces(
     engine: Engine, balance: ThrowBalance, radius_mm: float, speed_rpm: float
 ) -> RotatingForces:
-    """Centrifugal forces at a speed.
-
-    Args:
-        engine: gives the rod's rotating mass.
-        balance: gives the throw's own unbalance.
-        radius_mm: throw radius, mm.
-        speed_rpm: speed, rpm.
-    """
+    """Centrifugal forces at a speed."""
     w2 = angular_speed_rad_s(speed_rpm) ** 2
     r_w2 = radius_mm / MM_PER_M * w2
     throw = balance.throw_unbalance_kg_mm / MM_PER_M * w2
@@ -97,15 +85,6 @@ def throw_forces(
     The piston group loads the piston pin; the rod's reciprocating mass joins at the small end, its rotating
     mass at the crankpin (two-mass rod). The main journals share the pin's load and the throw's own
     centrifugal force equally, as if the throw stood alone between its two bearings.
-
-    Args:
-        engine: bore, rod, masses.
-        radius_mm: throw radius, mm.
-        pressure: cylinder pressure over the cycle.
-        balance: mass properties of the throw.
-        speed_rpm: speed, rpm.
-        reciprocating: whether piston group and the rod's reciprocating mass count.
-        rotating_rod: whether the rod's rotating mass counts.
     """
     angle = np.radians(pressure.angle_deg)
     spinning = rotating_forces(engine, balance, radius_mm, speed_rpm)

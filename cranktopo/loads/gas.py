@@ -24,7 +24,6 @@ class PressureCurve:
     Attributes:
         angle_deg: crank angles from firing top dead centre, 0 up to (not including) the cycle, deg.
         pressure_MPa: absolute pressure at these angles, MPa.
-        cycle_deg: length of the working cycle, deg.
         source: where the curve comes from, one sentence.
     """
 
@@ -70,10 +69,6 @@ def _measured(engine: Engine, path: str, angle: Array) -> PressureCurve:
 
 def gas_force_N(pressure_MPa: Array, engine: Engine) -> Array:
     """Force of the gas on the piston toward the crank axis, N.
-
-    Args:
-        pressure_MPa: absolute cylinder pressure, MPa.
-        engine: gives the bore and the ambient pressure under the piston.
 
     Raises:
         CranktopoError: the engine has no gas table.

@@ -27,8 +27,6 @@ class LoadHistory:
         radial_N: on the pin along -y.
         tangential_N: on the pin along +x, the direction of rotation.
         torque_Nm: that the throw passes on, mean of its two ends.
-        angular_speed_rad_s: of the centrifugal force.
-        labels: name of each state.
     """
 
     radial_N: Array
@@ -46,8 +44,6 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
     not tell counts as zero. "cycle" follows every throw of the shaft over its working cycle.
 
     Args:
-        scene: the scene.
-        kind: which states.
         enabled: names of the effects that are on; inertia changes the forces, a load that is off stays zero.
 
     Raises:

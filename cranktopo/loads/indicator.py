@@ -28,8 +28,6 @@ def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: flo
 
     Args:
         path: the CSV file (comma, semicolon or tab between columns; lines with # are skipped).
-        cycle_deg: length of the working cycle, deg.
-        ambient_pressure_MPa: absolute ambient pressure, MPa.
 
     Returns:
         Angles in 0 .. cycle_deg, ascending (deg), and absolute pressures (MPa).

@@ -55,8 +55,6 @@ def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Mo
 
     Args:
         angle_rad: crank angle a from top dead centre, rad.
-        radius_mm: throw radius r, mm.
-        rod_length_mm: rod length l between centres, mm.
 
     Raises:
         CranktopoError: the rod is not longer than the throw.
@@ -72,13 +70,7 @@ def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Mo
 
 
 def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
-    """Piston motion by the textbook series to the first order of r/l.
-
-    Args:
-        angle_rad: crank angle from top dead centre, any shape.
-        radius_mm: throw radius r.
-        rod_length_mm: rod length l between centres.
-    """
+    """Piston motion by the textbook series to the first order of r/l."""
     lam = _crank_ratio(radius_mm, rod_length_mm)
     sin, cos = np.sin(angle_rad), np.cos(angle_rad)
     return Motion(
@@ -89,13 +81,7 @@ def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> M
 
 
 def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ForceRatios:
-    """How a force along the cylinder axis splits at the rod and the crankpin.
-
-    Args:
-        angle_rad: crank angle from top dead centre, any shape.
-        radius_mm: throw radius.
-        rod_length_mm: rod length between centres.
-    """
+    """How a force along the cylinder axis splits at the rod and the crankpin."""
     rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
     cos_b = np.cos(rod_angle)
     return ForceRatios(

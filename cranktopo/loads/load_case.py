@@ -13,7 +13,6 @@ class LoadCase:
     """One load case of a throw; forces are those of the full throw.
 
     Attributes:
-        name: unique name, used as key in metrics.
         kind: which load and which mirror symmetry about the mid-pin plane.
         radial_N: force on the crankpin along -y (compression of the rod), N.
         tangential_N: force on the crankpin along x, N.

@@ -51,7 +51,6 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     """The extreme states of a scene, those that become load cases in the order of their kinds.
 
     Args:
-        scene: the scene.
         enabled: names of the effects that are on; the inertia effects change the forces, and without
             `centrifugal` the overspeed state acts on the pin alone.
 

@@ -35,10 +35,6 @@ def loads_json(scene: Scene, enabled: frozenset[str]) -> dict[str, Any]:
     Curves and extremes carry every mass; the load cases carry the effects that are enabled. Values that
     the scene does not tell are null.
 
-    Args:
-        scene: the scene.
-        enabled: names of the effects that are on.
-
     Raises:
         CranktopoError: gas data that cannot be used.
     """
@@ -62,11 +58,7 @@ def loads_json(scene: Scene, enabled: frozenset[str]) -> dict[str, Any]:
 
 
 def curve_columns(analysis: LoadAnalysis) -> dict[str, Array]:
-    """All curves of one speed as columns with units in their names.
-
-    Args:
-        analysis: an analysis with a cycle.
-    """
+    """All curves of one speed as columns with units in their names."""
     cycle = analysis.cycle
     if cycle is None:
         return {}
