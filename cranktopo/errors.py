@@ -53,7 +53,21 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
         allowed: the allowed range, e.g. `must be > 0 and < 42 mm`.
         hint: what to do next.
     """
-    return CranktopoError(f"{key} = {value!r}: {allowed}.", hint=hint)
+    return CranktopoError(f"{key} = {shown(value)}: {allowed}.", hint=hint)
+
+
+def shown(value: object, most: int = 120) -> str:
+    """A value for a message: on one line, shortened in the middle when it is long.
+
+    Args:
+        value: what the user gave.
+        most: the largest number of characters.
+    """
+    try:
+        text = str(value).lower() if isinstance(value, bool) else repr(value)
+    except ValueError:  # an integer of more digits than Python writes
+        text = f"a number of about {int(value).bit_length() * 0.30103:.0f} digits"  # type: ignore[call-overload]
+    return text if len(text) <= most else f"{text[: most - 30]} ... {text[-20:]}"
 
 
 def suggest(word: str, valid: list[str]) -> str:
@@ -63,5 +77,5 @@ def suggest(word: str, valid: list[str]) -> str:
         word: what was written.
         valid: the words that exist.
     """
-    near = get_close_matches(word, valid, n=1, cutoff=0.5)
+    near = get_close_matches(word, valid, n=1, cutoff=0.6)
     return f"Did you mean '{near[0]}'?" if near else f"Valid: {', '.join(sorted(valid))}."

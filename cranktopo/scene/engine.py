@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from cranktopo.scene.base import SHOWN, Finite, NonNegative, Positive, SceneTable
+from cranktopo.scene.base import SHOWN, CrankAngle, Force, Length, Mass, Pressure, SceneTable, Speed, Torque
 
 
 class Gas(SceneTable):
@@ -21,25 +21,25 @@ class Gas(SceneTable):
 
     Its columns are `crank_angle_deg` and `pressure_bar` or `pressure_MPa`.
     """
-    peak_pressure_MPa: Positive | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
+    peak_pressure_MPa: Pressure | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
     """Peak pressure that the combustion model is fitted to."""
-    peak_angle_deg: Finite | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
+    peak_angle_deg: CrankAngle | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
     """Crank angle of the peak after firing top dead centre, below 60."""
-    ambient_pressure_MPa: Positive = 0.101325
+    ambient_pressure_MPa: Pressure = 0.101325
     """Pressure below the piston."""
-    intake_pressure_MPa: Positive | None = Field(default=None, examples=[0.09])
+    intake_pressure_MPa: Pressure | None = Field(default=None, examples=[0.09])
     """Cylinder pressure during intake (two-stroke: scavenging); ambient when not given."""
-    exhaust_pressure_MPa: Positive | None = Field(default=None, examples=[0.11])
+    exhaust_pressure_MPa: Pressure | None = Field(default=None, examples=[0.11])
     """Cylinder pressure during the exhaust stroke, four-stroke engines only; ambient when not given."""
-    compression_ratio: float = Field(default=9.0, gt=1, le=40)
+    compression_ratio: float = Field(default=9.0, ge=1.5, le=40)
     """Largest over smallest cylinder volume."""
-    burn_duration_deg: float = Field(default=60.0, gt=0, le=180)
+    burn_duration_deg: float = Field(default=60.0, ge=1, le=180)
     """Crank angle from start to end of combustion."""
-    wiebe_shape: float = Field(default=2.0, gt=0, le=10)
+    wiebe_shape: float = Field(default=2.0, ge=0.1, le=10)
     """Shape exponent m of the Wiebe function."""
-    polytropic_compression: float = Field(default=1.32, gt=1, le=1.5)
+    polytropic_compression: float = Field(default=1.32, ge=1.01, le=1.5)
     """Polytropic exponent of compression."""
-    polytropic_expansion: float = Field(default=1.27, gt=1, le=1.5)
+    polytropic_expansion: float = Field(default=1.27, ge=1.01, le=1.5)
     """Polytropic exponent of expansion."""
     exhaust_opening_deg: float = Field(default=130.0, gt=60, lt=180)
     """Crank angle after firing top dead centre at which the exhaust opens."""
@@ -58,11 +58,11 @@ class Gas(SceneTable):
 class Masses(SceneTable):
     """Moving masses of one cylinder; the rod is split into two masses at its ends."""
 
-    piston_group_kg: NonNegative = 0.0
+    piston_group_kg: Mass = 0.0
     """Piston with rings and piston pin."""
-    rod_reciprocating_kg: NonNegative = 0.0
+    rod_reciprocating_kg: Mass = 0.0
     """Part of the rod that moves with the piston."""
-    rod_rotating_kg: NonNegative = 0.0
+    rod_rotating_kg: Mass = 0.0
     """Part of the rod that turns with the crankpin."""
 
 
@@ -72,13 +72,13 @@ class Engine(SceneTable):
     Cylinder 1 is at the free end of the shaft, the last one at the takeoff; firing is evenly spaced.
     """
 
-    bore_mm: Positive = Field(examples=[95.0])
+    bore_mm: Length = Field(examples=[95.0])
     """Cylinder bore."""
-    rod_length_mm: Positive = Field(examples=[166.0])
+    rod_length_mm: Length = Field(examples=[166.0])
     """Distance of the rod's eye centres; longer than the throw radius."""
-    speed_rpm: NonNegative = Field(examples=[2100.0])
+    speed_rpm: Speed = Field(examples=[2100.0])
     """Speed at which the gas and inertia forces are taken."""
-    overspeed_rpm: Positive | None = Field(default=None, examples=[2800.0])
+    overspeed_rpm: Speed | None = Field(default=None, examples=[2800.0])
     """Highest speed, for centrifugal loads; at least `speed_rpm`."""
     strokes: Literal[2, 4] = 4
     """Strokes of a working cycle."""
@@ -88,11 +88,11 @@ class Engine(SceneTable):
     """Cylinder numbers in the order of firing, evenly spaced; needed for more than one cylinder."""
     gas: Gas | None = None
     masses: Masses = Masses()
-    max_gas_force_N: Positive | None = Field(default=None, examples=[35900.0])
+    max_gas_force_N: Force | None = Field(default=None, examples=[35900.0])
     """Largest gas force, when it is known and the pressure is not."""
-    max_torque_Nm: Positive | None = Field(default=None, examples=[690.0])
+    max_torque_Nm: Torque | None = Field(default=None, examples=[690.0])
     """Largest torque behind a throw; replaces the computed one."""
-    min_torque_Nm: Finite | None = Field(default=None, examples=[-140.0])
+    min_torque_Nm: Torque | None = Field(default=None, examples=[-140.0])
     """Smallest torque behind a throw; replaces the computed one."""
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from cranktopo.scene.base import NonNegative, Positive, SceneTable
+from cranktopo.scene.base import Length, SceneTable
 
 
 class Fatigue(SceneTable):
@@ -16,15 +16,15 @@ class Fatigue(SceneTable):
 
     surface_treatment_factor: float = Field(default=1.0, ge=0.5, le=3.0)
     """Strength of treated fillets over untreated ones: 1.3 for hardened fillets, for example."""
-    size_factor: float = Field(default=0.89, gt=0, le=1.0)
+    size_factor: float = Field(default=0.89, ge=0.01, le=1.0)
     """Strength of the part over that of the specimen for its size."""
-    survival_factor: float = Field(default=0.75, gt=0, le=1.0)
+    survival_factor: float = Field(default=0.75, ge=0.01, le=1.0)
     """Strength at the wanted probability of survival over the mean strength."""
-    specimen_diameter_mm: Positive = 7.5
+    specimen_diameter_mm: Length = 7.5
     """Diameter of the specimens of the fatigue strengths."""
-    roughness_um: Positive = 6.3
+    roughness_um: float = Field(default=6.3, ge=0.01, le=1000)
     """Roughness Rz of the fillets."""
-    process_factor: float = Field(default=1.05, gt=0, le=1.5)
+    process_factor: float = Field(default=1.05, ge=0.1, le=1.5)
     """Factor K of IACS UR M53 for the way of forging: 1.05 drop forged, 1.0 free forged, 0.93 cast."""
-    additional_stress_MPa: NonNegative = 10.0
+    additional_stress_MPa: float = Field(default=10.0, ge=0, le=1e4)
     """Additional bending stress of IACS UR M53: 10 for trunk piston engines."""

@@ -7,19 +7,19 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cranktopo.scene.base import Finite, NonNegative, Positive, SceneTable
+from cranktopo.scene.base import Length, LengthOrZero, Place, SceneTable
 
 
 class Journal(SceneTable):
     """A main journal or crankpin: a cylinder with an axial bore (0 = solid) and a fillet (0 = sharp)."""
 
-    outer_diameter_mm: Positive = Field(examples=[42.0])
+    outer_diameter_mm: Length = Field(examples=[42.0])
     """Outer diameter."""
-    bore_diameter_mm: NonNegative = 0.0
+    bore_diameter_mm: LengthOrZero = 0.0
     """Diameter of the axial bore, which runs on through the web; 0 = solid."""
-    length_mm: Positive = Field(examples=[38.0])
+    length_mm: Length = Field(examples=[38.0])
     """Full length between the webs; the half throw has half of it."""
-    fillet_mm: NonNegative = 0.0
+    fillet_mm: LengthOrZero = 0.0
     """Radius of the fillet to the web; 0 = sharp. Smaller than half the length."""
 
     @property
@@ -36,7 +36,7 @@ class Journal(SceneTable):
 class Throw(SceneTable):
     """Crank throw: radius and its two journals."""
 
-    radius_mm: Positive = Field(examples=[48.0])
+    radius_mm: Length = Field(examples=[48.0])
     """Distance of the crankpin's axis from the crank axis: half the stroke."""
     main_journal: Journal
     """The main journal, centred on the crank axis."""
@@ -55,13 +55,13 @@ class CylinderPocket(SceneTable):
     shape: Literal["cylinder"]
     face: Literal["through", "journal", "pin"] = "through"
     """Web face that it starts from; `through` = a hole through the web."""
-    x_mm: Finite = 0.0
+    x_mm: Place = 0.0
     """Centre across the throw, from the crank axis."""
-    y_mm: Finite = Field(examples=[24.0])
+    y_mm: Place = Field(examples=[24.0])
     """Centre along the throw, from the crank axis toward the crankpin."""
-    diameter_mm: Positive = Field(examples=[6.0])
+    diameter_mm: Length = Field(examples=[6.0])
     """Diameter."""
-    depth_mm: Positive | None = Field(default=None, examples=[5.0])
+    depth_mm: Length | None = Field(default=None, examples=[5.0])
     """Depth below the face; needed unless it goes through."""
 
 
@@ -73,15 +73,15 @@ class SidePocket(SceneTable):
     """
 
     shape: Literal["side"]
-    y_mm: Finite = Field(examples=[24.0])
+    y_mm: Place = Field(examples=[24.0])
     """Centre along the throw, from the crank axis toward the crankpin."""
-    length_mm: Positive = Field(examples=[20.0])
+    length_mm: Length = Field(examples=[20.0])
     """Length of its floor along the throw; longer than the outline: a groove that runs out at both ends."""
-    height_mm: Positive = Field(examples=[8.0])
+    height_mm: Length = Field(examples=[8.0])
     """Height of its floor along the crank axis."""
-    depth_mm: Positive = Field(examples=[5.0])
+    depth_mm: Length = Field(examples=[5.0])
     """Depth of its floor below the largest half-width of the web."""
-    offset_mm: Finite = 0.0
+    offset_mm: Place = 0.0
     """Distance of its middle from the web's mid-plane, toward the pin."""
     draft_deg: float = Field(default=0.0, ge=0, le=60)
     """Draft angle: the walls open outward by it."""
@@ -98,15 +98,15 @@ class BoxPocket(SceneTable):
     shape: Literal["box"]
     face: Literal["journal", "pin"] = Field(examples=["pin"])
     """Web face that it starts from."""
-    x_mm: Finite = 0.0
+    x_mm: Place = 0.0
     """Centre across the throw, from the crank axis."""
-    y_mm: Finite = Field(examples=[0.0])
+    y_mm: Place = Field(examples=[0.0])
     """Centre along the throw, from the crank axis toward the crankpin."""
-    size_x_mm: Positive = Field(examples=[10.0])
+    size_x_mm: Length = Field(examples=[10.0])
     """Size across the throw."""
-    size_y_mm: Positive = Field(examples=[10.0])
+    size_y_mm: Length = Field(examples=[10.0])
     """Size along the throw."""
-    depth_mm: Positive = Field(examples=[4.0])
+    depth_mm: Length = Field(examples=[4.0])
     """Depth below the face."""
 
 
@@ -123,16 +123,16 @@ class EndBevel(SceneTable):
 
     face: Literal["journal", "pin"] = Field(examples=["journal"])
     """Face that it is cut from: `journal` bevels the crankpin's end of the web, `pin` the main journal's."""
-    y_mm: Finite = Field(examples=[60.0])
+    y_mm: Place = Field(examples=[60.0])
     """Where it meets that face, along the throw from the crank axis."""
-    depth_mm: Positive = Field(examples=[8.0])
+    depth_mm: Length = Field(examples=[8.0])
     """Depth below that face at the very end of the outline; smaller than the web's thickness."""
-    crown_mm: NonNegative = 0.0
+    crown_mm: LengthOrZero = 0.0
     """Rise of its arc over the chord; 0 = plane."""
 
 
 class _WebBase(SceneTable):
-    thickness_mm: Positive = Field(examples=[19.0])
+    thickness_mm: Length = Field(examples=[19.0])
     """Thickness along the crank axis."""
     bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
@@ -143,7 +143,7 @@ class ObroundWeb(_WebBase):
     """Slot-shaped web: both round ends centred on the axes."""
 
     outline: Literal["obround"]
-    width_mm: Positive = Field(examples=[50.0])
+    width_mm: Length = Field(examples=[50.0])
     """Width across the throw."""
 
 
@@ -151,11 +151,11 @@ class RectangleWeb(_WebBase):
     """Rectangular web reaching `overhang_mm` beyond each axis."""
 
     outline: Literal["rectangle"]
-    width_mm: Positive = Field(examples=[50.0])
+    width_mm: Length = Field(examples=[50.0])
     """Width across the throw."""
-    overhang_mm: Positive = Field(examples=[25.0])
+    overhang_mm: Length = Field(examples=[25.0])
     """Length beyond each axis."""
-    corner_radius_mm: NonNegative = 0.0
+    corner_radius_mm: LengthOrZero = 0.0
     """Radius of the corners."""
 
 
@@ -163,9 +163,9 @@ class EllipseWeb(_WebBase):
     """Elliptical web centred half-way between the axes."""
 
     outline: Literal["ellipse"]
-    semi_axis_throw_mm: Positive = Field(examples=[50.0])
+    semi_axis_throw_mm: Length = Field(examples=[50.0])
     """Semi-axis along the throw."""
-    semi_axis_lateral_mm: Positive = Field(examples=[32.0])
+    semi_axis_lateral_mm: Length = Field(examples=[32.0])
     """Semi-axis across the throw."""
 
 
@@ -173,9 +173,9 @@ class TaperedWeb(_WebBase):
     """Convex hull of a circle on the crank axis and a circle on the pin axis."""
 
     outline: Literal["tapered"]
-    main_radius_mm: Positive = Field(examples=[32.0])
+    main_radius_mm: Length = Field(examples=[32.0])
     """Radius of the circle on the crank axis."""
-    pin_radius_mm: Positive = Field(examples=[25.0])
+    pin_radius_mm: Length = Field(examples=[25.0])
     """Radius of the circle on the pin axis."""
 
 
@@ -186,11 +186,11 @@ class ProfileWeb(_WebBase):
     """
 
     outline: Literal["profile"]
-    stations_mm: tuple[Finite, ...] = Field(
+    stations_mm: tuple[Place, ...] = Field(
         min_length=3, examples=[(-24.0, -15.0, 5.0, 24.0, 45.0, 64.0, 72.0)]
     )
     """Places along the throw from the crank axis, increasing."""
-    half_widths_mm: tuple[NonNegative, ...] = Field(
+    half_widths_mm: tuple[LengthOrZero, ...] = Field(
         min_length=3, examples=[(0.0, 19.0, 31.0, 34.0, 30.0, 19.0, 0.0)]
     )
     """Half-width at each station; 0 at an end makes that end round."""
@@ -207,9 +207,9 @@ Web = Annotated[
 
 
 class _EnvelopeBase(SceneTable):
-    bearing_clearance_mm: NonNegative = 0.0
+    bearing_clearance_mm: LengthOrZero = 0.0
     """Kept free of material beside the main bearing, along the crank axis."""
-    rod_clearance_mm: NonNegative = 0.0
+    rod_clearance_mm: LengthOrZero = 0.0
     """Kept free of material beside the connecting rod, along the crank axis."""
 
 
@@ -217,11 +217,11 @@ class BoxEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a box, symmetric in x."""
 
     shape: Literal["box"]
-    half_width_mm: Positive = Field(examples=[48.0])
+    half_width_mm: Length = Field(examples=[48.0])
     """Half of its width across the throw."""
-    y_min_mm: Finite = Field(examples=[-34.0])
+    y_min_mm: Place = Field(examples=[-34.0])
     """Lower end along the throw."""
-    y_max_mm: Finite = Field(examples=[82.0])
+    y_max_mm: Place = Field(examples=[82.0])
     """Upper end along the throw; above `y_min_mm`."""
 
 
@@ -229,7 +229,7 @@ class CylinderEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a cylinder around the crank axis."""
 
     shape: Literal["cylinder"]
-    radius_mm: Positive = Field(examples=[82.0])
+    radius_mm: Length = Field(examples=[82.0])
     """Its radius."""
 
 
@@ -237,7 +237,7 @@ class OutlineEnvelope(_EnvelopeBase):
     """Design space: the web slab inside a closed polygon of (x, y) points."""
 
     shape: Literal["outline"]
-    points_mm: tuple[tuple[Finite, Finite], ...] = Field(
+    points_mm: tuple[tuple[Place, Place], ...] = Field(
         min_length=3, examples=[((-40.0, -30.0), (40.0, -30.0), (40.0, 80.0), (-40.0, 80.0))]
     )
     """Corners (x, y) of the polygon, in order."""

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 import tomllib
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from cranktopo.errors import CranktopoError, suggest
+from cranktopo.errors import CranktopoError, shown, suggest
+from cranktopo.inputs import read_text
 from cranktopo.scene.checks import check_scene
 from cranktopo.scene.messages import explain
 from cranktopo.scene.schema import Scene
+from cranktopo.store import runs_named
 
 # Keys of the scene that name a file, relative to the design.
 FILE_KEYS = (("engine", "gas", "indicator_csv"), ("envelope", "file"))
+_GEOMETRY = {".stl": "an STL", ".step": "a STEP", ".stp": "a STEP", ".iges": "an IGES", ".igs": "an IGES"}
+_HEADS = {"ISO-10303-21": "a STEP", "solid ": "an STL", "{": "a JSON"}
+_TOML_HINT = "Fix that line; `cranktopo designs new FILE` writes a design to start from."
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -35,14 +42,22 @@ def resolve_design(design: str) -> Path:
     Raises:
         CranktopoError: neither a file nor a built-in design.
     """
-    path = Path(design)
-    if path.is_file():
-        return path
-    builtin = designs_folder() / f"{design}.toml"
-    if builtin.is_file():
-        return builtin
-    what = "is a folder, not a TOML file" if path.is_dir() else "no such file or built-in design"
-    raise CranktopoError(f"design '{design}': {what}.", hint=suggest(design, builtin_designs()))
+    if os.path.exists(design) and not os.path.isdir(design):
+        return Path(design)
+    if design in builtin_designs():
+        return designs_folder() / f"{design}.toml"
+    given = f"design {shown(design, 400)}"
+    if os.path.isfile(os.path.join(design, "manifest.json")) or (design and runs_named(design)):
+        raise CranktopoError(
+            f"{given}: is a run, not a design.",
+            hint="`cranktopo remodel RUN` makes a design of it (TOML, STEP, STL, drawing), "
+            "`cranktopo extract RUN` writes its surface.",
+        )
+    if os.path.isdir(design):
+        raise CranktopoError(f"{given}: is a folder, not a TOML file.", hint="Name the file in it.")
+    raise CranktopoError(
+        f"{given}: no such file or built-in design.", hint=suggest(design[:100], builtin_designs())
+    )
 
 
 def design_text(design: str) -> str:
@@ -55,10 +70,15 @@ def design_text(design: str) -> str:
         CranktopoError: no such design, or none that can be read.
     """
     path = resolve_design(design)
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CranktopoError(f"design '{design}': cannot be read: {error}.") from None
+    kind = _GEOMETRY.get(path.suffix.lower())
+    text = "" if kind else read_text(path, "design")
+    kind = kind or next((kind for head, kind in _HEADS.items() if text.startswith(head)), None)
+    if kind:
+        raise CranktopoError(
+            f"design {shown(str(path), 400)}: is {kind} file; a design is a TOML file.",
+            hint=f"Give it as a target: cranktopo evaluate {shlex.quote(str(path))} --design DESIGN",
+        )
+    return text
 
 
 def parse_scene(text: str, source: str = "scene", folder: Path | None = None) -> Scene:
@@ -74,9 +94,15 @@ def parse_scene(text: str, source: str = "scene", folder: Path | None = None) ->
     """
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CranktopoError(f"{source}: not valid TOML: {error}.", hint="Fix that line.") from None
+    except (ValueError, RecursionError) as error:  # ValueError: also an integer of thousands of digits
+        raise CranktopoError(f"{source}: not valid TOML: {_toml_reason(error)}.", hint=_TOML_HINT) from None
     return scene_from_dict(_with_resolved_files(data, folder or Path.cwd()), source)
+
+
+def _toml_reason(error: Exception) -> str:
+    if isinstance(error, tomllib.TOMLDecodeError):
+        return shown(str(error))[1:-1]
+    return "its arrays are too deep" if isinstance(error, RecursionError) else "a number has too many digits"
 
 
 def _with_resolved_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -88,7 +114,7 @@ def _with_resolved_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _resolved(data: Any, keys: tuple[str, ...], folder: Path) -> Any:
     if not keys:
-        return str((folder / data).resolve()) if isinstance(data, str) else data
+        return os.path.realpath(folder / data) if isinstance(data, str) and "\0" not in data else data
     if not isinstance(data, dict) or keys[0] not in data:
         return data
     return {**data, keys[0]: _resolved(data[keys[0]], keys[1:], folder)}

@@ -1,79 +1,195 @@
-"""One clear line out of a pydantic validation error."""
+"""Clear lines out of a pydantic validation error: each problem with its key path and a next step."""
 
 from __future__ import annotations
 
 import types
 import typing
-from typing import Any
+from collections.abc import Iterator
+from difflib import get_close_matches
+from typing import Any, cast
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from cranktopo.errors import CranktopoError, suggest
+from cranktopo.errors import CranktopoError, shown, suggest
 from cranktopo.scene.schema import Scene
 
+_MOST = 20
+"""Problems that are listed; whoever has more has another file in hand."""
+_MEANT = {
+    "diameter_mm": "outer_diameter_mm",
+    "outer_radius_mm": "outer_diameter_mm",
+    "bore_mm": "bore_diameter_mm",
+    "inner_diameter_mm": "bore_diameter_mm",
+    "rod_mass_kg": "rod_kg",
+    "stroke_mm": "radius_mm",
+    "throw_mm": "radius_mm",
+    "E_MPa": "E_GPa",
+    "youngs_modulus_GPa": "E_GPa",
+    "nu": "poisson",
+    "rpm": "speed_rpm",
+}
+"""Other names of keys that no likeness of letters finds."""
+_NUMBERS = {
+    "float_type": "a finite number",
+    "finite_number": "a finite number",
+    "int_type": "an integer",
+    "int_parsing_size": "an integer",
+}
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
-def explain(error: ValidationError, source: str) -> CranktopoError:
-    """The first problem of a validation error as a CranktopoError, and how many more there are.
+
+def explain(error: ValidationError, source: str, table: tuple[str, ...] = ()) -> CranktopoError:
+    """All problems of a validation error as one error: one line, or one per problem below a headline.
 
     Args:
         error: what pydantic raised for the scene.
         source: file shown in front of the key path.
+        table: where in the scene the validated table is.
     """
-    details = error.errors(include_url=False)
-    # A misspelt key also shows up as the right key missing: name the misspelling.
-    first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
-    more = f" ({len(details) - 1} more)" if len(details) > 1 else ""
-    path = ".".join(str(part) for part in _key_path(first["loc"]))
-    message, hint = _describe(first, path)
-    return CranktopoError(f"{source}: {message}{more}.", hint=hint)
+    problems = _problems(error.errors(include_url=False), table)
+    if len(problems) == 1:
+        message, hint = problems[0]
+        return CranktopoError(f"{source}: {message}.", hint=hint)
+    lines = [f"  {message}. {hint}".rstrip() for message, hint in problems[:_MOST]]
+    more = [f"  and {len(problems) - _MOST} more."] if len(problems) > _MOST else []
+    return CranktopoError("\n".join([f"{source}: {len(problems)} errors.", *lines, *more]))
+
+
+def _problems(found: list[ErrorDetails], table: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Message and next step of each problem, unknown keys first; a misspelt key is not missing too."""
+    details = [cast(ErrorDetails, {**detail, "loc": (*table, *detail["loc"])}) for detail in found]
+    unknown = [d for d in details if d["type"] == "extra_forbidden"]
+    meant = {(d["loc"][:-1], _nearest(d["loc"])) for d in unknown}
+    missing = [d for d in details if d["type"] == "missing" and (d["loc"][:-1], d["loc"][-1]) not in meant]
+    values = [d for d in details if d["type"] not in ("extra_forbidden", "missing")]
+    return [_describe(d, _dotted(d["loc"])) for d in (*unknown, *missing, *values)]
 
 
 def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
-    kind = detail["type"]
+    kind, loc = detail["type"], detail["loc"]
     if kind == "extra_forbidden":
-        valid = _valid_keys(detail["loc"][:-1])
-        return f"unknown key {path}", suggest(str(detail["loc"][-1]), valid)
+        return f"unknown key {path}", _instead(loc)
     if kind == "missing":
-        return f"{path} is missing", f"Add {path.rsplit('.', 1)[-1]} to the scene."
+        table, _, key = path.rpartition(".")
+        return f"{path} is missing", f"Add {key} to {f'[{table}]' if table else 'the scene'}."
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        context = detail.get("ctx", {})
-        tag = str(context.get("discriminator", "")).strip("'")
-        valid = [
-            word.strip(" '") for word in str(context.get("expected_tags", "")).split(",") if word.strip()
-        ]
-        value = context.get("tag")
-        return f"{path}.{tag} = {value!r}: unknown choice", suggest(str(value), valid) if valid else (
-            f"Give {tag}."
-        )
+        return _choice(detail, path)
+    if kind == "library":
+        context = detail["ctx"]
+        return f"{path}.name = {shown(detail['input']['name'])}: {detail['msg']}", context["hint"]
+    limits = _limits(loc)
+    value = f"{path} = {shown(detail['input'])}"
+    if kind in _NUMBERS:
+        bounds = f" {limits}" if limits else ""
+        quoted = " without quotes" if isinstance(detail["input"], str) else ""
+        return f"{value}: must be {_NUMBERS[kind]}{bounds}{quoted}", "Correct that value."
+    if kind in _BOUNDS:
+        return f"{value}: must be {limits}", "Correct that value, or its unit."
     text = detail["msg"].replace("Input should be", "must be").replace("Value error, ", "")
-    return f"{path} = {detail['input']!r}: {text}", "Correct that value."
+    return f"{value}: {text}", "Correct that value."
 
 
-def _key_path(loc: tuple[int | str, ...]) -> list[int | str]:
-    """Location without the union tags that pydantic inserts (`web.obround.width_mm` -> `web.width_mm`)."""
-    path: list[int | str] = []
+def _choice(detail: ErrorDetails, path: str) -> tuple[str, str]:
+    context = detail["ctx"]
+    tag = str(context["discriminator"]).strip("'")
+    table = detail["input"] if isinstance(detail["input"], dict) else {}
+    valid = sorted(name for model in _models(_annotation(detail["loc"])) for name in _tags(model))
+    if tag not in table:
+        return f"{path}.{tag} is missing", f"Valid: {', '.join(valid)}."
+    return f"{path}.{tag} = {shown(table[tag])}: unknown choice", suggest(str(table[tag])[:100], valid)
+
+
+def _instead(loc: tuple[int | str, ...]) -> str:
+    """What to write instead of an unknown key: the key it is like, its table, or all keys that there are."""
+    key = str(loc[-1])
+    near = _nearest(loc)
+    if near is not None:
+        return f"Did you mean '{near}'?"
+    homes = [table for table, name in _all_keys(Scene) if name == key]
+    if homes:
+        return f"It belongs to {' or '.join(f'[{home}]' for home in sorted(set(homes))[:3])}."
+    return f"Valid: {', '.join(_valid_keys(loc[:-1]))}."
+
+
+def _nearest(loc: tuple[int | str, ...]) -> str | None:
+    key, valid = str(loc[-1])[:100], _valid_keys(loc[:-1])
+    if _MEANT.get(key) in valid:
+        return _MEANT[key]
+    if any(name == key for _, name in _all_keys(Scene)):
+        return None  # the right key in the wrong table
+    near = get_close_matches(key, valid, n=1, cutoff=0.7)
+    return near[0] if near else None
+
+
+def _limits(loc: tuple[int | str, ...]) -> str:
+    """The range of a number, as words."""
+    words = []
+    for sign, name in ((">=", "ge"), (">", "gt"), ("<=", "le"), ("<", "lt")):
+        found = [getattr(rule, name) for rule in _rules(_field(loc)) if getattr(rule, name, None) is not None]
+        words += [f"{sign} {found[-1]:g}"] if found else []
+    return " and ".join(words)
+
+
+def _rules(annotation: Any) -> Iterator[Any]:
+    """Everything that restricts a number, from the outermost annotation to the innermost."""
+    if isinstance(annotation, FieldInfo):
+        yield from annotation.metadata
+        yield from _rules(annotation.annotation)
+        return
+    for part in typing.get_args(annotation):
+        if isinstance(part, FieldInfo):
+            yield from part.metadata
+        elif part is not Ellipsis:
+            yield from _rules(part)
+
+
+def _dotted(loc: tuple[int | str, ...]) -> str:
+    """Location without the union tags that pydantic inserts: `web.obround.width_mm` is `web.width_mm`."""
+    path = ""
     annotation: Any = Scene
     for part in loc:
         if _is_tag(annotation, part):
             annotation = _member(annotation, str(part))
             continue
-        path.append(part)
+        path += f"[{part}]" if isinstance(part, int) else f".{shown(part)[1:-1]}"
         annotation = _child(annotation, part)
-    return path
+    return path.removeprefix(".")
 
 
-def _valid_keys(loc: tuple[int | str, ...]) -> list[str]:
+def _annotation(loc: tuple[int | str, ...]) -> Any:
     annotation: Any = Scene
     for part in loc:
         annotation = _member(annotation, str(part)) if _is_tag(annotation, part) else _child(annotation, part)
-    return sorted({name for model in _models(annotation) for name in model.model_fields})
+    return annotation
+
+
+def _field(loc: tuple[int | str, ...]) -> Any:
+    """The field of a location, or the type of an array's item."""
+    table, key = _annotation(loc[:-1]), loc[-1]
+    for model in _models(table):
+        if key in model.model_fields:
+            return model.model_fields[str(key)]
+    return _field(loc[:-1]) if isinstance(key, int) and len(loc) > 1 else None
+
+
+def _valid_keys(loc: tuple[int | str, ...]) -> list[str]:
+    return sorted({name for model in _models(_annotation(loc)) for name in model.model_fields})
+
+
+def _all_keys(table: Any, path: str = "") -> Iterator[tuple[str, str]]:
+    """Every table and key of the scene."""
+    for model in _models(table):
+        for name, field in model.model_fields.items():
+            yield path, name
+            yield from _all_keys(field.annotation, f"{path}.{name}" if path else name)
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    if typing.get_origin(annotation) in (typing.Union, types.UnionType, typing.Annotated):
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType, typing.Annotated, tuple):
         return [model for arg in typing.get_args(annotation) for model in _models(arg)]
     return []
 

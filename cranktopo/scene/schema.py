@@ -5,12 +5,22 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
-from cranktopo.errors import CranktopoError, invalid, suggest
-from cranktopo.scene.base import SHOWN, UNLESS_IN_LIBRARY, Fraction, NonNegative, Positive, SceneTable
+from cranktopo.errors import CranktopoError
+from cranktopo.scene.base import (
+    SHOWN,
+    UNLESS_IN_LIBRARY,
+    Fraction,
+    Length,
+    SceneTable,
+    Strength,
+    Weight,
+    WholeNumber,
+    filled_in,
+)
 from cranktopo.scene.engine import Engine
 from cranktopo.scene.fatigue_settings import Fatigue
 from cranktopo.scene.geometry import Envelope, Throw, Web
@@ -45,19 +55,19 @@ class Material(SceneTable):
 
     name: str = Field(default="custom", examples=["31CrMoV9"], json_schema_extra=SHOWN)
     """A name of the library fills in every key that is not given; any other name needs own values."""
-    E_GPa: Positive = Field(examples=[210.0], json_schema_extra=UNLESS_IN_LIBRARY)
+    E_GPa: float = Field(ge=0.1, le=2000, examples=[210.0], json_schema_extra=UNLESS_IN_LIBRARY)
     """Young's modulus."""
-    poisson: float = Field(ge=0, lt=0.5, examples=[0.3], json_schema_extra=UNLESS_IN_LIBRARY)
+    poisson: float = Field(ge=0, le=0.49, examples=[0.3], json_schema_extra=UNLESS_IN_LIBRARY)
     """Poisson's ratio."""
-    density_kg_m3: Positive = Field(examples=[7850.0], json_schema_extra=UNLESS_IN_LIBRARY)
+    density_kg_m3: float = Field(ge=10, le=30000, examples=[7850.0], json_schema_extra=UNLESS_IN_LIBRARY)
     """Density."""
-    yield_MPa: Positive | None = Field(default=None, examples=[900.0])
+    yield_MPa: Strength | None = Field(default=None, examples=[900.0])
     """Yield strength."""
-    ultimate_MPa: Positive | None = Field(default=None, examples=[1100.0])
+    ultimate_MPa: Strength | None = Field(default=None, examples=[1100.0])
     """Tensile strength."""
-    fatigue_tension_MPa: Positive | None = Field(default=None, examples=[495.0])
+    fatigue_tension_MPa: Strength | None = Field(default=None, examples=[495.0])
     """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
-    fatigue_bending_MPa: Positive | None = Field(default=None, examples=[525.0])
+    fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
     """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
     fkm_group: FkmGroup = "Steel"
     """Material group of the FKM guideline, for `fatigue --method fkm`."""
@@ -67,24 +77,13 @@ class Material(SceneTable):
     @model_validator(mode="before")
     @classmethod
     def _from_library(cls, data: Any) -> Any:
-        if not isinstance(data, dict) or "name" not in data:
-            return data
-        entry = material_library().get(data["name"])
-        if entry is None and not {"E_GPa", "poisson", "density_kg_m3"} <= data.keys():
-            names = list(material_library())
-            raise invalid(
-                "material.name",
-                data["name"],
-                "not in the library, and E_GPa, poisson, density_kg_m3 are not all given",
-                suggest(str(data["name"]), names),
-            )
-        return {**(entry or {}), **data}
+        return filled_in(data, material_library(), frozenset({"E_GPa", "poisson", "density_kg_m3"}))
 
 
 class Effects(SceneTable):
     """State of each effect, and the relative change below which `auto` leaves an effect out."""
 
-    threshold: float = Field(default=0.02, gt=0, lt=1)
+    threshold: float = Field(default=0.02, ge=1e-6, le=0.99)
     """Relative change below which `auto` leaves an effect out."""
     bending: EffectState = "auto"
     """Load case of the largest radial force."""
@@ -115,13 +114,13 @@ class Effects(SceneTable):
 class Weights(SceneTable):
     """Weight of each load case in the objective."""
 
-    bending: NonNegative = 0.5
+    bending: Weight = 0.5
     """Weight of the bending case."""
-    torsion: NonNegative = 0.5
+    torsion: Weight = 0.5
     """Weight of the torsion case."""
-    tangential: NonNegative = 0.5
+    tangential: Weight = 0.5
     """Weight of the tangential case."""
-    centrifugal: NonNegative = 0.0
+    centrifugal: Weight = 0.0
     """Weight of the centrifugal case; at 0 the plan leaves it out."""
 
 
@@ -130,9 +129,9 @@ class Optimise(SceneTable):
 
     volume_fraction: Fraction = 0.3
     """Volume of the optimised web over the volume of the design space."""
-    resolution_mm: Positive = 1.5
+    resolution_mm: float = Field(default=1.5, ge=1e-3, le=1000)
     """Edge of the cells; each direction is adjusted so that cells end at the web's faces."""
-    filter_radius_mm: Positive | None = Field(default=None, examples=[3.0])
+    filter_radius_mm: Length | None = Field(default=None, examples=[3.0])
     """Radius of the cone filter, which sets the thinnest member; by default 2.5 cells, at least 3 mm."""
     max_iterations: int = Field(default=150, ge=1, le=10000)
     """Iterations after which the optimisation stops even if it has not converged."""
@@ -146,16 +145,16 @@ class Published(SceneTable):
 
     source: str = Field(examples=["author, title, year"])
     """Where the values are printed."""
-    mass_kg: Positive = Field(examples=[1.6])
+    mass_kg: float = Field(ge=1e-6, le=1e6, examples=[1.6])
     """Printed mass."""
-    torsional_stiffness_kNm_per_rad: Positive = Field(examples=[140.0])
+    torsional_stiffness_kNm_per_rad: float = Field(ge=1e-9, le=1e9, examples=[140.0])
     """Printed torsional stiffness."""
 
 
 class Scene(SceneTable):
     """One throw, its loads, its design space and the settings of each stage."""
 
-    schema_version: Literal[1] = 1
+    schema_version: Annotated[Literal[1], WholeNumber] = 1
     """Version of this format."""
     name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", examples=["my-engine"])
     """Name of the design in tables and run folders: letters, digits, dot, hyphen and underscore."""
@@ -183,10 +182,15 @@ class Scene(SceneTable):
             changes: by name; None keeps the scene's own.
 
         Raises:
-            ValidationError: an unknown setting, or a value outside its range.
+            CranktopoError: an unknown setting, or a value outside its range.
         """
+        from cranktopo.scene.messages import explain
+
         given = {key: value for key, value in changes.items() if value is not None}
-        settings = Optimise.model_validate({**self.optimise.model_dump(), **given})
+        try:
+            settings = Optimise.model_validate({**self.optimise.model_dump(), **given})
+        except ValidationError as error:
+            raise explain(error, self.name, ("optimise",)) from None
         return self.model_copy(update={"optimise": settings})
 
     @property

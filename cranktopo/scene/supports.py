@@ -9,8 +9,15 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from cranktopo.errors import invalid, suggest
-from cranktopo.scene.base import SHOWN, UNLESS_IN_LIBRARY, NonNegative, Positive, SceneTable
+from cranktopo.scene.base import (
+    SHOWN,
+    UNLESS_IN_LIBRARY,
+    Reaction,
+    SceneTable,
+    SmallLength,
+    Stiffness,
+    filled_in,
+)
 
 
 @cache
@@ -28,11 +35,11 @@ class RollerBearing(SceneTable):
     """Direction in which the bearing carries; only radial ones support a journal."""
     rollers: int = Field(ge=3, le=1000, examples=[38], json_schema_extra=UNLESS_IN_LIBRARY)
     """Number of rollers."""
-    displacement_mm: tuple[Positive, ...] = Field(
+    displacement_mm: tuple[SmallLength, ...] = Field(
         min_length=3, examples=[(0.001, 0.004, 0.01)], json_schema_extra=UNLESS_IN_LIBRARY
     )
     """Displacements of one roller, increasing."""
-    reaction_N: tuple[NonNegative, ...] = Field(
+    reaction_N: tuple[Reaction, ...] = Field(
         min_length=3, examples=[(33.0, 172.0, 501.0)], json_schema_extra=UNLESS_IN_LIBRARY
     )
     """Reaction of one roller at each displacement, increasing."""
@@ -42,17 +49,7 @@ class RollerBearing(SceneTable):
     @model_validator(mode="before")
     @classmethod
     def _from_library(cls, data: Any) -> Any:
-        if not isinstance(data, dict) or "name" not in data:
-            return data
-        entry = bearing_library().get(data["name"])
-        if entry is None and not {"rollers", "displacement_mm", "reaction_N"} <= data.keys():
-            raise invalid(
-                "supports.roller_bearing.name",
-                data["name"],
-                "not in the library, and rollers, displacement_mm, reaction_N are not all given",
-                suggest(str(data["name"]), list(bearing_library())),
-            )
-        return {**(entry or {}), **data}
+        return filled_in(data, bearing_library(), frozenset({"rollers", "displacement_mm", "reaction_N"}))
 
 
 class Supports(SceneTable):
@@ -66,8 +63,8 @@ class Supports(SceneTable):
     """Mid-journal sections in torsion: free to move laterally and tilt, held, or on bearing springs."""
     bending: Literal["pinned", "clamped", "spring"] = "pinned"
     """Mid-journal sections in bending: free to tilt, clamped against tilt, or on bearing springs."""
-    bearing_spring_N_per_mm: Positive | None = Field(default=None, examples=[1.07e6])
+    bearing_spring_N_per_mm: Stiffness | None = Field(default=None, examples=[1.07e6])
     """Radial stiffness of one main bearing; this or one of the next two where a support is `spring`."""
-    bearing_clearance_mm: Positive | None = Field(default=None, examples=[0.03])
+    bearing_clearance_mm: SmallLength | None = Field(default=None, examples=[0.03])
     """Radial clearance of a plain bearing: the spring is half the largest gas force over 0.8 of it."""
     roller_bearing: RollerBearing | None = None

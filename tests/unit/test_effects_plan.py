@@ -260,10 +260,11 @@ def test_costs_are_those_of_the_grid_that_is_built(envelope, tmp_path):
 
 def test_hollow_journals_and_fillets_in_torsion():
     """A long hollow shaft: compliance goes as 1 / (D^4 - d^4). Fillets: quadrature on a fine grid."""
+    hollow = Journal(outer_diameter_mm=42.0, bore_diameter_mm=24.0, length_mm=1.0)
     long = MIKRON.throw.model_copy(
         update={
-            "main_journal": Journal(outer_diameter_mm=42.0, bore_diameter_mm=24.0, length_mm=1e7),
-            "crankpin": Journal(outer_diameter_mm=42.0, bore_diameter_mm=24.0, length_mm=1.0),
+            "main_journal": hollow.model_copy(update={"length_mm": 1e7}),  # longer than any scene may have
+            "crankpin": hollow,
         }
     )
     scene = MIKRON.model_copy(update={"throw": long})
@@ -281,7 +282,7 @@ def test_hollow_journals_and_fillets_in_torsion():
 def test_bending_of_a_straight_shaft():
     """A throw that is nearly all journal: two cantilevers of half the journal, F L^3 / 48 E I of a beam."""
     journal = Journal(outer_diameter_mm=42.0, length_mm=5000.0)
-    pin = Journal(outer_diameter_mm=42.0, length_mm=0.01)
+    pin = journal.model_copy(update={"length_mm": 0.01})  # shorter than any scene may have
     throw = MIKRON.throw.model_copy(update={"main_journal": journal, "crankpin": pin, "radius_mm": 0.01})
     web = MIKRON.web.model_copy(update={"thickness_mm": 1.0, "width_mm": 50000.0})
     scene = MIKRON.model_copy(update={"throw": throw, "web": web})
