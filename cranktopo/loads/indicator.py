@@ -10,12 +10,15 @@ from pathlib import Path
 
 import numpy as np
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, shown
+from cranktopo.inputs import read_text
 from cranktopo.loads.kinematics import Array
 from cranktopo.units import MPA_PER_BAR
 
 _HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pressure_MPa)."
 _PRESSURE_UNITS = {"bar": MPA_PER_BAR, "mpa": 1.0}
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_LARGEST = 1e6
 HIGHEST_MPA = 50.0
 LARGEST_STEP_DEG = 5.0
 
@@ -27,7 +30,8 @@ def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: flo
     Angles ascend and cover one cycle from any start; they are counted from firing top dead centre.
 
     Args:
-        path: the CSV file (comma, semicolon or tab between columns; lines with # are skipped).
+        path: the CSV file: comma, semicolon or tab between columns; lines with # are skipped. A decimal comma is
+            read where the columns are not separated by commas.
 
     Returns:
         Angles in 0 .. cycle_deg, ascending (deg), and absolute pressures (MPa).
@@ -36,25 +40,22 @@ def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: flo
         CranktopoError: unreadable, no unit, missing, duplicate or descending angles, wrong period, a value
             that is not a number, a pressure below vacuum or out of any engine's range.
     """
-    lines = _read_lines(Path(path))
-    rows = list(csv.reader((text for _, text in lines), delimiter=_delimiter(lines[0][1])))
+    lines = _read_lines(path)
+    mark = _delimiter(lines[0][1])
+    rows = [_cells(path, number, line, mark) for number, line in lines]
     angle_column, pressure_column, factor = _columns(path, rows[0])
     numbers = [number for number, _ in lines[1:]]
-    angle = _column(path, rows[1:], numbers, angle_column)
-    pressure = _column(path, rows[1:], numbers, pressure_column) * factor
+    _check_width(path, rows, numbers, mark)
+    angle = _column(path, rows[1:], numbers, angle_column, mark)
+    pressure = _column(path, rows[1:], numbers, pressure_column, mark) * factor
     _check_ascending(path, angle, numbers)
     _check_pressure(path, pressure, numbers, ambient_pressure_MPa)
     return _one_cycle(path, angle, pressure, cycle_deg)
 
 
-def _read_lines(path: Path) -> list[tuple[int, str]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CranktopoError(
-            f"engine.gas.indicator_csv = '{path}': cannot be read: {error}.",
-            hint="Names are relative to the folder of the design.",
-        ) from None
+def _read_lines(path: str | Path) -> list[tuple[int, str]]:
+    hint = "Names are relative to the folder of the design."
+    text = read_text(path, "engine.gas.indicator_csv", hint=hint)
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1)]
     lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if len(lines) < 3:
@@ -66,30 +67,50 @@ def _delimiter(header: str) -> str:
     return max(",;\t", key=header.count)
 
 
+def _cells(path: str | Path, number: int, line: str, mark: str) -> list[str]:
+    """Cells of one line; a line break inside quotes is no part of a table of numbers."""
+    try:
+        (cells,) = csv.reader([line], delimiter=mark, strict=True)
+    except csv.Error:
+        raise _error(path, f"line {number}: a quote is not closed", "Remove the quotes.") from None
+    return [cell.strip() for cell in cells]
+
+
+def _check_width(path: str | Path, rows: list[list[str]], numbers: list[int], mark: str) -> None:
+    """No row may hold more cells than the header: a decimal comma would become a column."""
+    width = len(rows[0])
+    for number, row in zip(numbers, rows[1:], strict=True):
+        if any(row[width:]):
+            hint = "With a decimal comma, put semicolons between the columns." if mark == "," else ""
+            raise _error(path, f"line {number}: {len(row)} cells under a header of {width}", hint)
+
+
 def _columns(path: str | Path, header: list[str]) -> tuple[int, int, float]:
     """Index of the angle column, of the pressure column, and the factor from its unit to MPa."""
     words = [set(re.split(r"[^a-z]+", cell.lower())) for cell in header]
     angles = [i for i, cell in enumerate(words) if cell & {"angle", "deg", "crank", "degrees"}]
     pressures = [i for i, cell in enumerate(words) if cell & {"pressure", "p", *_PRESSURE_UNITS}]
     if not angles or not any(word.startswith("deg") for word in words[angles[0]]):
-        raise _error(path, f"header {header}: no crank angle in deg", _HEADER_HINT)
+        raise _error(path, f"header {shown(header)}: no crank angle in deg", _HEADER_HINT)
     units = [word for word in _PRESSURE_UNITS if pressures and word in words[pressures[0]]]
     if len(units) != 1:
-        raise _error(path, f"header {header}: no pressure in bar or MPa", _HEADER_HINT)
+        raise _error(path, f"header {shown(header)}: no pressure in bar or MPa", _HEADER_HINT)
     return angles[0], pressures[0], _PRESSURE_UNITS[units[0]]
 
 
-def _column(path: str | Path, rows: list[list[str]], numbers: list[int], column: int) -> Array:
+def _column(path: str | Path, rows: list[list[str]], numbers: list[int], column: int, mark: str) -> Array:
+    cells = [row[column] if column < len(row) else "" for row in rows]
+    decimal_comma = mark != "," and any("," in cell for cell in cells)
     values = []
-    for number, row in zip(numbers, rows, strict=True):
-        cell = row[column].strip() if column < len(row) else ""
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise _error(path, f"line {number}: '{cell}' is not a number", "Correct or remove that row.")
-        values.append(value)
+    for number, cell in zip(numbers, cells, strict=True):
+        text = cell.replace(",", ".") if decimal_comma and "." not in cell else cell
+        if not _NUMBER.fullmatch(text):
+            raise _error(path, f"line {number}: {shown(cell)} is not a number", "Correct or remove that row.")
+        if abs(float(text)) > _LARGEST:
+            raise _error(path, f"line {number}: {shown(cell)} is out of any range", "Correct that row.")
+        if decimal_comma and "." in cell:
+            raise _error(path, f"line {number}: {shown(cell)} beside decimal commas", "Use one of the two.")
+        values.append(float(text))
     return np.array(values)
 
 
@@ -152,4 +173,4 @@ def _check_gaps(path: str | Path, angle: Array, gaps: Array) -> None:
 
 
 def _error(path: str | Path, what: str, hint: str) -> CranktopoError:
-    return CranktopoError(f"engine.gas.indicator_csv = '{path}': {what}.", hint=hint)
+    return CranktopoError(f"engine.gas.indicator_csv = {shown(str(path), 400)}: {what}.", hint=hint)

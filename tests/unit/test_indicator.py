@@ -139,7 +139,41 @@ def test_missing_cell_empty_file_and_missing_file(file):
     with pytest.raises(CranktopoError, match="has no rows of numbers"):
         read(file)
     file.write_bytes(b"\xff\xfe\x00angle")
-    with pytest.raises(CranktopoError, match="cannot be read"):
+    with pytest.raises(CranktopoError, match="is not text in UTF-8"):
         read(file)
     with pytest.raises(CranktopoError, match="cannot be read"):
         read(file.with_name("nothing.csv"))
+
+
+@pytest.mark.parametrize(
+    ("cell", "message"),
+    [
+        ("100,1,5", r"line 52: 3 cells under a header of 2. With a decimal comma, put semicolons"),
+        ('"100,1.5', r"line 52: a quote is not closed"),
+        ('100,1"5', r"line 52: '1\"5' is not a number"),
+        ("1_00,1.5", r"line 52: '1_00' is not a number"),
+        ("100,0x10", r"line 52: '0x10' is not a number"),
+        ("100,1e300", r"line 52: '1e300' is out of any range"),
+        ("100,\u0661", r"line 52: .* is not a number"),
+        ("100;1,5", r"line 52: '100;1' is not a number"),
+    ],
+)
+def test_a_row_that_could_be_read_as_something_else(file, cell, message):
+    lines = write(file).read_text().splitlines()
+    assert lines[51].startswith("100,")
+    file.write_text("\n".join([*lines[:51], cell, *lines[52:]]), encoding="utf-8")
+    with pytest.raises(CranktopoError, match=message):
+        read(file)
+
+
+def test_decimal_commas_between_semicolons(file):
+    """As a German spreadsheet writes it, with a byte-order mark and a closing semicolon."""
+    rows = [f"{a:.1f};{p:.6f};".replace(".", ",") for a, p in zip(ANGLE, BAR, strict=True)]
+    file.write_text("\n".join(["crank_angle_deg;pressure_bar", *rows]), encoding="utf-8-sig")
+    angle, pressure = read(file)
+    assert angle == pytest.approx(ANGLE)
+    assert pressure == pytest.approx(BAR / 10, rel=1e-5)
+    rows[7] = rows[7].replace(",", ".")
+    file.write_text("\n".join(["crank_angle_deg;pressure_bar", *rows]))
+    with pytest.raises(CranktopoError, match=r"line 9: '14.0' beside decimal commas"):
+        read(file)
