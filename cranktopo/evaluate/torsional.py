@@ -54,9 +54,8 @@ def disk_model(scene: Scene, throw_inertia_kg_mm2: float, throws_Nm_per_rad: tup
     """
     moving = 0.0
     if scene.engine is not None:
-        masses = scene.engine.masses
-        reciprocating = masses.piston_group_kg + masses.rod_reciprocating_kg
-        moving = (masses.rod_rotating_kg + reciprocating / 2) * scene.throw.radius_mm**2
+        engine = scene.engine
+        moving = (engine.rod_rotating_kg + engine.reciprocating_kg / 2) * scene.throw.radius_mm**2
     inertia = (throw_inertia_kg_mm2 + moving) / MM2_PER_M2
     ends, inner = inertia / 2, len(throws_Nm_per_rad) - 1
     return DiskModel((ends, *[inertia] * inner, ends), throws_Nm_per_rad)

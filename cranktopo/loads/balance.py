@@ -76,7 +76,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     crankpin = _cylinder(throw.crankpin, radius).times(density)
     fillets = (_fillets(throw.main_journal, 0.0) + _fillets(throw.crankpin, radius)).times(density)
     total = journal + crankpin + fillets + web + web
-    rod_kg = scene.engine.masses.rod_rotating_kg if scene.engine else 0.0
+    rod_kg = scene.engine.rod_rotating_kg if scene.engine else 0.0
     return ThrowBalance(
         mass_kg=total.area,
         web_kg=web.area,

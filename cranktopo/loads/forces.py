@@ -67,7 +67,7 @@ def rotating_forces(
     w2 = angular_speed_rad_s(speed_rpm) ** 2
     r_w2 = radius_mm / MM_PER_M * w2
     throw = balance.throw_unbalance_kg_mm / MM_PER_M * w2
-    return RotatingForces(r_w2, engine.masses.rod_rotating_kg * r_w2, throw)
+    return RotatingForces(r_w2, engine.rod_rotating_kg * r_w2, throw)
 
 
 def throw_forces(
@@ -92,7 +92,7 @@ def throw_forces(
     inertia_per_kg = -acceleration * spinning.r_w2_m_s2 * reciprocating
     gas = gas_force_N(pressure.pressure_MPa, engine)
     piston = engine.masses.piston_group_kg * inertia_per_kg
-    axial = gas + piston + engine.masses.rod_reciprocating_kg * inertia_per_kg
+    axial = gas + piston + engine.rod_parts_kg[0] * inertia_per_kg
     ratios = force_ratios(angle, radius_mm, engine.rod_length_mm)
     radial, tangential = axial * ratios.radial, axial * ratios.tangential
     web = radial - spinning.rod_N * rotating_rod

@@ -30,8 +30,8 @@ def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: flo
     Angles ascend and cover one cycle from any start; they are counted from firing top dead centre.
 
     Args:
-        path: the CSV file: comma, semicolon or tab between columns; lines with # are skipped. A decimal comma is
-            read where the columns are not separated by commas.
+        path: the CSV file: comma, semicolon or tab between columns; lines with # are skipped. A decimal comma
+            is read where the columns are not separated by commas.
 
     Returns:
         Angles in 0 .. cycle_deg, ascending (deg), and absolute pressures (MPa).

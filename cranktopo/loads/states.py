@@ -145,15 +145,15 @@ def _tangential(analysis: LoadAnalysis) -> ExtremeState:
 
 def _overspeed(analysis: LoadAnalysis, enabled: frozenset[str]) -> ExtremeState:
     """Inertia alone at top dead centre of the highest speed: the rod pulls the pin outward."""
-    engine, masses = analysis.engine, analysis.engine.masses
+    engine = analysis.engine
     speed = max(engine.overspeed_rpm or 0.0, engine.speed_rpm)
     rotating = rotating_forces(engine, analysis.balance, analysis.radius_mm, speed)
     kg = 0.0
     if "reciprocating_inertia" in enabled:
         at_dead_centre = 1 + analysis.radius_mm / engine.rod_length_mm
-        kg += (masses.piston_group_kg + masses.rod_reciprocating_kg) * at_dead_centre
+        kg += engine.reciprocating_kg * at_dead_centre
     if "rotating_rod_mass" in enabled:
-        kg += masses.rod_rotating_kg
+        kg += engine.rod_rotating_kg
     source = f"inertia of piston and rod at top dead centre without gas force, {speed:g} rpm"
     pull = -kg * rotating.r_w2_m_s2 + 0.0
     case = LoadCase("bending", "bending", radial_N=pull, source=source)

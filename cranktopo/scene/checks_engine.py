@@ -32,6 +32,7 @@ def check_engine(scene: Scene) -> None:
             f"must be at least engine.speed_rpm = {engine.speed_rpm:g} rpm",
         )
     _check_firing_order(engine)
+    _check_rod(engine)
     if engine.gas is not None:
         _check_gas(engine, engine.gas)
 
@@ -46,6 +47,33 @@ def _check_firing_order(engine: Engine) -> None:
         f"must name each of the {engine.cylinders} cylinders once (1 to {engine.cylinders})",
         "Give engine.firing_order = [...] or correct engine.cylinders.",
     )
+
+
+def _check_rod(engine: Engine) -> None:
+    """The whole rod is given with its centre of mass, and not beside its parts."""
+    masses = engine.masses
+    whole = {"rod_kg": masses.rod_kg, "rod_centre_from_big_end_mm": masses.rod_centre_from_big_end_mm}
+    given = [key for key, value in whole.items() if value is not None]
+    if not given:
+        return
+    if len(given) == 1:
+        (missing,) = whole.keys() - set(given)
+        raise CranktopoError(
+            f"engine.masses.{missing} is missing beside {given[0]}.",
+            hint="Give rod_kg with rod_centre_from_big_end_mm, or rod_reciprocating_kg and rod_rotating_kg.",
+        )
+    if masses.rod_reciprocating_kg or masses.rod_rotating_kg:
+        raise CranktopoError(
+            "engine.masses: the whole rod and its parts are both given.",
+            hint="Keep rod_kg with rod_centre_from_big_end_mm, or rod_reciprocating_kg and rod_rotating_kg.",
+        )
+    centre = masses.rod_centre_from_big_end_mm
+    if centre is not None and centre >= engine.rod_length_mm:
+        raise invalid(
+            "engine.masses.rod_centre_from_big_end_mm",
+            centre,
+            f"must be smaller than engine.rod_length_mm = {engine.rod_length_mm:g} mm",
+        )
 
 
 def _check_gas(engine: Engine, gas: Gas) -> None:

@@ -56,7 +56,11 @@ class Gas(SceneTable):
 
 
 class Masses(SceneTable):
-    """Moving masses of one cylinder; the rod is split into two masses at its ends."""
+    """Moving masses of one cylinder; the rod counts as two masses, one at each end.
+
+    Give its two parts, or the whole rod with its centre of mass, which is then split between the ends by the
+    lever rule: both parts together have the rod's mass and its centre of mass.
+    """
 
     piston_group_kg: Mass = 0.0
     """Piston with rings and piston pin."""
@@ -64,6 +68,10 @@ class Masses(SceneTable):
     """Part of the rod that moves with the piston."""
     rod_rotating_kg: Mass = 0.0
     """Part of the rod that turns with the crankpin."""
+    rod_kg: Mass | None = Field(default=None, examples=[0.469])
+    """The whole rod with its bearings, instead of its two parts; needs `rod_centre_from_big_end_mm`."""
+    rod_centre_from_big_end_mm: Length | None = Field(default=None, examples=[50.8])
+    """Distance of the whole rod's centre of mass from the crankpin's axis, along `engine.rod_length_mm`."""
 
 
 class Engine(SceneTable):
@@ -94,6 +102,25 @@ class Engine(SceneTable):
     """Largest torque behind a throw; replaces the computed one."""
     min_torque_Nm: Torque | None = Field(default=None, examples=[-140.0])
     """Smallest torque behind a throw; replaces the computed one."""
+
+    @property
+    def rod_parts_kg(self) -> tuple[float, float]:
+        """Parts of the rod that move with the piston and turn with the crankpin, kg: given, or split."""
+        masses = self.masses
+        if masses.rod_kg is None or masses.rod_centre_from_big_end_mm is None:
+            return masses.rod_reciprocating_kg, masses.rod_rotating_kg
+        reciprocating = masses.rod_kg * masses.rod_centre_from_big_end_mm / self.rod_length_mm
+        return reciprocating, masses.rod_kg - reciprocating
+
+    @property
+    def reciprocating_kg(self) -> float:
+        """All that moves with the piston, kg."""
+        return self.masses.piston_group_kg + self.rod_parts_kg[0]
+
+    @property
+    def rod_rotating_kg(self) -> float:
+        """Part of the rod that turns with the crankpin, kg."""
+        return self.rod_parts_kg[1]
 
     @property
     def cycle_deg(self) -> float:

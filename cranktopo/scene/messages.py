@@ -23,6 +23,7 @@ _MEANT = {
     "bore_mm": "bore_diameter_mm",
     "inner_diameter_mm": "bore_diameter_mm",
     "rod_mass_kg": "rod_kg",
+    "connecting_rod_kg": "rod_kg",
     "stroke_mm": "radius_mm",
     "throw_mm": "radius_mm",
     "E_MPa": "E_GPa",
