@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from weakref import WeakSet
 
 from cranktopo.store import user_cache
 
@@ -39,11 +40,7 @@ def sized_for(cells: int, core: int = 0) -> Iterator[None]:
     """Context in which programs for small grids are compiled to run their loops on one core.
 
     XLA divides every loop among the cores that the compiling thread may use. Threads that exist already, and
-    the programs of large grids, keep all of them.
-
-    Args:
-        cells: of the grid that the programs work on.
-        core: which of the allowed ones compiles, counted round.
+    the programs of large grids, keep all of them. `core` is the one that compiles, counted round.
     """
     if cells >= _CELLS_WORTH_DIVIDING or not hasattr(os, "sched_setaffinity"):
         yield
@@ -76,11 +73,10 @@ class CompileClock:
     """The time during which JAX traces or compiles from now on, in any thread of this process."""
 
     def __init__(self) -> None:
-        import jax
-
         self._began = time.perf_counter()
         self._spans: list[tuple[float, float]] = []
-        jax.monitoring.register_event_duration_secs_listener(self._add)
+        _listen()
+        _clocks.add(self)
 
     @property
     def compile_s(self) -> float:
@@ -91,10 +87,26 @@ class CompileClock:
             until = max(until, end)
         return total
 
-    def _add(self, event: str, duration_secs: float, **kwargs: str | int) -> None:
+    def add(self, start: float, end: float) -> None:
+        """Count a compilation between two times of `time.perf_counter`."""
+        self._spans.append((start, end))
+
+
+_clocks: WeakSet[CompileClock] = WeakSet()
+
+
+@cache
+def _listen() -> None:
+    """Tell the clocks that are in use of every compilation: one listener per process, JAX never drops one."""
+    import jax
+
+    def listener(event: str, duration_secs: float, **_: str | int) -> None:
         if event.startswith("/jax/core/compile/"):
             now = time.perf_counter()
-            self._spans.append((now - duration_secs, now))
+            for clock in list(_clocks):
+                clock.add(now - duration_secs, now)
+
+    jax.monitoring.register_event_duration_secs_listener(listener)
 
 
 @contextmanager

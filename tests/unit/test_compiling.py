@@ -37,6 +37,22 @@ def test_a_solve_compiles_nothing_more(float64: None) -> None:
     assert compiled == [EVENT]
 
 
+def test_clocks_share_one_listener(monkeypatch: pytest.MonkeyPatch) -> None:
+    """JAX keeps every listener for the life of the process."""
+    registered: list[object] = []
+    register = jax.monitoring.register_event_duration_secs_listener
+    monkeypatch.setattr(
+        jax.monitoring,
+        "register_event_duration_secs_listener",
+        lambda listener: (registered.append(listener), register(listener)),
+    )
+    clocks = [CompileClock() for _ in range(3)]
+    assert len(registered) <= 1
+    del clocks[0]
+    jax.monitoring.record_event_duration_secs(EVENT, 1e-9)
+    assert all(clock.compile_s > 0 for clock in clocks)
+
+
 def test_the_clock_counts_what_overlaps_once(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr("time.perf_counter", lambda: now[0])
