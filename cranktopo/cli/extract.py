@@ -67,7 +67,7 @@ def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> Surfac
 
 def _text(found: Extraction, path: Path) -> str:
     from cranktopo.pipeline.extract import LEAST_MEMBER_CELLS
-    from cranktopo.report.release_text import undercut_text
+    from cranktopo.report.tables.undercuts import undercut_text
 
     surface, gates = found.surface, found.gates
     cells = found.minimum_member_mm / found.cell_mm

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING
 
 import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS
 from cranktopo.cli.parameters import Choice, Number
-from cranktopo.cli.verbosity import say, verbosity_options
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.evaluate.safety_field import FatigueField
-    from cranktopo.evaluate.targets import Target
     from cranktopo.loads.histories import HistoryKind
+    from cranktopo.pipeline.fatigue import FatigueAssessment, FatigueMethod
 
 
 @click.command()
@@ -51,8 +49,8 @@ if TYPE_CHECKING:
 @verbosity_options
 def command(
     targets: tuple[str, ...],
-    method: str,
-    loads: str,
+    method: FatigueMethod,
+    loads: HistoryKind,
     baseline: str | None,
     fillet_fraction: float | None,
     out: Path | None,
@@ -65,108 +63,34 @@ def command(
 
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
-    from cranktopo.evaluate.safety_field import check_inputs
     from cranktopo.evaluate.stress_model import RULE_FRACTION
-    from cranktopo.evaluate.targets import resolve_targets
-    from cranktopo.loads.histories import HistoryKind
+    from cranktopo.pipeline.fatigue import assess_fatigue
 
     names = targets or (baseline or DEFAULT_DESIGN,)
     if baseline is not None and baseline not in names:
         names = (baseline, *names)
-    if out is not None and method == "m53":
-        raise CranktopoError(
-            "--out: method 'm53' gives two numbers per throw and no field.",
-            hint="Leave --out, or take lsa or fkm.",
-            code=ExitCode.USAGE,
-        )
-    if out is not None:
-        from cranktopo.store import check_folder
-
-        check_folder(out)
-    kind: HistoryKind = next(name for name in get_args(HistoryKind) if name == loads)
-    resolved = resolve_targets(names, fillets=True)
-    for target in resolved:
-        check_inputs(target, method, kind)
     index = None if baseline is None else names.index(baseline)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
-    if method == "m53":
-        _rule(resolved, kind, fraction, index, as_json)
+    found = assess_fatigue(names, method, loads, index, fraction, out, info)
+    click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
+
+
+def _text(found: FatigueAssessment) -> str:
+    from cranktopo.report.tables import fatigue_tables as tables
+    from cranktopo.report.tables.result_table import terminal
+
+    baseline = found.baseline
+    if found.fields:
+        parts = [terminal(tables.field_table(found.fields, baseline))]
     else:
-        _field(resolved, method, kind, fraction, index, as_json, out)
-
-
-def _rule(
-    targets: list[Target], kind: HistoryKind, fraction: float, baseline: int | None, as_json: bool
-) -> None:
-    from cranktopo.evaluate.rule_check import check_rule
-    from cranktopo.report import fatigue_tables as report
-    from cranktopo.report.tables import terminal
-
-    checks = [check_rule(target, kind, fraction, say) for target in targets]
-    if as_json:
-        click.echo(json.dumps(report.checks_json(checks, kind, baseline), indent=2))
-        return
-    click.echo(terminal(report.rule_table(checks, baseline)))
-    click.echo("\n" + terminal(report.factor_table(checks)))
-    for check in checks:
-        if check.outside:
-            click.echo(f"{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}.")
-    _verdicts(report.verdicts(checks, baseline) if baseline is not None else [])
-
-
-def _field(
-    targets: list[Target],
-    method: str,
-    kind: HistoryKind,
-    fraction: float,
-    baseline: int | None,
-    as_json: bool,
-    out: Path | None,
-) -> None:
-    from cranktopo.evaluate.safety_field import FieldMethod, assess
-    from cranktopo.report import fatigue_tables as report
-    from cranktopo.report.tables import terminal
-    from cranktopo.store import write_json
-
-    chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
-    fields = []
-    for target in targets:
-        field = assess(target, chosen, kind, fraction, say)
-        fields.append(field)
-        _warn(field)
-        if out is not None:
-            _write(out, field)
-    result = report.fields_json(fields, kind, baseline)
-    if out is not None:
-        write_json(out / "fatigue.json", result)
-    if as_json:
-        click.echo(json.dumps(result, indent=2))
-        return
-    click.echo(terminal(report.field_table(fields, baseline)))
-    _verdicts(report.verdicts(fields, baseline) if baseline is not None else [])
-
-
-def _verdicts(lines: list[str]) -> None:
-    if lines:
-        click.echo("\n" + "\n".join(lines))
-
-
-def _warn(field: FatigueField) -> None:
-    quality = field.model.quality
-    if not quality.within_rule:
-        say(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
-    if field.elsewhere.safety < field.critical.safety:
-        say(
-            f"note: {field.model.name}: {field.elsewhere.safety:.3f} off the fillets at "
-            f"{field.elsewhere.place}; sharp edges there make it depend on the mesh."
+        outside = "".join(
+            f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."
+            for check in found.checks
+            if check.outside
         )
-
-
-def _write(out: Path, field: FatigueField) -> None:
-    from cranktopo.report.fatigue_files import save_fatigue_picture, write_fatigue_vtu
-
-    out.mkdir(parents=True, exist_ok=True)
-    for suffix, write in ((".vtu", write_fatigue_vtu), (".png", save_fatigue_picture)):
-        path = out / f"fatigue-{field.method}-{field.model.name}{suffix}"
-        write(path, field)
-        say(str(path))
+        parts = [
+            terminal(tables.rule_table(found.checks, baseline)),
+            terminal(tables.factor_table(found.checks)) + outside,
+        ]
+    verdicts = [] if baseline is None else tables.verdicts(found.results, baseline)
+    return "\n\n".join([*parts, *(["\n".join(verdicts)] if verdicts else [])])

@@ -45,7 +45,7 @@ def command(
     if as_json:
         click.echo(json.dumps(results[0] | ({"sweep": results} if len(results) > 1 else {}), indent=2))
         return
-    from cranktopo.report.loads_text import loads_text, sweep_text
+    from cranktopo.report.tables.loads_text import loads_text, sweep_text
 
     click.echo(loads_text(results[0]) if len(results) == 1 else sweep_text(results))
 
@@ -104,7 +104,7 @@ def _write_csv(scenes: list[Scene], path: Path) -> None:
 
 def _plot(scene: Scene, path: Path) -> None:
     from cranktopo.loads import analyse
-    from cranktopo.report.loads_plot import plot_loads
+    from cranktopo.report.figures.loads_plot import plot_loads
 
     analysis = analyse(scene)
     plot_loads(analysis, f"{scene.name}, {analysis.engine.speed_rpm:g} rpm", path)

@@ -13,15 +13,12 @@ import click
 from cranktopo.cli.completion import designs, runs
 from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
 from cranktopo.cli.parameters import Choice, Number
-from cranktopo.cli.verbosity import NORMAL, QUIET, detail, level, say, verbosity_options
+from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
     from cranktopo.optimise.loop import DensityProblem
     from cranktopo.optimise.state import State
-    from cranktopo.scene import Scene
-
-_SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 
 
 @click.command("optimise")
@@ -75,95 +72,35 @@ def command(
         raise click.UsageError(
             "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
         )
-    from cranktopo.pipeline import optimise as pipeline
+    from cranktopo.pipeline.optimise import optimise_design, resume_optimisation
+    from cranktopo.report.tables.run_text import run_summary
 
-    if resume:
-        run, prepared = pipeline.reopen(resume, max_iterations, say)
-    else:
-        from cranktopo.scene.loading import design_text, load_scene
-
-        name = design or DEFAULT_DESIGN
-        scene, text = load_scene(name), design_text(name)
-        scene = scene.with_optimise(
-            volume_fraction=volume_fraction,
-            resolution_mm=resolution_mm,
-            process=process,
-            max_iterations=max_iterations,
-        )
-        if accuracy or budget:
-            scene = _with_cells(scene, accuracy, budget)
-        run, prepared = pipeline.start(scene, text, ["cranktopo", *sys.argv[1:]], out, say)
     with _Bar() as bar:
-        metrics = pipeline.optimise(run, prepared, bool(resume), bar, began)
-    click.echo(json.dumps(metrics) if as_json else summary(metrics, run.path))
-    return _exit_code(metrics)
+        if resume:
+            run = resume_optimisation(resume, max_iterations, info, bar, began)
+        else:
+            from cranktopo.pipeline.optimise import with_cells_for
+            from cranktopo.scene.loading import design_text, load_scene
+
+            name = design or DEFAULT_DESIGN
+            scene = load_scene(name).with_optimise(
+                volume_fraction=volume_fraction,
+                resolution_mm=resolution_mm,
+                process=process,
+                max_iterations=max_iterations,
+            )
+            if accuracy or budget:
+                scene = with_cells_for(scene, accuracy, budget, info)
+            command_line = ["cranktopo", *sys.argv[1:]]
+            run = optimise_design(scene, out, design_text(name), command_line, info, bar, began)
+    click.echo(json.dumps(run.metrics) if as_json else run_summary(run.metrics, run.folder))
+    return _exit_code(run.metrics)
 
 
 def _exit_code(metrics: dict[str, Any]) -> ExitCode:
     if metrics["status"] != "converged":
         return ExitCode.NOT_CONVERGED
     return ExitCode.CRITERION_NOT_MET if "refusal" in metrics["surface"] else ExitCode.DONE
-
-
-def summary(metrics: dict[str, Any], folder: Path) -> str:
-    """What a user wants to know of a finished run, as lines of text.
-
-    Args:
-        metrics: content of metrics.json.
-        folder: run directory.
-    """
-    original = metrics["original_web"]
-    lines = [
-        f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
-        "",
-        f"{'':24}{'optimised':>14}{'original web':>14}{'estimate':>12}{'gain per kg':>14}",
-    ]
-    for name, case in metrics["load_cases"].items():
-        key = next((k for k in case if k.startswith("stiffness_")), None)
-        if key is None:  # a body force has no stiffness
-            continue
-        unit, scale = ("kN m/rad", 1e-3) if key.endswith("rad") else ("kN/mm", 1e-3)
-        gain = original["gain_of_stiffness_per_mass_percent"][name]
-        values = f"{case[key] * scale:14.1f}{original['load_cases'][name][key] * scale:14.1f}"
-        estimate = f"+-{case['error_estimate_percent']:.2g} %" if "error_estimate_percent" in case else ""
-        lines.append(f"{name + ', ' + unit:24}{values}{estimate:>12}{gain:+12.1f} %")
-    for part in ("throw", "web"):
-        masses = f"{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
-        lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
-    seconds = metrics["seconds"]
-    lines += [
-        "",
-        f"{seconds['total']:.1f} s in all (compiling {seconds['compile']:.1f} s, "
-        f"{seconds['per_iteration_median']:.2f} s per iteration{_report_time(seconds)}), "
-        f"{metrics['peak_memory_MiB']:.0f} MiB",
-        f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
-        *_surface_warning(metrics["surface"]),
-        *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
-    ]
-    return "\n".join(lines)
-
-
-def _report_time(seconds: dict[str, float]) -> str:
-    return f", report {seconds['report']:.1f} s" if "report" in seconds else ""
-
-
-def _surface_warning(surface: dict[str, Any]) -> list[str]:
-    if "refusal" in surface:
-        return [f"no STL: {surface['refusal']}"]
-    from cranktopo.report.release_text import obstacles
-
-    return obstacles(surface["cavities"], surface.get("undercuts"))
-
-
-def _with_cells(scene: Scene, accuracy: float | None, budget_s: float | None) -> Scene:
-    """The scene with the cell size that an accuracy or a time asks for, said on stderr."""
-    from cranktopo.accuracy.cell_choice import choose_cells
-    from cranktopo.accuracy.level import OPTIMISER
-    from cranktopo.accuracy.stored_studies import load_study
-
-    choice = choose_cells(scene, accuracy, budget_s, load_study(scene.name, OPTIMISER))
-    say(str(choice))
-    return scene.with_optimise(resolution_mm=choice.cell_mm)
 
 
 class _Bar:

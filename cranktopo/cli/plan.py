@@ -22,7 +22,7 @@ def command(design: str, as_json: bool) -> None:
     Example: cranktopo plan opposed-piston
     """
     from cranktopo.effects import plan
-    from cranktopo.report.plan_text import plan_text
+    from cranktopo.report.tables.plan_text import plan_text
     from cranktopo.scene import load_scene
 
     scene = load_scene(design)

@@ -10,7 +10,7 @@ import click
 
 from cranktopo.cli.completion import runs
 from cranktopo.cli.options import rule_options
-from cranktopo.cli.verbosity import say, verbosity_options
+from cranktopo.cli.verbosity import info, verbosity_options
 
 
 @click.command()
@@ -36,7 +36,7 @@ def command(
     """
     from cranktopo.pipeline.remodel import remodel
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-    from cranktopo.report.remodel_text import remodel_text
+    from cranktopo.report.tables.remodel_text import remodel_text
 
-    data = remodel(run, out, ManufacturingLimits(**rules), not no_judge, say)
+    data = remodel(run, out, ManufacturingLimits(**rules), not no_judge, info)
     click.echo(json.dumps(data) if as_json else remodel_text(data))

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cranktopo.cli.completion import runs
-from cranktopo.cli.verbosity import say, verbosity_options
+from cranktopo.cli.verbosity import info, verbosity_options
 
 
 @click.command(name="report")
@@ -20,7 +20,7 @@ from cranktopo.cli.verbosity import say, verbosity_options
 @click.option(
     "--stress",
     is_flag=True,
-    help="Solve the surface for its load cases with the judge and show the stresses.",
+    help="Solve the surface for its load cases on body-fitted elements and show the stresses.",
 )
 @click.option("--markdown", "as_markdown", is_flag=True, help="Markdown with PNGs beside it.")
 @verbosity_options
@@ -33,7 +33,8 @@ def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None
 
     Example: cranktopo report runs/20250101-120000_mikron-iiic_0123abcd --stress
     """
-    from cranktopo.report.writing import check_report_path, write_run_report
+    from cranktopo.pipeline.run_record import report_run
+    from cranktopo.report.pages.writing import check_report_path
     from cranktopo.store import open_run
 
     if as_markdown and out is not None and out.suffix.lower() != ".md":
@@ -42,4 +43,4 @@ def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None
         check_report_path(out)
     store = open_run(run)
     target = out or (store.path / "report.md" if as_markdown else None)
-    click.echo(write_run_report(store, target, solve=say if stress else None))
+    click.echo(report_run(store, target, info if stress else None))

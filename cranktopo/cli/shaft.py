@@ -10,7 +10,7 @@ import click
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN
 from cranktopo.cli.parameters import Choice
-from cranktopo.cli.verbosity import say, verbosity_options
+from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.evaluate.shaft import ShaftEvaluation
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:
     """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies.
 
-    The error estimate comes from a second, coarser mesh; it is the judge's, and no error of the disk model.
+    The error estimate comes from a second, coarser mesh; it does not cover the disk model.
 
     Example: cranktopo shaft mikron-iiic --bearings free
     """
@@ -41,25 +41,24 @@ def command(design: str, bearings: str, element_size_mm: float | None, as_json: 
     from cranktopo.evaluate.targets import load_simulated
 
     scene = load_simulated(design)
-    say(f"{scene.name}: condensing one throw")
+    info(f"{scene.name}: condensing one throw")
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     shaft = evaluate_shaft(scene, support, element_size_mm)
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else _text(shaft))
 
 
 def _text(shaft: ShaftEvaluation) -> str:
-    from cranktopo.report.tables import ResultTable, terminal
+    from cranktopo.report.tables.result_table import ResultTable, terminal
 
     throws = terminal(
         ResultTable(
-            columns=("throw", "angle_deg", "torsion_kNm_per_rad"),
-            rows=tuple(
-                (str(i + 1), angle, k / 1000)
-                for i, (angle, k) in enumerate(
-                    zip(shaft.angles_deg, shaft.stiffness.throws_Nm_per_rad, strict=True)
+            {"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2},
+            tuple(
+                {"throw": str(number), "angle_deg": angle, "torsion_kNm_per_rad": stiffness / 1000}
+                for number, (angle, stiffness) in enumerate(
+                    zip(shaft.angles_deg, shaft.stiffness.throws_Nm_per_rad, strict=True), start=1
                 )
             ),
-            digits=(0, 0, 2),
         )
     )
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.disks.natural_frequencies_Hz())

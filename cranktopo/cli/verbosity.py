@@ -8,14 +8,14 @@ from typing import Any
 
 import click
 
-_LEVEL = "cranktopo.talk"
+_LEVEL = "cranktopo.verbosity"
 QUIET, NORMAL, VERBOSE = -1, 0, 1
 
 
 def verbosity_options(function: Any) -> Any:
-    """Add --quiet and --verbose to a long command; `say` and `detail` obey them."""
+    """Add --quiet and --verbose to a long command; `info` and `detail` obey them."""
     options = (
-        ("-v", "--verbose", VERBOSE, "Say more on stderr."),
+        ("-v", "--verbose", VERBOSE, "More detail on stderr."),
         ("-q", "--quiet", QUIET, "No progress or notes on stderr; results and errors only."),
     )
     for short, long, level, text in options:
@@ -31,7 +31,7 @@ def level() -> int:
     return NORMAL if context is None else int(context.meta.get(_LEVEL, NORMAL))
 
 
-def say(line: str) -> None:
+def info(line: str) -> None:
     """One line on stderr, unless the command is quiet."""
     if level() > QUIET:
         click.echo(line, err=True)

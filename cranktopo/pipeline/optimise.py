@@ -4,131 +4,146 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
-from importlib import import_module
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cranktopo.accuracy.cell_choice import choose_cells
+from cranktopo.accuracy.level import OPTIMISER
+from cranktopo.accuracy.stored_studies import load_study
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
+from cranktopo.pipeline.metrics import Timing, optimise_metrics
+from cranktopo.pipeline.run_files import history_rows, write_run_files
+from cranktopo.pipeline.run_record import record_of
+from cranktopo.pipeline.run_status import working_in
+from cranktopo.pipeline.run_stress import read_run_stress
+from cranktopo.pipeline.snapshots import snapshots
+from cranktopo.report.pages.run_page import run_page
+from cranktopo.report.pages.writing import REPORT, write_report
 from cranktopo.scene import Scene
 from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
+from cranktopo.scene.writing import toml_text
 from cranktopo.store import (
     RunStore,
     check_destination,
     create_run,
     load_checkpoint,
-    locked,
     open_run,
     require_kind,
     save_checkpoint,
     save_iteration,
 )
+from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 
-Notice = Callable[[str], None]
+Info = Callable[[str], None]
 
 
-def start(
-    scene: Scene, design_toml: str, command: Sequence[str], out: Path | None, notice: Notice
-) -> tuple[RunStore, Prepared]:
-    """Validate everything, then make the run directory.
+@dataclass(frozen=True)
+class OptimisedRun:
+    """A finished optimise run.
+
+    Attributes:
+        folder: the run directory.
+        metrics: content of metrics.json.
+    """
+
+    folder: Path
+    metrics: dict[str, Any]
+
+
+def optimise_design(
+    scene: Scene,
+    out: Path | None = None,
+    design_toml: str | None = None,
+    command: Sequence[str] = (),
+    info: Info = lambda _: None,
+    progress: Progress = lambda *_: None,
+    began: float | None = None,
+) -> OptimisedRun:
+    """Optimise the web of a scene in a new run directory; nothing is written before all is validated.
 
     Args:
-        scene: the scene with the command line's options in it.
-        design_toml: text of the design as the user wrote it.
+        scene: the design with all options in it.
+        out: run directory; by default a new one under runs/.
+        design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
-        out: run directory, or None for a new one under runs/.
-        notice: called with one line about the model.
+        info: called with one line about the model.
+        progress: called after every iteration.
+        began: reading of `time.perf_counter` from which the total time counts; now by default.
 
     Raises:
-        CranktopoError: nothing has been written.
+        CranktopoError: bad input, solver failure, or interruption (exit code 130, checkpoint saved).
     """
+    began = time.perf_counter() if began is None else began
     check_destination(out)
     prepared = prepare(scene)
-    notice(describe(prepared))
+    info(describe(prepared))
     run = create_run(
         design=scene.name,
-        design_toml=design_toml,
+        design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
         scene=scene.model_dump(mode="json"),
         options={},
         command=command,
         inputs=input_files(scene),
         out=out,
     )
-    return run, prepared
+    return _optimise(run, prepared, progress, began)
 
 
-def reopen(reference: str, max_iterations: int | None, notice: Notice) -> tuple[RunStore, Prepared]:
-    """An interrupted, stopped or killed run, ready to continue.
+def with_cells_for(
+    scene: Scene, accuracy_percent: float | None, budget_s: float | None, info: Info = lambda _: None
+) -> Scene:
+    """The scene with the cell size that an accuracy or a time asks for; `info` is called with the choice."""
+    choice = choose_cells(scene, accuracy_percent, budget_s, load_study(scene.name, OPTIMISER))
+    info(str(choice))
+    return scene.with_optimise(resolution_mm=choice.cell_mm)
+
+
+def resume_optimisation(
+    reference: str,
+    max_iterations: int | None = None,
+    info: Info = lambda _: None,
+    progress: Progress = lambda *_: None,
+    began: float | None = None,
+) -> OptimisedRun:
+    """Continue an interrupted, stopped or killed run.
 
     Args:
         reference: path or name of the run.
-        max_iterations: a new iteration limit, or None to keep the run's.
-        notice: called with one line about the model.
+        max_iterations: a new iteration limit; None keeps the run's.
+        info, progress, began: as in `optimise_design`.
 
     Raises:
-        CranktopoError: not a run of `optimise`, or what is missing in it.
+        CranktopoError: not a run of `optimise`, a changed input, or as `optimise_design`.
     """
+    began = time.perf_counter() if began is None else began
     run = open_run(reference)
     require_kind(run, "optimise")
     run.require_same_inputs()
     prepared = prepare(scene_of_run(run).with_optimise(max_iterations=max_iterations))
-    notice(describe(prepared))
-    return run, prepared
+    info(describe(prepared))
+    return _optimise(run, prepared, progress, began, resume=True)
 
 
-def optimise(
-    run: RunStore, prepared: Prepared, resume: bool, progress: Progress, began: float | None = None
-) -> dict[str, Any]:
-    """Optimise the web of a prepared scene and write the run's files.
-
-    Args:
-        run: where to write.
-        prepared: from `start` or `reopen`.
-        resume: continue from the run's checkpoint, if it has one.
-        progress: called after every iteration.
-        began: reading of `time.perf_counter` from which the total time counts; now by default.
-
-    Returns:
-        The metrics, as written to metrics.json.
-
-    Raises:
-        CranktopoError: solver failure, surface that fails its gates, interruption (exit code 130, the
-            checkpoint is saved).
-    """
-    began = time.perf_counter() if began is None else began
-    with locked(run.path), double_precision():
+def _optimise(
+    run: RunStore, prepared: Prepared, progress: Progress, began: float, resume: bool = False
+) -> OptimisedRun:
+    with working_in(run, "what is done is saved") as check, double_precision():
         clock = CompileClock()
         if resume:
             run.resume()
         problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
         state = _first_state(run, problem, resume)
-        try:
-            with ThreadPoolExecutor(1) as aside:
-                # What `_finish` imports takes a second, and while programs compile the interpreter is free.
-                aside.submit(import_module, "cranktopo.report.writing")
-                state = iterate(problem, state, _kept(run, progress))
-                metrics = _finish(run, prepared, problem, state, clock, began, aside)
-        except KeyboardInterrupt:
-            run.set_status("interrupted")
-            run.log("interrupted")
-            raise CranktopoError(
-                f"interrupted; checkpoint saved in {run.path}.",
-                hint=f"Continue with: cranktopo optimise --resume {run.path}",
-                code=ExitCode.INTERRUPTED,
-            ) from None
-        except Exception as error:
-            run.set_status("failed")
-            run.log(f"failed: {error}")
-            raise
-        run.set_status("done")
-        run.log(f"{metrics['status']}: {metrics['stop_reason']}")
-        return metrics
+        state = iterate(problem, state, _kept(run, progress, check))
+        metrics = _finish(run, prepared, problem, state, clock, began)
+    run.log(f"{metrics['status']}: {metrics['stop_reason']}")
+    return OptimisedRun(run.path, metrics)
 
 
 def _first_state(run: RunStore, problem: loop.DensityProblem, resume: bool) -> State:
@@ -138,7 +153,7 @@ def _first_state(run: RunStore, problem: loop.DensityProblem, resume: bool) -> S
     return loop.with_limit(problem, from_checkpoint(saved.arrays, saved.state))
 
 
-def _kept(run: RunStore, progress: Progress) -> Progress:
+def _kept(run: RunStore, progress: Progress, check: Callable[[], None]) -> Progress:
     """Progress that first keeps every iteration in the run, so that it can be resumed."""
 
     def keep(problem: loop.DensityProblem, state: State) -> None:
@@ -147,6 +162,7 @@ def _kept(run: RunStore, progress: Progress) -> Progress:
         if state.last.notice:
             run.log(f"iteration {state.last.iteration}: {state.last.notice}")
         progress(problem, state)
+        check()
 
     return keep
 
@@ -158,40 +174,39 @@ def _finish(
     state: State,
     clock: CompileClock,
     began: float,
-    aside: Executor,
 ) -> dict[str, Any]:
-    """Judge the final design in the optimiser's model at a tight tolerance and write every file."""
-    from cranktopo.report.metrics import Timing, optimise_metrics
-    from cranktopo.report.outputs import history_rows, write_outputs
-    from cranktopo.report.writing import REPORT, write_run_report
-
+    """Assess the final design in the optimiser's model at a tight tolerance and write every file."""
     optimised = time.perf_counter()
     scene, domain = prepared.scene, prepared.domain
     design = loop.final_design(problem, state)
     rows = history_rows(state.history, problem.model.case_names)
-    writing = aside.submit(write_outputs, run, scene, domain, design, rows)
+    surface, refusal = _surface(prepared, design)
+    mesh = None if surface is None else surface.surface.half_throw
+    files = write_run_files(run, scene, domain, design, rows, mesh)
     result = assess(problem, scene, domain, design.physical)
     original = assess_original(problem, scene, domain)
-    outputs = writing.result()
     now = time.perf_counter()
     timing = Timing(now - began, now - optimised, clock.compile_s)
     metrics = optimise_metrics(
-        run.name,
-        scene,
-        prepared.plan,
-        domain,
-        problem,
-        state,
-        design.physical,
-        result,
-        original,
-        outputs,
-        timing,
+        run.name, prepared, problem, state, design.physical, result, original, surface or refusal, timing
     )
-    metrics["files"]["report"] = REPORT
+    metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)
-    write_run_report(run, domain=domain)
+    designs = snapshots(run, domain, problem.chain)
+    stress = read_run_stress(run, files["stl"]) if "stl" in files else None
+    record = record_of(run, metrics, rows, scene, mesh, designs, stress)
+    write_report(run_page(record), run.path / REPORT)
     end = time.perf_counter()
     metrics["seconds"] |= {"total": end - began, "report": end - now}
     run.write_metrics(metrics)
     return metrics
+
+
+def _surface(prepared: Prepared, design: loop.Design) -> tuple[CheckedSurface | None, str]:
+    """The surface, or why there is none, as of the first designs, which are grey."""
+    try:
+        return checked_surface(prepared.scene, prepared.domain, design), ""
+    except CranktopoError as error:
+        if error.code != ExitCode.CRITERION_NOT_MET:
+            raise
+        return None, str(error)

@@ -12,12 +12,11 @@ import trimesh
 from cranktopo.cli.main import main
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.loads import LoadCase
-from cranktopo.report.html import html
-from cranktopo.report.page import Page
-from cranktopo.report.sections import picture
-from cranktopo.report.steps import DesignSnapshot
-from cranktopo.report.stress_scale import stress_scales
-from cranktopo.report.viewer import Body, Scene3D
+from cranktopo.report.figures.plot import picture
+from cranktopo.report.pages.html import html
+from cranktopo.report.pages.page import Page
+from cranktopo.report.viewer.scene3d import Body, DesignSnapshot, Scene3D
+from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
@@ -33,10 +32,10 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     stress = CaseStress(cases, points, np.stack([rising, 100 - rising]), False, 1.0)
     grid = DensityGrid(np.array([-10.0, -15.0, 10.0]), np.array([10.0, 15.0, 10.0]), np.ones((2, 2, 1)))
     body = Body("box", mesh, (10.0, 20.0), 30.0, stress)
-    scenery = Scene3D((body,), (DesignSnapshot(7, grid),), ("by hand",), stress_scales([(mesh, stress)]))
+    scene3d = Scene3D((body,), (DesignSnapshot(7, grid),), ("by hand",), stress_scales([(mesh, stress)]))
     still = picture("still", "a box without any meaning", lambda axes: axes.plot([0, 1]))
     path = tmp_path_factory.mktemp("page") / "stress.html"
-    path.write_text(html(Page("Stress", "by hand", "None.", (), (), scenery, still)), encoding="utf-8")
+    path.write_text(html(Page("Stress", "by hand", "None.", (), (), scene3d, still)), encoding="utf-8")
     return path
 
 

@@ -53,7 +53,7 @@ def test_wheel_holds_code_designs_and_data(wheel: Path) -> None:
     }
     assert packed == wanted
     assert {"cranktopo/designs/mikron-iiic.toml", "cranktopo/scene/materials.toml"} <= packed
-    assert "cranktopo/report/template/viewer.js" in packed
+    assert "cranktopo/report/viewer/viewer.js" in packed
 
 
 @pytest.mark.slow

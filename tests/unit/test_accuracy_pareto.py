@@ -30,14 +30,10 @@ from cranktopo.accuracy.study import Study, run_studies
 from cranktopo.domain.resolution import estimated_cells
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.targets import Target
-from cranktopo.report.accuracy import (
-    accuracy_section,
-    error_picture,
-    limit_lines,
-    recommendation_table,
-    rung_tables,
-)
-from cranktopo.report.accuracy_page import accuracy_page
+from cranktopo.report.figures.accuracy_plot import error_picture
+from cranktopo.report.pages.accuracy_page import accuracy_page
+from cranktopo.report.pages.accuracy_section import accuracy_section
+from cranktopo.report.tables.accuracy_tables import level_tables, limit_lines, recommendation_table
 from cranktopo.scene import Scene
 
 MACHINE = Machine("a processor", 2, 0.1)
@@ -127,17 +123,17 @@ def test_json_and_pages(front: ParetoFront) -> None:
     result = front.as_json()
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     assert {r["ladder"] for r in result["recommendations"]} == {"judge", "optimiser"}
-    tables = dict(rung_tables(result))
-    assert list(tables) == ["Judge", "Optimiser"]
-    assert tables["Judge"].cell(0, 0) == "uniform 9*"
-    assert tables["Judge"].cell(4, 0) == "uniform 6"
-    assert recommendation_table(result).cell(3, 2) == "none within this budget"
-    assert limit_lines(result)[0].startswith("judge, extrapolated: torsion 0.1 kN m/rad +-")
+    tables = dict(level_tables(result))
+    assert list(tables) == ["Body-fitted evaluation", "Optimiser"]
+    assert tables["Body-fitted evaluation"].cell(0, "level") == "uniform 9*"
+    assert tables["Body-fitted evaluation"].cell(4, "level") == "uniform 6"
+    assert recommendation_table(result).cell(3, "cheapest_level") == "none within this budget"
+    assert limit_lines(result)[0].startswith("body-fitted evaluation, extrapolated: torsion 0.1 kN m/rad +-")
     page = accuracy_page(result, "today")
-    assert "8 rungs in 20 of 30 s" in page.headline
+    assert "8 levels in 20 of 30 s" in page.headline
     axes = error_picture(result["rungs"]).figure.axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    joined = next(line for line in axes.lines if line.get_label() == "judge, efficient frontier")
+    joined = next(line for line in axes.lines if line.get_label() == "body-fitted evaluation, Pareto front")
     assert list(joined.get_xdata()) == [3.0, 4.0, 8.0, 16.0]
 
 
@@ -150,8 +146,13 @@ def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
         "seconds": {"total": 12.0},
     }
     plain, full = (accuracy_section(metrics, ladder, "one") for ladder in (None, front.as_json()))
-    assert ("error estimate, torsion", "1.3 %") in plain.tables[0][1].rows
-    assert [title for title, _ in full.tables] == ["This run", "Judge", "Optimiser", "Cheapest rung"]
+    assert {"what": "error estimate, torsion", "value": "1.3 %"} in plain.tables[0][1].rows
+    assert [title for title, _ in full.tables] == [
+        "This run",
+        "Body-fitted evaluation",
+        "Optimiser",
+        "Cheapest level",
+    ]
     assert [p.alt for p in plain.pictures] == ["Error against seconds. torsion: 1.3 % in 12 s"]
     assert "'cranktopo accuracy one'" in plain.text
     assert len(full.pictures) == 1
@@ -163,7 +164,7 @@ def test_one_level_has_no_error_and_no_plot() -> None:
     page = accuracy_page(result, "today")
     assert page.sections[0].pictures == ()
     assert page.facts[0].value == "no accuracy reached"
-    assert limit_lines(result) == ["judge, extrapolated: nothing, fewer than two rungs"]
+    assert limit_lines(result) == ["body-fitted evaluation, extrapolated: nothing, fewer than two levels"]
     assert result["rungs"][0]["error_percent"] is None
 
 

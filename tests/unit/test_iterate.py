@@ -28,7 +28,7 @@ from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_so
 from cranktopo.pipeline.iterate.step import LoopStep, best_step, verdict
 from cranktopo.pipeline.iterate.transition import transition_mm
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.report.iterate_report import best_line
+from cranktopo.report.tables.steps_table import best_line
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
 from cranktopo.scene.writing import toml_text
@@ -137,7 +137,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The loop's own course with stand-ins for its long stages; the list records what was called."""
     calls: list[str] = []
 
-    def optimised(folder: Path, scene: Scene, say: Callable[[str], None]) -> SurfaceMesh:
+    def optimised(folder: Path, scene: Scene, info: Callable[[str], None]) -> SurfaceMesh:
         calls.append(f"optimise {scene.optimise.volume_fraction:.4f} {scene.optimise.process}")
         kind = "" if scene.envelope is None else scene.envelope.shape
         calls.append(f"inside {kind}")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.report.release_section import Release, release_fact, release_of, release_table
+from cranktopo.pipeline.compare import die_release
+from cranktopo.report.pages.comparison_page import undercut_fact
+from cranktopo.report.tables.undercuts import DieRelease, undercut_table
 from cranktopo.triangles.surface_mesh import mesh_of
 from tests.unit.surface_cases import scene_with
 
@@ -17,41 +19,41 @@ HOLLOW = Manifold.sphere(4.0, 64).translate((20, 30, 30))
 COLLAR_SLOT = Manifold.cube((4, 100, 4)).translate((10, -50, 5))
 
 
-def release(name: str, *voids: Manifold) -> Release:
+def release(name: str, *voids: Manifold) -> DieRelease:
     body = WEB + JOURNALS
     for void in voids:
         body -= void
-    return release_of(name, mesh_of(body), scene_with())
+    return die_release(name, mesh_of(body), scene_with())
 
 
 def test_open_web_is_released() -> None:
     found = release("plain", COLLAR_SLOT)
-    assert (found.hollows, found.undercuts.caught, found.released) == (0, 0, True)
+    assert (found.hollows, found.undercuts.caught, found.free) == (0, 0, True)
 
 
 def test_slot_holds_the_die() -> None:
     found = release("slotted", SLOT)
-    assert not found.released
+    assert not found.free
     assert found.undercuts.volume_mm3 == pytest.approx(6 * 20 * 14, rel=0.02)
 
 
 def test_hollow_is_counted_once_and_reached_by_nothing() -> None:
     """Also as an undercut: 4/3 pi r^3 of it lies behind solid."""
     found = release("hollow", HOLLOW)
-    assert (found.hollows, found.released) == (1, False)
+    assert (found.hollows, found.free) == (1, False)
     assert found.undercuts.volume_mm3 == pytest.approx(268.1, rel=0.03)
 
 
 def test_verdict_names_those_that_are_held() -> None:
     plain, slotted = release("plain"), release("slotted", SLOT)
-    fact = release_fact([plain, slotted], 3)
-    assert (fact.value, fact.mood) == ("1 of 3", "bad")
-    assert fact.note == "hollows or undercuts hold slotted; STEP not looked at"
-    assert release_fact([plain], 1).mood == "good"
-    assert release_fact([plain], 2).mood == "unknown"
+    fact = undercut_fact([plain, slotted], 3)
+    assert (fact.value, fact.status) == ("1 of 3", "bad")
+    assert fact.note == "hollows or undercuts in slotted; STEP files were not examined"
+    assert undercut_fact([plain], 1).status == "good"
+    assert undercut_fact([plain], 2).status == "unknown"
 
 
 def test_table_has_a_row_for_each() -> None:
-    table = release_table([release("plain"), release("slotted", SLOT)])
-    assert [row[:3] for row in table.rows] == [("plain", "yes", 0.0), ("slotted", "no", 0.0)]
-    assert table.cell(1, 4) == "6.0"
+    table = undercut_table([release("plain"), release("slotted", SLOT)])
+    assert [list(row.values())[:3] for row in table.rows] == [["plain", "yes", 0.0], ["slotted", "no", 0.0]]
+    assert table.cell(1, "deepest_undercut_mm") == "6.0"

@@ -1,4 +1,4 @@
-"""What a report says and packs: verdict, scenery, Markdown."""
+"""What a report says and packs: verdict, scene3d, Markdown."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.report.markdown_page import write_markdown
-from cranktopo.report.page import Fact, Page, Section
-from cranktopo.report.sections import picture
-from cranktopo.report.steps import MOST_CELLS, DesignSnapshot, _coarse, _spread
-from cranktopo.report.tables import ResultTable
-from cranktopo.report.verdict import fatigue_fact, headline, release_fact
-from cranktopo.report.viewer import MOST_FACES, Body, Scene3D, packed
+from cranktopo.pipeline.snapshots import MOST_CELLS, coarsened, evenly_spread
+from cranktopo.report.figures.plot import picture
+from cranktopo.report.pages.markdown_page import write_markdown
+from cranktopo.report.pages.page import Fact, Page, Section
+from cranktopo.report.pages.verdict import fatigue_fact, headline, release_fact
+from cranktopo.report.tables.result_table import ResultTable
+from cranktopo.report.viewer.scene3d import MOST_FACES, Body, DesignSnapshot, Scene3D, packed
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
@@ -44,7 +44,7 @@ def test_headline_says_which_way() -> None:
 
 
 @pytest.mark.parametrize(
-    ("surface", "value", "mood", "words"),
+    ("surface", "value", "status", "words"),
     [
         ({"refusal": "too grey"}, "no", "bad", "no surface"),
         ({"cavities": 2}, "no", "bad", "2 closed hollows"),
@@ -59,16 +59,16 @@ def test_headline_says_which_way() -> None:
         ),
     ],
 )
-def test_release(surface: dict[str, Any], value: str, mood: str, words: str) -> None:
+def test_release(surface: dict[str, Any], value: str, status: str, words: str) -> None:
     fact = release_fact({"surface": surface})
-    assert (fact.value, fact.mood) == (value, mood)
+    assert (fact.value, fact.status) == (value, status)
     assert words in fact.note
 
 
 def test_fatigue_of_the_design_beside_its_baseline() -> None:
     entries = [{"target": "old", "safety": 1.31}, {"target": "web", "safety": 0.97}]
     fact = fatigue_fact({"baseline": "old", "fatigue": entries}, "")
-    assert (fact.value, fact.mood, fact.note) == ("0.97", "bad", "least safety of web; old has 1.31")
+    assert (fact.value, fact.status, fact.note) == ("0.97", "bad", "least safety of web; old has 1.31")
     assert fatigue_fact({"baseline": None, "fatigue": entries}, "").value == "1.31"
     assert fatigue_fact(None, "why not").note == "why not"
 
@@ -82,7 +82,7 @@ def unpacked(text: str) -> tuple[dict[str, Any], list[np.ndarray]]:
     return header, arrays
 
 
-def test_packed_scenery_is_the_body_and_the_densities() -> None:
+def test_packed_scene_is_the_body_and_the_densities() -> None:
     cone = trimesh.creation.cone(radius=9.0, height=31.0, sections=40)
     density = np.random.default_rng(3).random((4, 3, 2))
     grid = DensityGrid(np.array([1.0, 2.0, 3.0]), np.array([0.5, 1.5, 2.5]), density)
@@ -128,22 +128,24 @@ def test_large_surfaces_are_simplified() -> None:
 
 
 def test_steps_are_few_and_coarse_enough_and_keep_the_mass() -> None:
-    assert _spread(range(1, 200), 60)[0] == 1
-    assert _spread(range(1, 200), 60)[-1] == 199
-    assert len(set(_spread(range(1, 200), 60))) == 60
-    assert _spread([3, 4], 60) == [3, 4]
+    assert evenly_spread(range(1, 200), 60)[0] == 1
+    assert evenly_spread(range(1, 200), 60)[-1] == 199
+    assert len(set(evenly_spread(range(1, 200), 60))) == 60
+    assert evenly_spread([3, 4], 60) == [3, 4]
     density = np.random.default_rng(1).random((51, 40, 27))
     grid = DensityGrid(np.zeros(3), np.array([1.0, 2.0, 0.5]), density)
-    coarse = _coarse(grid, 500)
+    coarse = coarsened(grid, 500)
     assert 500 * coarse.density.size < 1.3 * MOST_CELLS
     assert coarse.volume_mm3() == pytest.approx(grid.volume_mm3(), rel=1e-12)
-    assert _coarse(grid, 1) is grid
+    assert coarsened(grid, 1) is grid
 
 
 def test_markdown_has_the_same_content(tmp_path: Path) -> None:
-    table = ResultTable(
-        ("design", "mass_kg", "because"), (("a", 1.23456, "x | y"), ("b", None, "z")), (0, 3, 0)
+    rows = (
+        {"design": "a", "mass_kg": 1.23456, "because": "x | y"},
+        {"design": "b", "mass_kg": None, "because": "z"},
     )
+    table = ResultTable({"design": 0, "mass_kg": 3, "because": 0}, rows)
     plot = picture("curve", "a straight line", lambda axes: axes.plot([0, 1]))
     section = Section("one", "First part", "Words.", (("Values", table),), (plot,))
     facts = (Fact("Mass", "1.2 kg", "less", "good"),)

@@ -13,8 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.errors import CranktopoError
-from cranktopo.report.picture import run_figure, save_run_picture
-from cranktopo.report.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes
+from cranktopo.report.figures.picture import run_figure, save_run_picture
+from cranktopo.report.figures.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 WEB_Z = (10.0, 16.0)

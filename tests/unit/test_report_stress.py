@@ -13,11 +13,11 @@ from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import LoadCase
-from cranktopo.report.page import Section
-from cranktopo.report.stress_file import read_run_stress, solve_run_stress
-from cranktopo.report.stress_scale import quantiles_MPa, stress_scales
-from cranktopo.report.stress_section import stress_section
-from cranktopo.report.viewer import Body, Scene3D
+from cranktopo.pipeline.run_stress import read_run_stress, solve_run_stress
+from cranktopo.report.pages.page import Section
+from cranktopo.report.pages.stress_section import stress_section
+from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.stress_scale import quantiles_MPa, stress_scales
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
 from cranktopo.triangles.surface_mesh import SurfaceMesh
@@ -80,7 +80,7 @@ def test_run_keeps_stresses_of_its_surface_alone(
         asked.append((target.file, [case.kind for case in cases]))
         return along_x()
 
-    monkeypatch.setattr("cranktopo.report.stress_file.case_stress", solved)
+    monkeypatch.setattr("cranktopo.pipeline.run_stress.case_stress", solved)
     run = RunStore(tmp_path)
     (tmp_path / "web.stl").write_bytes(b"one surface")
     assert read_run_stress(run, "web.stl") is None

@@ -1,6 +1,22 @@
-"""The loop: remove a little, extract, re-model, judge; the re-modelled solid bounds the next step."""
+"""The loop: remove a little, extract, re-model, evaluate; the re-modelled solid bounds the next step."""
 
-from cranktopo.pipeline.iterate.loop import Outcome, Settings, continue_loop, start_loop
+from cranktopo.pipeline.iterate.loop import (
+    Outcome,
+    Settings,
+    continue_loop,
+    loop_scene,
+    loop_settings,
+    start_loop,
+)
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict
 
-__all__ = ["LoopStep", "Outcome", "Settings", "Verdict", "continue_loop", "start_loop"]
+__all__ = [
+    "LoopStep",
+    "Outcome",
+    "Settings",
+    "Verdict",
+    "continue_loop",
+    "loop_scene",
+    "loop_settings",
+    "start_loop",
+]

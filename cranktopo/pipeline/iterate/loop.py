@@ -15,15 +15,21 @@ from cranktopo.evaluate.evaluation import Evaluation, evaluate
 from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
-from cranktopo.pipeline import optimise as pipeline
 from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_solids
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.transition import transition_mm
+from cranktopo.pipeline.optimise import optimise_design, resume_optimisation
+from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.fit import fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import shape_error
-from cranktopo.report.iterate_page import iterate_page
-from cranktopo.report.writing import REPORT, write_report
+from cranktopo.report.figures.steps_plot import save_steps_plot
+from cranktopo.report.pages.iterate_page import iterate_page
+from cranktopo.report.pages.writing import REPORT, write_report
+from cranktopo.report.tables.result_table import comma_separated
+from cranktopo.report.tables.run_text import LOOP_FILES
+from cranktopo.report.tables.steps_table import steps_table
+from cranktopo.report.viewer.scene3d import Body
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.loading import input_files
@@ -35,20 +41,21 @@ from cranktopo.store import (
     RunStore,
     check_destination,
     create_run,
-    locked,
     open_run,
     read_json,
     require_kind,
-    resume_command,
     write_json,
     write_text,
 )
+from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 STEP_FILE = "step.json"
 MOST_KEPT = 0.98
 """Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
-Say = Callable[[str], None]
+THIN_SHARE = 0.4
+"""Least thickness beside a journal over that of the web, by default."""
+Info = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -58,7 +65,7 @@ class Settings:
     Attributes:
         steps: number of steps in which the volume falls to the design's volume fraction.
         least_transition_mm: thickness of the web around its journals below which the loop ends.
-        element_size_mm: of the judge's mesh; its default size by default.
+        element_size_mm: of the body-fitted mesh; None for its default.
         rules: bounds of the re-modelled webs.
     """
 
@@ -106,42 +113,61 @@ class Outcome:
         }
 
 
+def loop_settings(
+    scene: Scene,
+    steps: int = 6,
+    least_transition_mm: float | None = None,
+    element_size_mm: float | None = None,
+    rules: ManufacturingLimits | None = None,
+) -> Settings:
+    """Settings of a loop over a design; the least thickness is 40 % of the web's by default."""
+    least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
+    return Settings(steps, least_mm, element_size_mm, rules or ManufacturingLimits())
+
+
+def loop_scene(scene: Scene) -> Scene:
+    """The design as a loop takes it where no process is asked for: forged unless it names one itself."""
+    return scene.with_optimise(process="forged") if scene.optimise.process == "free" else scene
+
+
 def start_loop(
-    scene: Scene, design_toml: str, settings: Settings, command: Sequence[str], out: Path | None, say: Say
+    scene: Scene,
+    settings: Settings | None = None,
+    out: Path | None = None,
+    design_toml: str | None = None,
+    command: Sequence[str] = (),
+    info: Info = lambda _: None,
 ) -> Outcome:
     """Run the loop in a new directory.
 
     Args:
-        scene: the design with the command line's options in it.
-        design_toml: text of the design as the user wrote it.
-        settings: of the loop.
+        scene: the design with all options in it, from `loop_scene` unless its process is to stay free.
+        settings: of the loop; by default those of `loop_settings`.
+        out: directory; by default a new one under runs/.
+        design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
-        out: directory, or None for a new one under runs/.
-        say: called with one line per stage.
+        info: called with one line per stage.
 
     Raises:
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
     check_destination(out)
     stage.prepare(scene)
+    settings = settings or loop_settings(scene)
     run = create_run(
         design=scene.name,
-        design_toml=design_toml,
+        design_toml=design_toml or toml_text(scene, f"Design of this loop: {scene.name}"),
         scene=scene.model_dump(mode="json"),
         options={LOOP: asdict(settings)},
         command=command,
         inputs=input_files(scene),
         out=out,
     )
-    return _guarded(run, scene, settings, say)
+    return _worked(run, scene, settings, info)
 
 
-def continue_loop(reference: str, say: Say) -> Outcome:
+def continue_loop(reference: str, info: Info = lambda _: None) -> Outcome:
     """Continue an interrupted loop: finished steps are read, not repeated.
-
-    Args:
-        reference: path or name of the loop's directory.
-        say: called with one line per stage.
 
     Raises:
         CranktopoError: not a loop, or as `start_loop`.
@@ -150,33 +176,23 @@ def continue_loop(reference: str, say: Say) -> Outcome:
     require_kind(run, LOOP)
     run.require_same_inputs()
     run.resume()
-    return _guarded(run, scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP]), say)
+    return _worked(run, scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP]), info)
 
 
-def _guarded(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
-    with locked(run.path):
-        try:
-            outcome = _loop(run, scene, settings, say)
-        except (KeyboardInterrupt, CranktopoError) as error:
-            stopped = isinstance(error, KeyboardInterrupt) or error.code == ExitCode.INTERRUPTED
-            run.set_status("interrupted" if stopped else "failed")
-            if not stopped:
-                run.log(f"failed: {error}")
-                raise
-            raise CranktopoError(
-                f"interrupted; finished steps are kept in {run.path}.",
-                hint=f"Continue with: {resume_command(run)}",
-                code=ExitCode.INTERRUPTED,
-            ) from None
-        write_json(run.path / RESULT_FILES[LOOP], outcome.as_json())
-        run.set_status("done")
-        run.log(outcome.stop_reason)
-        return outcome
+def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info) -> Outcome:
+    with working_in(run, "finished steps are kept") as check:
+        outcome = _loop(run, scene, settings, info, check)
+        data = outcome.as_json()
+        write_json(run.path / RESULT_FILES[LOOP], data)
+        write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(data["steps"])) + "\n")
+        save_steps_plot(run.path / LOOP_FILES["plot"], data)
+    run.log(outcome.stop_reason)
+    return outcome
 
 
-def _loop(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
+def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Callable[[], None]) -> Outcome:
     scenes = [scene]
-    steps = [_original(run.path / "original", scene, settings, say)]
+    steps = [_original(run.path / "original", scene, settings, info)]
     reason = f"all {settings.steps} steps done"
     durations: list[float] = []
     for number in range(1, settings.steps + 1):
@@ -185,16 +201,17 @@ def _loop(run: RunStore, scene: Scene, settings: Settings, say: Say) -> Outcome:
         guess = f", about {sum(durations) / len(durations) * left:.0f} s left" if durations else ""
         began = time.monotonic()
         if not (folder / STEP_FILE).is_file():
-            say(f"step {number} of {settings.steps}{guess}")
-            _step(folder, number, scenes, settings, say)
+            info(f"step {number} of {settings.steps}{guess}")
+            _step(folder, number, scenes, settings, info)
             durations.append(time.monotonic() - began)
         steps.append(LoopStep(**read_json(folder / STEP_FILE)["step"]))
         scenes.append(scene_from_dict(read_json(folder / STEP_FILE)["scene"], str(folder)))
         found = verdict(steps, settings.least_transition_mm)
-        say(f"step {number}: {_line(steps)}: {found}")
+        info(f"step {number}: {_line(steps)}: {found}")
         if found != "better":
             reason = _reason(found, steps, settings)
             break
+        check()
         if left > 1:
             _write_page(run, _outcome(run, scene, steps, f"step {number} of {settings.steps} done", settings))
     outcome = _outcome(run, scene, steps, reason, settings)
@@ -211,12 +228,21 @@ def _outcome(
 
 def _write_page(run: RunStore, outcome: Outcome) -> None:
     """The report of what is done so far."""
-    write_report(iterate_page(outcome.as_json(), run.manifest(), run.path), run.path / REPORT)
+    bodies = tuple(_body(run.path, step.number) for step in outcome.steps)
+    write_report(iterate_page(outcome.as_json(), run.manifest(), bodies), run.path / REPORT)
 
 
-def _original(folder: Path, scene: Scene, settings: Settings, say: Say) -> LoopStep:
+def _body(folder: Path, number: int) -> Body:
+    name = "original web" if number == 0 else f"step {number}"
+    place = folder / ("original" if number == 0 else f"step-{number:02d}")
+    path = place / STEP_FILE
+    scene = scene_from_dict(read_json(path)["scene"], str(path))
+    return Body(name, read_stl(place / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
+
+
+def _original(folder: Path, scene: Scene, settings: Settings, info: Info) -> LoopStep:
     if not (folder / STEP_FILE).is_file():
-        say("judging the original web")
+        info("evaluating the original web")
         folder.mkdir(exist_ok=True)
         write_solids(scene, folder)
         step = step_of(0, _evaluated(scene, settings), transition_mm(read_web(folder), scene))
@@ -224,14 +250,14 @@ def _original(folder: Path, scene: Scene, settings: Settings, say: Say) -> LoopS
     return LoopStep(**read_json(folder / STEP_FILE)["step"])
 
 
-def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings, say: Say) -> None:
-    """Optimise in the last solid, extract, re-model, judge; step.json is written last."""
+def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings, info: Info) -> None:
+    """Optimise in the last solid, extract, re-model, evaluate; step.json is written last."""
     began = time.monotonic()
     folder.mkdir(exist_ok=True)
     bounded, fraction = _bounded(folder, number, scenes, settings)
-    say(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
-    surface = _optimised(folder / "optimise", bounded, say)
-    say("  re-modelling")
+    info(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
+    surface = _optimised(folder / "optimise", bounded, info)
+    info("  re-modelling")
     fitted = fit_web(surface, bounded, settings.rules)
     near = shape_error(fitted.scene, surface)
     scene = scenes[0].model_copy(
@@ -239,7 +265,7 @@ def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings
     )
     write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {scenes[0].name}"))
     write_solids(scene, folder)
-    say("  judging")
+    info("  evaluating")
     found = _evaluated(scene, settings)
     thickness = transition_mm(read_web(folder), scene)
     removed = 100 * (1 - fraction)
@@ -268,16 +294,19 @@ def _envelope_mm3(scene: Scene) -> float:
     return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
 
 
-def _optimised(folder: Path, scene: Scene, say: Say) -> SurfaceMesh:
-    """Surface of the half throw of an optimisation, continued or read where it was begun or done before."""
+def _optimised(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
+    """Surface of the half throw of an optimisation, continued or read where it was begun or done before.
+
+    Always read from the file: a loop that is continued gives the same webs as one in a single go.
+    """
     if not (folder / "manifest.json").is_file():
         text = toml_text(scene, "One step of a loop")
-        run, prepared = pipeline.start(scene, text, ["cranktopo", "iterate"], folder, lambda _: None)
-        pipeline.optimise(run, prepared, False, lambda *_: None)
+        metrics = optimise_design(scene, folder, text, ["cranktopo", "iterate"]).metrics
     elif open_run(str(folder)).manifest()["status"] != "done":
-        run, prepared = pipeline.reopen(str(folder), None, say)
-        pipeline.optimise(run, prepared, True, lambda *_: None)
-    refusal = read_json(folder / "metrics.json")["surface"].get("refusal")
+        metrics = resume_optimisation(str(folder), info=info).metrics
+    else:
+        metrics = read_json(folder / "metrics.json")
+    refusal = metrics["surface"].get("refusal")
     if refusal:
         raise CranktopoError(
             f"{folder}: the optimised web has no sound surface. {refusal}",

@@ -7,22 +7,22 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from cranktopo.evaluate.evaluation import Evaluation
+from cranktopo.report.quantities import percent_of, throw_values
 
 Verdict = Literal["better", "no gain", "too thin"]
 
 
 @dataclass(frozen=True)
 class LoopStep:
-    """A judged web; step 0 is the original one.
+    """An evaluated web; step 0 is the original one.
 
     Attributes:
         number: number of the step.
         throw_kg: mass of the throw.
         web_kg: mass of one web.
-        torsion_Nm_per_rad: torsional stiffness by the judge, the scene's support.
-        bending_N_per_mm: bending stiffness by the judge, the scene's support.
-        torsion_error_percent: the judge's error estimate.
-        bending_error_percent: the judge's error estimate.
+        torsion_Nm_per_rad: torsional stiffness with the scene's support.
+        bending_N_per_mm: bending stiffness with the scene's support.
+        torsion_error_percent, bending_error_percent: error estimates.
         transition_mm: least thickness of the web around its journals.
         overlap_percent: how much of the extracted web the re-model has in common with it (IoU); None for
             the original.
@@ -60,14 +60,13 @@ class LoopStep:
             and self.torsion_per_kg > original.torsion_per_kg
         )
 
+    def values(self) -> dict[str, float]:
+        """Mass, stiffnesses and ratios by the keys of their quantities."""
+        return throw_values(self.throw_kg, self.torsion_Nm_per_rad, self.bending_N_per_mm)
+
     def percent_of(self, original: LoopStep) -> dict[str, float]:
         """Mass, stiffnesses and ratios in percent of the original web's."""
-        names = ("throw_kg", "torsion_Nm_per_rad", "bending_N_per_mm", "torsion_per_kg", "bending_per_kg")
-        keys = ("mass", "torsion", "bending", "torsion_per_mass", "bending_per_mass")
-        return {
-            key: 100 * getattr(self, name) / getattr(original, name)
-            for key, name in zip(keys, names, strict=True)
-        }
+        return percent_of(self.values(), original.values())
 
     def as_json(self, original: LoopStep) -> dict[str, Any]:
         """The step with its ratios and percentages."""
@@ -88,16 +87,7 @@ def step_of(
     removed_percent: float | None = None,
     seconds: float = 0.0,
 ) -> LoopStep:
-    """A step from the judge's evaluation and what else was measured.
-
-    Args:
-        number: number of the step, 0 for the original web.
-        found: the judge's evaluation.
-        transition_mm: least thickness of the web around its journals.
-        overlap_percent: overlap (IoU) of the re-model with the extracted web; None for the original.
-        removed_percent: volume to be taken out of the envelope; None for the original.
-        seconds: wall time of the step.
-    """
+    """A step from its evaluation and what else was measured; see `LoopStep`."""
     return LoopStep(
         number=number,
         throw_kg=found.throw_kg,

@@ -1,0 +1,147 @@
+"""Several targets beside a baseline: evaluated, fatigue assessed, and everything that their page shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cranktopo.cad.solid_files import surface_of
+from cranktopo.effects import plan
+from cranktopo.evaluate.case_stress import case_stress
+from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.targets import Target, resolve_targets
+from cranktopo.loads import LoadCase, analyse, load_cases
+from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
+from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
+from cranktopo.report.comparison import Comparison, Entry, check_supports, compare
+from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
+from cranktopo.report.pages.writing import check_report_path, write_report
+from cranktopo.report.tables.undercuts import DieRelease
+from cranktopo.report.viewer.scene3d import Body
+from cranktopo.scene import Scene
+from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
+from cranktopo.surface.undercuts import half_throw_undercuts
+from cranktopo.triangles.shells import shell_volumes_mm3
+from cranktopo.triangles.surface_files import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+_FACET_MM = 2.0
+_RAYS_MM = 1.0
+
+
+@dataclass(frozen=True)
+class ComparedTargets:
+    """A comparison, its targets in the same order, and those that miss the accuracy asked for."""
+
+    comparison: Comparison
+    targets: tuple[Target, ...]
+    missed: tuple[str, ...] = ()
+
+
+def compare_targets(
+    names: Sequence[str],
+    baseline: str,
+    wanted: MeshRequest | None = None,
+    fatigue: FatigueMethod | None = None,
+    design: str | None = None,
+    info: Progress = lambda _: None,
+) -> ComparedTargets:
+    """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
+
+    Args:
+        names: targets as the user types them; the baseline is put before them where it is not among them.
+        baseline: the target that counts as 100 %.
+        wanted: how exactly to evaluate.
+        fatigue: method of the fatigue safety.
+        design: design for the journals of STL and STEP files.
+        info: called with lines of progress.
+
+    Raises:
+        CranktopoError: no such target, different supports, no fillets for the fatigue, or a failed solve.
+    """
+    every = list(names) if baseline in names else [baseline, *names]
+    index = every.index(baseline)
+    targets = resolve_targets(every, design)
+    check_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
+    safety = None
+    if fatigue is not None:
+        filleted = resolve_targets(every, design, fillets=True)
+        safety = assess_fatigue(filleted, fatigue, baseline=index, info=info).compared()
+    found = evaluate_targets(targets, wanted, info)
+    published = [None if target.file else target.scene.published for target in targets]
+    safeties = safety.safeties if safety else [None] * len(targets)
+    entries = [Entry(*parts) for parts in zip(found.evaluations, published, safeties, strict=True)]
+    return ComparedTargets(compare(entries, entries[index].name, safety), tuple(targets), found.missed)
+
+
+def report_comparison(
+    found: ComparedTargets,
+    path: Path,
+    command: Sequence[str] = (),
+    stress_progress: Progress | None = None,
+) -> None:
+    """Write the page of a comparison as HTML or Markdown.
+
+    Args:
+        found: what was compared.
+        path: .html or .md.
+        command: the command line that made it.
+        stress_progress: where given, all targets are solved for the baseline's load cases too.
+
+    Raises:
+        CranktopoError: a bad path, or a failed solve of the stresses.
+    """
+    check_report_path(path)
+    write_report(comparison_page(comparison_record(found, command, stress_progress)), path)
+
+
+def comparison_record(
+    found: ComparedTargets, command: Sequence[str] = (), stress_progress: Progress | None = None
+) -> ComparisonRecord:
+    """Everything that the page of a comparison shows; arguments as `report_comparison`."""
+    scene = found.targets[found.comparison.baseline].scene
+    effects = plan(scene)
+    cases = load_cases(scene, effects.enabled)
+    surfaces = [(target, _surface(target)) for target in found.targets]
+    known = [(target, mesh) for target, mesh in surfaces if mesh is not None]
+    return ComparisonRecord(
+        comparison=found.comparison,
+        bodies=tuple(_body(target, mesh, cases, stress_progress) for target, mesh in known),
+        undercuts=tuple(die_release(target.name, mesh, target.scene) for target, mesh in known),
+        effects=effects,
+        cases=cases,
+        loads=analyse(scene) if scene.engine else None,
+        hashes=_hashes(found.targets),
+        command=" ".join(command),
+        written=timestamp(),
+        versions=versions(),
+    )
+
+
+def die_release(name: str, half_throw: SurfaceMesh, scene: Scene) -> DieRelease:
+    """What would keep a design with this closed surface from being made."""
+    hollows = int((shell_volumes_mm3(half_throw) < 0).sum())
+    return DieRelease(name, hollows, half_throw_undercuts(half_throw, scene, _RAYS_MM))
+
+
+def _body(
+    target: Target, mesh: SurfaceMesh, cases: Sequence[LoadCase], stress_progress: Progress | None
+) -> Body:
+    stress = case_stress(target, cases, progress=stress_progress) if stress_progress else None
+    return Body(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress)
+
+
+def _surface(target: Target) -> SurfaceMesh | None:
+    """Facets of a target; none for a STEP file, which only the mesh generator reads."""
+    if target.file is not None:
+        return read_stl(target.file) if target.file.suffix.lower() == ".stl" else None
+    return surface_of(target.scene, "half", _FACET_MM)
+
+
+def _hashes(targets: Sequence[Target]) -> dict[str, str]:
+    scenes = {
+        f"{target.name}, SHA-256 of the scene": settings_hash(target.scene.model_dump(mode="json"), {})
+        for target in targets
+    }
+    return scenes | {f"{t.name}, SHA-256 of {t.file.name}": file_hash(t.file) for t in targets if t.file}

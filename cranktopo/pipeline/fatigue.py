@@ -1,0 +1,136 @@
+"""Fatigue safety of several targets by one method, and the files that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.rule_check import RuleCheck, check_rule
+from cranktopo.evaluate.safety_field import FatigueField, FieldMethod, assess, check_inputs
+from cranktopo.evaluate.stress_model import RULE_FRACTION
+from cranktopo.evaluate.targets import Target, resolve_targets
+from cranktopo.loads.histories import HistoryKind
+from cranktopo.report.figures.fatigue_picture import save_fatigue_picture
+from cranktopo.report.tables.fatigue_tables import FatigueComparison, compare_fatigue, fatigue_json
+from cranktopo.report.vtu import write_fatigue_vtu
+from cranktopo.store import check_folder, write_json
+
+FatigueMethod = Literal["lsa", "fkm", "m53"]
+"""Local stress analysis, the FKM guideline, or the rule IACS UR M53."""
+
+
+@dataclass(frozen=True)
+class FatigueAssessment:
+    """Fatigue of targets by one method.
+
+    Attributes:
+        method: by which.
+        loads: extremes of the loads joined, or every angle of the cycle.
+        fields: fields of safety; empty for M53.
+        checks: checks by the rule; empty for the other methods.
+        baseline: position of the target that counts as 100 %, if any.
+    """
+
+    method: FatigueMethod
+    loads: HistoryKind
+    fields: tuple[FatigueField, ...]
+    checks: tuple[RuleCheck, ...]
+    baseline: int | None = None
+
+    @property
+    def results(self) -> Sequence[FatigueField | RuleCheck]:
+        """Whichever there are, in the order of the targets."""
+        return self.fields or self.checks
+
+    def as_json(self) -> dict[str, Any]:
+        """The object that `fatigue --json` prints."""
+        return fatigue_json(self.results, self.loads, self.baseline)
+
+    def compared(self) -> FatigueComparison:
+        """What a comparison shows of it; there must be a baseline."""
+        assert self.baseline is not None
+        return compare_fatigue(self.results, self.loads, self.baseline)
+
+
+def assess_fatigue(
+    targets: Sequence[str] | Sequence[Target],
+    method: FatigueMethod = "lsa",
+    loads: HistoryKind = "extremes",
+    baseline: int | None = None,
+    fillet_fraction: float = RULE_FRACTION,
+    out: Path | None = None,
+    info: Progress = lambda _: None,
+) -> FatigueAssessment:
+    """Fatigue safety of targets whose fillets have a radius.
+
+    Args:
+        targets: as the user types them, or resolved with their fillets.
+        method: by which.
+        loads: extremes of the loads joined, which bounds the cycle, or every angle of the cycle.
+        baseline: position of the target that counts as 100 %.
+        fillet_fraction: element size in a fillet over its radius.
+        out: folder for fatigue.json, and VTU and picture of each target.
+        info: called with lines of progress, and with notes about the mesh.
+
+    Raises:
+        CranktopoError: a target without fillets or strength, a failed solve, or files asked of M53.
+    """
+    if out is not None:
+        _check_files(method, out)
+    typed = [target for target in targets if isinstance(target, str)]
+    given = [target for target in targets if isinstance(target, Target)]
+    resolved = given or resolve_targets(typed, fillets=True)
+    for target in resolved:
+        check_inputs(target, method, loads)
+    if method == "m53":
+        checks = tuple(check_rule(target, loads, fillet_fraction, info) for target in resolved)
+        return FatigueAssessment(method, loads, (), checks, baseline)
+    chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
+    fields = []
+    for target in resolved:
+        field = assess(target, chosen, loads, fillet_fraction, info)
+        fields.append(field)
+        _note_quality(field, info)
+        if out is not None:
+            _write_field(out, field, info)
+    found = FatigueAssessment(method, loads, tuple(fields), (), baseline)
+    if out is not None:
+        write_json(out / "fatigue.json", found.as_json())
+    return found
+
+
+def _check_files(method: FatigueMethod, out: Path) -> None:
+    if method == "m53":
+        raise CranktopoError(
+            "--out: method 'm53' gives two numbers per throw and no field.",
+            hint="Leave --out, or take lsa or fkm.",
+            code=ExitCode.USAGE,
+        )
+    check_folder(out)
+
+
+def _note_quality(field: FatigueField, info: Progress) -> None:
+    quality = field.model.quality
+    if not quality.within_rule:
+        info(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
+    if field.elsewhere.safety < field.critical.safety:
+        info(
+            f"note: {field.model.name}: {field.elsewhere.safety:.3f} off the fillets at "
+            f"{field.elsewhere.place}; sharp edges there make it depend on the mesh."
+        )
+
+
+def _write_field(out: Path, field: FatigueField, info: Progress) -> None:
+    out.mkdir(parents=True, exist_ok=True)
+    writers: tuple[tuple[str, Callable[[Path, FatigueField], None]], ...] = (
+        (".vtu", write_fatigue_vtu),
+        (".png", save_fatigue_picture),
+    )
+    for suffix, write in writers:
+        path = out / f"fatigue-{field.method}-{field.model.name}{suffix}"
+        write(path, field)
+        info(str(path))

@@ -1,0 +1,81 @@
+"""Files of an optimise run: history, density, surface, picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from cranktopo.domain.build import Domain
+from cranktopo.optimise.loop import Design
+from cranktopo.optimise.state import Record
+from cranktopo.report.figures.picture import save_run_picture
+from cranktopo.report.vtu import write_density_vtu
+from cranktopo.scene import Scene
+from cranktopo.store import RunStore
+from cranktopo.triangles.surface_files import write_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+_SURFACE, _PICTURE, _DENSITY = "web.stl", "result.png", "density.vtu"
+
+
+def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Rows of history.csv: one per design, units in the column names, compliances in N mm by load case."""
+    return [
+        {
+            "iteration": row.iteration,
+            "beta": row.beta,
+            "objective": row.objective,
+            **{
+                f"{name}_compliance_N_mm": value
+                for name, value in zip(case_names, row.compliance_N_mm, strict=True)
+            },
+            "volume_fraction": row.volume_fraction,
+            "greyness": row.greyness,
+            "change": row.change,
+            "cg_iterations": row.cg_iterations,
+            "seconds": round(row.seconds, 4),
+        }
+        for row in history
+    ]
+
+
+def write_run_files(
+    run: RunStore,
+    scene: Scene,
+    domain: Domain,
+    design: Design,
+    rows: Sequence[Mapping[str, Any]],
+    half_throw: SurfaceMesh | None,
+) -> dict[str, str]:
+    """Write history.csv, density.vtu, and web.stl and result.png where there is a surface.
+
+    Returns their names by what they hold.
+
+    Raises:
+        CranktopoError: a file cannot be written.
+    """
+    run.write_history(rows)
+    _write_density(run, domain, design)
+    files = {"vtu": _DENSITY, "history": "history.csv"}
+    if half_throw is None:
+        for name in (_SURFACE, _PICTURE):  # of an earlier end of a resumed run
+            (run.path / name).unlink(missing_ok=True)
+        return files
+    write_stl(run.path / _SURFACE, half_throw)
+    title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
+    save_run_picture(run.path / _PICTURE, half_throw, rows, title, scene.web_z_mm)
+    return {"stl": _SURFACE, **files, "picture": _PICTURE}
+
+
+def _write_density(run: RunStore, domain: Domain, design: Design) -> None:
+    first, last = domain.web_layers
+    physical = domain.fixed.copy()
+    physical[:, :, first:last] += domain.design[:, :, first:last] * design.physical
+    write_density_vtu(
+        run.path / _DENSITY,
+        domain.grid.x_mm,
+        domain.grid.y_mm,
+        domain.grid.z_mm,
+        {"density": physical, "designable_fraction": domain.design, "fixed_fraction": domain.fixed},
+        (domain.fixed + domain.design) > 0,
+    )

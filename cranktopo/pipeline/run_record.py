@@ -1,0 +1,111 @@
+"""The record of a finished run, from memory or read from its directory, and its page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from cranktopo.domain.build import build_domain
+from cranktopo.effects import planned_scene
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.case_stress import CaseStress
+from cranktopo.evaluate.evaluation import Progress
+from cranktopo.fem.precision import double_precision
+from cranktopo.loads import analyse
+from cranktopo.optimise.loop import build_chain
+from cranktopo.pipeline.run_stress import read_run_stress, solve_run_stress
+from cranktopo.pipeline.snapshots import snapshots
+from cranktopo.report.pages.run_page import run_page
+from cranktopo.report.pages.writing import REPORT, write_report
+from cranktopo.report.run_record import RunRecord
+from cranktopo.report.viewer.scene3d import DesignSnapshot
+from cranktopo.scene import Scene
+from cranktopo.scene.of_run import scene_of_run
+from cranktopo.store import RunStore, open_run, read_json, read_result, require_kind, resume_command
+from cranktopo.triangles.surface_files import read_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+# What other commands print with --json, where the run holds it.
+_FATIGUE, _ACCURACY = "fatigue.json", "accuracy.json"
+
+
+def report_run(
+    run: RunStore | str, path: Path | None = None, stress_progress: Progress | None = None
+) -> Path:
+    """Write the report of a finished run and return its file.
+
+    Args:
+        run: the run directory, or how the user names it.
+        path: .html or .md; report.html in the run by default.
+        stress_progress: where given, stresses that the run does not keep yet are solved.
+
+    Raises:
+        CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
+    """
+    store = open_run(run) if isinstance(run, str) else run
+    target = path or store.path / REPORT
+    write_report(run_page(read_record(store, stress_progress)), target)
+    return target
+
+
+def read_record(run: RunStore, stress_progress: Progress | None = None) -> RunRecord:
+    """The record of a finished run from its directory.
+
+    Raises:
+        CranktopoError: a loop, a run without metrics, or a damaged file.
+    """
+    require_kind(run, "optimise")
+    metrics = read_result(run)
+    if metrics is None:
+        raise CranktopoError(
+            f"run '{run.path}': not finished, metrics.json is missing.",
+            hint=f"Continue it with: {resume_command(run)}",
+        )
+    scene = planned_scene(scene_of_run(run))
+    surface = metrics.get("files", {}).get("stl")
+    mesh = read_stl(run.path / surface) if surface else None
+    stress = _stress(run, scene, surface, stress_progress) if surface else None
+    return record_of(run, metrics, run.read_history(), scene, mesh, _snapshots(run, scene), stress)
+
+
+def record_of(
+    run: RunStore,
+    metrics: Mapping[str, Any],
+    history: Sequence[Mapping[str, Any]],
+    scene: Scene,
+    mesh: SurfaceMesh | None,
+    designs: tuple[DesignSnapshot, ...],
+    stress: CaseStress | None = None,
+) -> RunRecord:
+    """The record of a run whose results are in memory; what other commands added is read from it."""
+    return RunRecord(
+        folder=str(run.path),
+        metrics=metrics,
+        manifest=run.manifest(),
+        history=history,
+        scene=scene,
+        loads=analyse(scene) if scene.engine else None,
+        mesh=mesh,
+        snapshots=designs,
+        fatigue=_optional(run.path / _FATIGUE),
+        accuracy=_optional(run.path / _ACCURACY),
+        stress=stress,
+    )
+
+
+def _snapshots(run: RunStore, scene: Scene) -> tuple[DesignSnapshot, ...]:
+    if scene.envelope is None:
+        return ()
+    with double_precision():
+        domain = build_domain(scene, scene.optimise.resolution_mm)
+        return snapshots(run, domain, build_chain(scene, domain))
+
+
+def _stress(run: RunStore, scene: Scene, surface: str, progress: Progress | None) -> CaseStress | None:
+    found = read_run_stress(run, surface)
+    return solve_run_stress(run, scene, surface, progress) if found is None and progress else found
+
+
+def _optional(path: Path) -> dict[str, Any] | None:
+    return read_json(path) if path.is_file() else None

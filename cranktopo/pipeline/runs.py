@@ -1,0 +1,72 @@
+"""What the runs under a folder reached, one entry each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from cranktopo.errors import CranktopoError
+from cranktopo.report.quantities import PER_MASS, STIFFNESS
+from cranktopo.store import LOOP, RUNS, RunStore, kind_of, list_runs, read_result, remove_run
+
+
+def summarise_runs(root: Path = RUNS) -> list[dict[str, Any]]:
+    """The entries of `runs list --json`, oldest first."""
+    return [_entry(run) for run in list_runs(root)]
+
+
+def clean_runs(states: tuple[str, ...], delete: bool, root: Path = RUNS) -> list[Path]:
+    """Directories of the runs in one of these states; deleted where it is asked for.
+
+    Raises:
+        CranktopoError: a process works in one of them, or it cannot be deleted.
+    """
+    chosen = [run for run in list_runs(root) if run_status(run) in states]
+    if delete:
+        for run in chosen:
+            remove_run(run)
+    return [run.path for run in chosen]
+
+
+def run_status(run: RunStore) -> str:
+    """Status of a run; `unreadable` where its manifest cannot be used."""
+    try:
+        return str(run.manifest()["status"])
+    except CranktopoError:
+        return "unreadable"
+
+
+def _entry(run: RunStore) -> dict[str, Any]:
+    entry: dict[str, Any] = {"run": run.name, "path": str(run.path), "status": run_status(run)}
+    if entry["status"] == "unreadable":
+        return entry
+    kind, result, manifest = kind_of(run), read_result(run), run.manifest()
+    entry |= {"command": kind, "design": manifest["design"], "started": manifest["started"]}
+    if result is None:
+        return entry
+    return entry | (_loop_result(result) if kind == LOOP else _run_result(result))
+
+
+def _run_result(metrics: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "result": metrics["status"],
+        "mass_of_throw_kg": metrics["mass_kg"]["throw"],
+        "gain_of_stiffness_per_mass_percent": metrics["original_web"]["gain_of_stiffness_per_mass_percent"],
+    }
+
+
+def _loop_result(loop: Mapping[str, Any]) -> dict[str, Any]:
+    """The best step of a loop, if it has one."""
+    if loop["best_step"] is None:
+        return {"result": "no better web"}
+    best = loop["steps"][loop["best_step"]]
+    share = best["percent_of_original"]
+    return {
+        "result": f"best: step {best['number']}",
+        "mass_of_throw_kg": best["throw_kg"],
+        "gain_of_stiffness_per_mass_percent": {
+            stiffness.key: share[ratio.key] - 100
+            for stiffness, ratio in zip(STIFFNESS, PER_MASS, strict=True)
+        },
+    }

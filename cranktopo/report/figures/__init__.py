@@ -1,0 +1,1 @@
+"""Figures: matplotlib plots and shaded pictures of finished results."""

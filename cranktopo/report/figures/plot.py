@@ -1,0 +1,48 @@
+"""A plot with its text for readers who cannot see it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_WIDE_INCHES = 9.0
+_PANEL_INCHES, _AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A plot.
+
+    Attributes:
+        name: file name without ending.
+        figure: the plot.
+        alt: what a reader who cannot see it needs to know.
+        raster: pixels where it would otherwise be vectors: thousands of faces.
+    """
+
+    name: str
+    figure: Figure
+    alt: str
+    raster: bool = False
+
+    @property
+    def wide(self) -> bool:
+        """Whether it takes the whole width of a page."""
+        return bool(self.figure.get_size_inches()[0] > _WIDE_INCHES)
+
+
+def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any) -> Picture:
+    """A plot with one pair of axes; `draw` is called with them and the arguments."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=_PANEL_INCHES, facecolor="none")
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes(_AXES)
+    axes.set_facecolor("none")
+    draw(axes, *arguments)
+    return Picture(name, figure, alt)

@@ -1,0 +1,101 @@
+"""Scatter plot of stiffness against mass with lines of equal stiffness per mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cranktopo.formats import PLOTS
+from cranktopo.report.comparison import Comparison
+from cranktopo.report.quantities import BENDING, MASS, TORSION
+from cranktopo.store import check_file, replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LABELS = {TORSION: f"{TORSION.label}, kN m/rad", BENDING: f"{BENDING.label}, kN/mm"}
+"""Of the axes of the stiffnesses."""
+_MARKERS = "osD^vP*X"
+_LINES = (0.8, 0.9, 1.0, 1.1, 1.2)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One design in the plot; the stiffness in the unit of the axis."""
+
+    name: str
+    mass_kg: float
+    stiffness: float
+
+
+def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
+    """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
+
+    Args:
+        comparison: evaluated targets.
+        path: .png, .svg or .pdf; replaced only when the plot is complete.
+
+    Raises:
+        CranktopoError: another suffix, no such folder, or the file cannot be written.
+    """
+    check_file(path, "--plot", PLOTS)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    for axes, (label, points) in zip(figure.subplots(1, 2), scatter_points(comparison).items(), strict=True):
+        draw_stiffness_over_mass(axes, points, comparison.baseline, label)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=130)
+
+
+def draw_stiffness_over_mass(axes: Axes, points: Sequence[Point], baseline: int, label: str) -> None:
+    """Draw stiffness over mass with lines of equal stiffness per mass.
+
+    Args:
+        axes: matplotlib axes.
+        points: what is compared.
+        baseline: number of the point that counts as 100 %.
+        label: of the stiffness, with its unit.
+    """
+    masses = [point.mass_kg for point in points]
+    stiffness = [point.stiffness for point in points]
+    x_range = 0.92 * min(masses), 1.08 * max(masses)
+    y_range = 0.88 * min(stiffness), 1.12 * max(stiffness)
+    axes.set(xlim=x_range, ylim=y_range, xlabel="mass of the throw, kg", ylabel=label)
+    ratio = stiffness[baseline] / masses[baseline]
+    for factor in _LINES:
+        _equal_ratio(axes, factor, factor * ratio, x_range, y_range[1])
+    for point, marker in zip(points, cycle(_MARKERS), strict=False):
+        axes.scatter([point.mass_kg], [point.stiffness], marker=marker, label=point.name, zorder=2)
+    axes.legend(fontsize=8, loc="lower right")
+    axes.set_title(f"dashed: equal stiffness per mass, % of {points[baseline].name}", fontsize=9)
+
+
+def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
+    """The points of a comparison by the label of their stiffness."""
+    return {
+        label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
+        for stiffness, label in LABELS.items()
+    }
+
+
+def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, float], top: float) -> None:
+    """One dashed line through the origin, labelled where it leaves the picture."""
+    low, high = x_range
+    axes.plot([low, high], [slope * low, slope * high], "--", color="0.75", linewidth=1, zorder=1)
+    x = min(high, top / slope)
+    axes.annotate(
+        f"{100 * factor:.0f}",
+        (x, slope * x),
+        (-3, -3),
+        textcoords="offset points",
+        color="0.45",
+        fontsize=8,
+        ha="right",
+        va="top",
+    )

@@ -1,0 +1,45 @@
+"""Plot of the loop: every step in percent of the original web."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from cranktopo.report.figures.png import png
+from cranktopo.report.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
+from cranktopo.store.files import write_bytes
+
+_LINES = (
+    (MASS, "s-", "0.45"),
+    (TORSION, "o-", "#d1632a"),
+    (BENDING, "^-", "#1f6fb4"),
+    (TORSION_PER_MASS, "o--", "#d1632a"),
+    (BENDING_PER_MASS, "^--", "#1f6fb4"),
+)
+
+
+def save_steps_plot(path: Path, data: Mapping[str, Any]) -> None:
+    """Write the plot as PNG; raises CranktopoError when the file cannot be written."""
+    write_bytes(path, png(steps_figure(data)))
+
+
+def steps_figure(data: Mapping[str, Any]) -> Figure:
+    """Every step in percent of the original web; `data` as iterate.json holds it."""
+    figure = Figure(figsize=(9, 5.2), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    numbers = [step["number"] for step in data["steps"]]
+    for quantity, style, colour in _LINES:
+        values = [step["percent_of_original"][quantity.key] for step in data["steps"]]
+        axes.plot(numbers, values, style, color=colour, label=f"{quantity.label}: {values[-1]:.1f} %")
+    axes.axhline(100.0, color="0.7", linewidth=1, zorder=0)
+    if data["best_step"] is not None:
+        axes.axvline(data["best_step"], color="0.7", linestyle=":", zorder=0)
+    axes.set(xlabel="step (0: original web)", ylabel="percent of the original web", xticks=numbers)
+    axes.set_title(f"{data['design']}: {data['stop_reason']}", fontsize=9)
+    axes.legend(fontsize=8)
+    return figure

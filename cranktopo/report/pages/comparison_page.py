@@ -1,0 +1,198 @@
+"""The report of a comparison as content."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cranktopo.effects import EffectPlan
+from cranktopo.loads import LoadAnalysis, LoadCase
+from cranktopo.report.comparison import Comparison
+from cranktopo.report.figures.accuracy_plot import error_picture
+from cranktopo.report.figures.scatter import scatter_points
+from cranktopo.report.pages.page import Fact, Page, Section, Status
+from cranktopo.report.pages.sections import (
+    effects_section,
+    gallery_picture,
+    loads_section,
+    pairs,
+    scatter_pictures,
+    versions_table,
+)
+from cranktopo.report.pages.stress_section import stress_section
+from cranktopo.report.pages.verdict import fatigue_fact
+from cranktopo.report.quantities import BENDING_PER_MASS, MASS, SAFETY, TORSION_PER_MASS, Quantity
+from cranktopo.report.tables.comparison_tables import percent_table, published_table, value_table
+from cranktopo.report.tables.result_table import Column, tabulate
+from cranktopo.report.tables.undercuts import DieRelease, undercut_table
+from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.stress_scale import stress_scales
+
+_LABELS = {
+    MASS: "Lightest",
+    TORSION_PER_MASS: "Stiffest in torsion per mass",
+    BENDING_PER_MASS: "Stiffest in bending per mass",
+    SAFETY: "Safest against fatigue",
+}
+"""Quantities that make the verdict, and how they read there."""
+
+
+@dataclass(frozen=True)
+class ComparisonRecord:
+    """A finished comparison with everything that its page shows.
+
+    Attributes:
+        comparison: the evaluated targets.
+        bodies: surfaces of those that have facets, with stresses where they were solved.
+        undercuts: of the same bodies.
+        effects, cases, loads: of the baseline; no loads without an engine.
+        hashes: SHA-256 of every scene and file, by what it is of.
+        command: the command line.
+        written: when, ISO 8601.
+        versions: of the program and its libraries.
+    """
+
+    comparison: Comparison
+    bodies: tuple[Body, ...]
+    undercuts: tuple[DieRelease, ...]
+    effects: EffectPlan
+    cases: tuple[LoadCase, ...]
+    loads: LoadAnalysis | None
+    hashes: Mapping[str, str]
+    command: str
+    written: str
+    versions: Mapping[str, str | None]
+
+
+def comparison_page(record: ComparisonRecord) -> Page:
+    """The report of a comparison."""
+    comparison, bodies = record.comparison, record.bodies
+    stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
+    scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed)) if bodies else None
+    others = [e.name for row, e in enumerate(comparison.entries) if row != comparison.baseline]
+    return Page(
+        title=f"{', '.join(others)} against {comparison.base.name}",
+        subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
+        headline=_headline(comparison),
+        facts=(*_facts(comparison), undercut_fact(record.undercuts, len(comparison.entries))),
+        sections=(
+            _variants(comparison, record.undercuts),
+            _accuracy(comparison),
+            stress_section(scene3d, f"{record.command} --stress"),
+            loads_section(record.loads, [case.as_json() for case in record.cases]),
+            effects_section(record.effects.as_json()),
+            _provenance(record),
+        ),
+        scene3d=scene3d,
+        picture=gallery_picture(bodies) if bodies else None,
+    )
+
+
+def undercut_fact(found: Sequence[DieRelease], designs: int) -> Fact:
+    """How many of the designs a die releases; `found` are those that have a surface to look at."""
+    caught = [one.name for one in found if not one.free]
+    unknown = designs - len(found)
+    status: Status = "bad" if caught else "unknown" if unknown else "good"
+    note = f"hollows or undercuts in {', '.join(caught)}" if caught else "by a die that parts in x = 0"
+    note += "; STEP files were not examined" * bool(unknown)
+    return Fact("Released by a die", f"{len(found) - len(caught)} of {designs}", note, status)
+
+
+def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
+    return f"{comparison.percent(row, quantity) - 100:+.1f} %"
+
+
+def _headline(comparison: Comparison) -> str:
+    row, baseline = comparison.leading(TORSION_PER_MASS), comparison.base.name
+    if row == comparison.baseline:
+        return f"None is stiffer in torsion per kilogram than {baseline}."
+    level = comparison.level(TORSION_PER_MASS)
+    names = " and ".join(comparison.entries[other].name for other in level)
+    doubt = f", {names} within the error estimate" if level else ""
+    return (
+        f"{comparison.entries[row].name} is the stiffest in torsion per kilogram{doubt}: "
+        f"{_change(comparison, row, TORSION_PER_MASS)} against {baseline}, bending per kilogram "
+        f"{_change(comparison, row, BENDING_PER_MASS)}, mass {_change(comparison, row, MASS)}."
+    )
+
+
+def _facts(comparison: Comparison) -> tuple[Fact, ...]:
+    facts = tuple(_best(comparison, q, label) for q, label in _LABELS.items() if q in comparison.quantities)
+    if comparison.fatigue is not None:
+        return facts
+    return (*facts, fatigue_fact(None, "only stiffness was compared; --fatigue adds the safety"))
+
+
+def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
+    """Which entry has the best value of a quantity, and which others are within the error estimate."""
+    row, level = comparison.leading(quantity), comparison.level(quantity)
+    change = f"{_change(comparison, row, quantity)} of the baseline"
+    rivals = [comparison.entries[other].name for other in level if other != comparison.baseline]
+    note = "the baseline itself" if row == comparison.baseline else change
+    note += ", less than the error estimate" if comparison.baseline in level else ""
+    note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
+    status: Status = "neutral" if comparison.baseline in (row, *level) else "good"
+    return Fact(label, comparison.entries[row].name, note, status)
+
+
+def _variants(comparison: Comparison, undercuts: Sequence[DieRelease]) -> Section:
+    tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
+    published = published_table(comparison)
+    if published is not None:
+        tables.append(("Beside published values", published))
+    if undercuts:
+        tables.append(("Release from a die that parts in x = 0", undercut_table(undercuts)))
+    return Section(
+        "variants",
+        "Variants",
+        "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
+        "those of the full throw with the supports of its design." + _safety(comparison),
+        tuple(tables),
+        scatter_pictures(scatter_points(comparison), comparison.baseline),
+    )
+
+
+def _safety(comparison: Comparison) -> str:
+    if comparison.fatigue is None:
+        return ""
+    places = [
+        f"{entry['target']}: {entry['critical']['place']}"
+        for entry in comparison.fatigue.json["fatigue"]
+        if "critical" in entry
+    ]
+    worst = f" Least safety: {'; '.join(places)}." if places else ""
+    return f" {' '.join(comparison.fatigue.verdicts)}{worst}"
+
+
+def _accuracy(comparison: Comparison) -> Section:
+    evaluations = [entry.evaluation for entry in comparison.entries]
+    table = tabulate(
+        (
+            Column("target", 0, lambda e: e.target),
+            Column("element_size_mm", 2, lambda e: e.fine.element_size_mm),
+            Column("nodes", 0, lambda e: float(e.fine.nodes)),
+            Column("torsion_error_percent", 2, lambda e: e.torsion_error_percent),
+            Column("bending_error_percent", 2, lambda e: e.bending_error_percent),
+            Column("time_s", 1, lambda e: e.total_seconds),
+        ),
+        evaluations,
+    )
+    found = [
+        {"name": e.target, "seconds": e.total_seconds, "error_percent": e.error_percent} for e in evaluations
+    ]
+    return Section(
+        "accuracy",
+        "Accuracy and what it costs",
+        "Errors are estimated from a second, coarser mesh.",
+        (("Meshes", table),),
+        (error_picture(found),),
+    )
+
+
+def _provenance(record: ComparisonRecord) -> Section:
+    rows = [("command", record.command), ("written", record.written), *record.hashes.items()]
+    return Section(
+        "provenance",
+        "Where this comes from",
+        tables=(("Comparison", pairs(rows)), ("Versions", versions_table(record.versions))),
+    )

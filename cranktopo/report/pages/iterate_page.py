@@ -1,0 +1,80 @@
+"""The report of a loop as content: the best step, every step beside the original, the webs to turn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cranktopo.report.figures.plot import Picture
+from cranktopo.report.figures.steps_plot import steps_figure
+from cranktopo.report.pages.page import Fact, Page, Section, Status
+from cranktopo.report.pages.sections import gallery_picture, origin_rows, pairs, versions_table
+from cranktopo.report.quantities import BENDING_PER_MASS, MASS, TORSION_PER_MASS, Quantity
+from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
+from cranktopo.report.viewer.scene3d import Body, Scene3D
+
+_FACTS = (TORSION_PER_MASS, BENDING_PER_MASS, MASS)
+
+
+def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[Body, ...]) -> Page:
+    """The report of a loop, finished or after any of its steps.
+
+    Args:
+        data: content of iterate.json.
+        manifest: content of the loop's manifest.json.
+        bodies: the half throw of every step, the original one first.
+    """
+    return Page(
+        title=f"Loop over the crank web of {data['design']}",
+        subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
+        headline=_sentence(best_line(data)),
+        facts=(*_facts(data), Fact("Ended", f"{len(bodies) - 1} steps", data["stop_reason"], "neutral")),
+        sections=(_steps(data), _provenance(manifest)),
+        scene3d=Scene3D(bodies),
+        picture=gallery_picture(bodies),
+    )
+
+
+def _sentence(line: str) -> str:
+    return f"{line[0].upper()}{line[1:]}."
+
+
+def _facts(data: Mapping[str, Any]) -> tuple[Fact, ...]:
+    """The best step, or the last where none beats the original, against the original web."""
+    number = data["best_step"] or data["steps"][-1]["number"]
+    step, original = data["steps"][number], data["steps"][0]
+    return tuple(_fact(step, original, quantity) for quantity in _FACTS)
+
+
+def _fact(step: Mapping[str, Any], original: Mapping[str, Any], quantity: Quantity) -> Fact:
+    label = quantity.label.capitalize()
+    change = step["percent_of_original"][quantity.key] - 100
+    error = f"{quantity.error}_error_percent"
+    estimate = max(step[error], original[error]) if quantity.error else 0.0
+    note = f"step {step['number']} against the original web"
+    if abs(change) < estimate:
+        return Fact(label, f"{change:+.1f} %", f"{note}, less than the error estimate", "neutral")
+    status: Status = "good" if quantity.better * change > 0 else "bad"
+    return Fact(label, f"{change:+.1f} %", note, status)
+
+
+def _steps(data: Mapping[str, Any]) -> Section:
+    figure = steps_figure(data)
+    figure.set_facecolor("none")
+    alt = "Mass, stiffnesses and stiffnesses per mass of every step in percent of the original web's"
+    return Section(
+        "steps",
+        "Steps",
+        f"Evaluated with fillets on body-fitted meshes; {steps_estimate(data['steps'])}. Every step keeps "
+        "its web as TOML, STEP and STL in a folder beside this page.",
+        (("Every step, the original web first", steps_table(data["steps"])),),
+        (Picture("steps", figure, alt),),
+    )
+
+
+def _provenance(manifest: Mapping[str, Any]) -> Section:
+    tables = (
+        ("Loop", pairs(origin_rows(manifest))),
+        ("Versions", versions_table(manifest["versions"])),
+    )
+    return Section("provenance", "Where this comes from", tables=tables)

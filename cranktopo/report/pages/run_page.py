@@ -1,0 +1,175 @@
+"""The report of an optimise run as content."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from cranktopo.report.figures.convergence import PANELS
+from cranktopo.report.figures.picture import views_figure
+from cranktopo.report.figures.plot import Picture, picture
+from cranktopo.report.figures.scatter import LABELS, Point
+from cranktopo.report.pages.accuracy_section import accuracy_section
+from cranktopo.report.pages.page import Page, Section
+from cranktopo.report.pages.sections import (
+    effects_section,
+    loads_section,
+    origin_rows,
+    pairs,
+    scatter_pictures,
+    versions_table,
+)
+from cranktopo.report.pages.stress_section import stress_section
+from cranktopo.report.pages.verdict import facts, headline
+from cranktopo.report.quantities import MASS, PER_MASS, STIFFNESS, Quantity
+from cranktopo.report.run_record import RunRecord
+from cranktopo.report.tables.result_table import ResultTable, Row
+from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.stress_scale import stress_scales
+
+_NAMES = ("original web", "optimised")
+_THROW = replace(MASS, key="mass_of_throw")
+_WEB = replace(MASS, key="mass_of_web", label="mass of one web")
+_CURVE_ALT = (
+    "Compliance of every load case over the iterations, as a share of its first value",
+    "Volume fraction over the iterations",
+    "Greyness over the iterations",
+)
+
+
+def run_page(record: RunRecord) -> Page:
+    """The report of a finished run."""
+    metrics, manifest = record.metrics, record.manifest
+    scene3d = _scene3d(record)
+    return Page(
+        title=f"Crank web of {metrics['design']}",
+        subtitle=f"Run {metrics['run']}, {manifest['started'][:10]}",
+        headline=headline(metrics),
+        facts=facts(record),
+        sections=(
+            _variants(metrics),
+            _convergence(record),
+            loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
+            stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
+            accuracy_section(metrics, record.accuracy, record.folder),
+            effects_section(metrics["effects"]),
+            _provenance(record),
+        ),
+        scene3d=scene3d,
+        picture=_still(record),
+    )
+
+
+def _variants(metrics: Mapping[str, Any]) -> Section:
+    stiffnesses = [quantity for quantity in STIFFNESS if quantity.key in metrics["load_cases"]]
+    webs = zip(_NAMES, (metrics["original_web"], metrics), strict=True)
+    values = {name: _values(web, stiffnesses) for name, web in webs}
+    before, after = values.values()
+    points = {
+        LABELS[stiffness]: [Point(name, found[_THROW], found[stiffness]) for name, found in values.items()]
+        for stiffness in stiffnesses
+    }
+    absolute: tuple[Row, ...] = tuple(
+        {"design": name, **{quantity.column: value for quantity, value in found.items()}}
+        for name, found in values.items()
+    )
+    change = {q.percent_column: 100 * (after[q] / before[q] - 1) for q in before}
+    changed: Row = {"design": _NAMES[1], **change}
+    return Section(
+        "variants",
+        "Against the original",
+        "Both webs in the optimiser's own model, on the same cells: their ratio is more accurate than "
+        "either value. 'cranktopo evaluate' evaluates the surface on body-fitted elements.",
+        (
+            ("Values", ResultTable({"design": 0, **{q.column: q.digits for q in before}}, absolute)),
+            (
+                "Change",
+                ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
+            ),
+        ),
+        scatter_pictures(points, 0),
+    )
+
+
+def _values(web: Mapping[str, Any], stiffnesses: Sequence[Quantity]) -> dict[Quantity, float]:
+    """Masses, stiffnesses in thousands and their ratios of a web in metrics.json."""
+    throw = web["mass_kg"]["throw"]
+    found = {quantity: _stiffness(web, quantity.key) for quantity in stiffnesses}
+    ratios = dict(zip(STIFFNESS, PER_MASS, strict=True))
+    return {
+        _THROW: throw,
+        _WEB: web["mass_kg"]["web"],
+        **found,
+        **{ratios[quantity]: value / throw for quantity, value in found.items()},
+    }
+
+
+def _stiffness(row: Mapping[str, Any], kind: str) -> float:
+    """Stiffness of a load case in kN m/rad or kN/mm."""
+    case = row["load_cases"][kind]
+    return float(next(value for key, value in case.items() if key.startswith("stiffness_"))) / 1000
+
+
+def _convergence(record: RunRecord) -> Section:
+    return Section(
+        "convergence",
+        "Convergence",
+        f"{record.metrics['status'].capitalize()}: {record.metrics['stop_reason']}. Dotted lines: the "
+        "projection gets steeper there.",
+        pictures=tuple(
+            picture(f"convergence-{number}", alt, panel, record.history)
+            for number, (panel, alt) in enumerate(zip(PANELS, _CURVE_ALT, strict=True), start=1)
+        ),
+    )
+
+
+def _provenance(record: RunRecord) -> Section:
+    manifest, metrics = record.manifest, record.metrics
+    rows = [
+        *origin_rows(manifest),
+        ("seed of random starts", manifest["seed"]),
+        ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
+        ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
+        ("solver", metrics["solver"]["precision"]),
+        ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
+        ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
+    ]
+    files = [(what, name) for what, name in metrics["files"].items()]
+    return Section(
+        "provenance",
+        "Where this comes from",
+        tables=(
+            ("Run", pairs(rows)),
+            ("Versions", versions_table(manifest["versions"])),
+            ("Files beside this page", pairs(files)),
+        ),
+    )
+
+
+def _scene3d(record: RunRecord) -> Scene3D | None:
+    if record.mesh is None:
+        return None
+    rows = {row["iteration"]: row for row in record.history}
+    notes = tuple(_note(rows.get(step.iteration, {})) for step in record.snapshots)
+    scene, stress = record.scene, record.stress
+    body = Body("optimised", record.mesh, scene.web_z_mm, scene.pitch_mm / 2, stress)
+    scales = stress_scales([(record.mesh, stress)] if stress else [])
+    return Scene3D((body,), record.snapshots, notes, scales)
+
+
+def _note(row: Mapping[str, Any]) -> str:
+    if not row:
+        return ""
+    volume, grey = row["volume_fraction"], row["greyness"]
+    return f"objective {row['objective']:.4g}, volume {volume:.3f}, greyness {grey:.3f}"
+
+
+def _still(record: RunRecord) -> Picture | None:
+    if record.mesh is None:
+        return None
+    alt = (
+        f"Half throw of {record.metrics['design']} with the optimised web, from the journal side, from the "
+        "crankpin side, from the front and from the side; journals grey, web blue"
+    )
+    return Picture("views", views_figure(record.mesh, record.scene.web_z_mm), alt)

@@ -1,0 +1,189 @@
+"""Tables, verdicts and JSON of the fatigue command.
+
+`loads` is "extremes" or "cycle"; `baseline` the position of the target that counts as 100 %, if any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.evaluate.evaluation import SCHEMA_VERSION
+from cranktopo.evaluate.rule_check import RuleCheck
+from cranktopo.evaluate.safety_field import FatigueField
+from cranktopo.report.quantities import MASS, SAFETY
+from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
+
+SAME = 0.02
+"""Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
+FatigueResult = FatigueField | RuleCheck
+_FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
+    Column("target", 0, lambda f: f.model.name),
+    Column("throw_kg", MASS.digits, lambda f: f.model.throw_kg),
+    Column(SAFETY.column, SAFETY.digits, lambda f: f.critical.safety),
+    Column("amplitude_MPa", 1, lambda f: f.critical.amplitude_MPa),
+    Column("mean_MPa", 1, lambda f: f.critical.mean_MPa),
+    Column("gradient_per_mm", 3, lambda f: f.critical.gradient_per_mm),
+    Column("strength_MPa", 1, lambda f: f.critical.strength_MPa),
+    Column("pin_safety", SAFETY.digits, lambda f: f.fillet_safety["pin"]),
+    Column("journal_safety", SAFETY.digits, lambda f: f.fillet_safety["journal"]),
+    Column("decided_by", 0, lambda f: f.critical.decided_by),
+    Column("critical_place", 0, lambda f: str(f.critical.place)),
+)
+_RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
+    Column("target", 0, lambda c: c.name),
+    Column("throw_kg", MASS.digits, lambda c: c.throw_kg),
+    Column("least_Q", SAFETY.digits, lambda c: c.safety),
+    Column("pin_Q_rule", 3, lambda c: _by_rule(c, "pin")),
+    Column("pin_Q_FE", 3, lambda c: c.element_checks["pin"].acceptability),
+    Column("journal_Q_rule", 3, lambda c: _by_rule(c, "journal")),
+    Column("journal_Q_FE", 3, lambda c: c.element_checks["journal"].acceptability),
+    Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.element_checks.values())),
+    Column("accepted", 0, lambda c: "yes" if c.accepted else "no"),
+)
+_IN_PERCENT_AFTER = 3
+"""Mass and safety in percent stand behind target, mass and safety."""
+
+
+@dataclass(frozen=True)
+class FatigueComparison:
+    """Fatigue of several targets beside a baseline.
+
+    Attributes:
+        safeties: least safety of each target.
+        verdicts: one line for each target but the baseline.
+        json: the object that `fatigue --json` prints.
+    """
+
+    safeties: tuple[float, ...]
+    verdicts: tuple[str, ...]
+    json: dict[str, Any]
+
+
+def compare_fatigue(results: Sequence[FatigueResult], loads: str, baseline: int) -> FatigueComparison:
+    """What a comparison shows of the fatigue of its targets, all by one method."""
+    safeties = tuple(_summary(result).safety for result in results)
+    return FatigueComparison(
+        safeties, tuple(verdicts(results, baseline)), fatigue_json(results, loads, baseline)
+    )
+
+
+def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
+    """One row per target: mass, safety, cyclic stress, gradient and place of the critical point."""
+    return _with_percent(tabulate(_FIELD_COLUMNS, fields), fields, baseline)
+
+
+def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable:
+    """One row per target: acceptability of both fillets by closed form and by finite elements."""
+    return _with_percent(tabulate(_RULE_COLUMNS, checks), checks, baseline)
+
+
+def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
+    """Concentration factors by closed form and by finite elements."""
+    rows = tuple(
+        {
+            "target": check.name,
+            "factor": name,
+            "rule": getattr(check.closed, name),
+            "FE": value,
+            "FE_over_rule_percent": 100 * (value / getattr(check.closed, name) - 1),
+        }
+        for check in checks
+        for name, value in vars(check.elements).items()
+    )
+    return ResultTable({"target": 0, "factor": 0, "rule": 3, "FE": 3, "FE_over_rule_percent": 1}, rows)
+
+
+def verdicts(results: Sequence[FatigueResult], baseline: int) -> list[str]:
+    """For each target but the baseline its change of mass and safety, and whether it is as safe."""
+    found = [_summary(result) for result in results]
+    base = found[baseline]
+    lines = []
+    for index, one in enumerate(found):
+        if index == baseline:
+            continue
+        ratio = one.safety / base.safety
+        safe = "as safe as" if abs(ratio - 1) <= SAME else "safer than" if ratio > 1 else "less safe than"
+        lines.append(
+            f"{one.name}: {100 * (one.mass_kg / base.mass_kg - 1):+.1f} % mass, "
+            f"{100 * (ratio - 1):+.1f} % safety: {safe} {base.name}."
+        )
+    return lines
+
+
+def fatigue_json(results: Sequence[FatigueResult], loads: str, baseline: int | None) -> dict[str, Any]:
+    """The object that `fatigue --json` prints; at least one result, all by one method."""
+    found = [_summary(result) for result in results]
+    comparison = None
+    if baseline is not None:
+        base = found[baseline]
+        comparison = [
+            {
+                "target": one.name,
+                "safety_percent": 100 * one.safety / base.safety,
+                "mass_percent": 100 * one.mass_kg / base.mass_kg,
+            }
+            for one in found
+        ]
+    first = results[0]
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "method": first.method if isinstance(first, FatigueField) else "m53",
+        "loads": loads,
+        "baseline": None if baseline is None else found[baseline].name,
+        "fatigue": [r.as_json() if isinstance(r, RuleCheck) else _field_json(r) for r in results],
+        "percent_of_baseline": comparison,
+    }
+
+
+@dataclass(frozen=True)
+class _Summary:
+    name: str
+    mass_kg: float
+    safety: float
+
+
+def _summary(result: FatigueResult) -> _Summary:
+    if isinstance(result, FatigueField):
+        return _Summary(result.model.name, result.model.throw_kg, result.critical.safety)
+    return _Summary(result.name, result.throw_kg, result.safety)
+
+
+def _field_json(field: FatigueField) -> dict[str, Any]:
+    return {
+        "target": field.model.name,
+        "throw_kg": field.model.throw_kg,
+        "safety": field.critical.safety,
+        "fillet_safety": field.fillet_safety,
+        "critical": field.critical.as_json(),
+        "off_the_fillets": field.elsewhere.as_json(),
+        "load_states": len(field.history.labels),
+        "unit_loads": list(field.model.kinds),
+        "quality": {**vars(field.model.quality), "within_rule": field.model.quality.within_rule},
+    }
+
+
+def _by_rule(check: RuleCheck, fillet: str) -> float | None:
+    return None if check.outside else check.closed_checks[fillet].acceptability
+
+
+def _with_percent(table: ResultTable, results: Sequence[FatigueResult], baseline: int | None) -> ResultTable:
+    """The table with mass and safety in percent of the baseline."""
+    if baseline is None:
+        return table
+    found = [_summary(result) for result in results]
+    base = found[baseline]
+    columns = list(table.columns.items())
+    added = {MASS.percent_column: 1, SAFETY.percent_column: 1}
+    rows = tuple(
+        {
+            **row,
+            MASS.percent_column: 100 * one.mass_kg / base.mass_kg,
+            SAFETY.percent_column: 100 * one.safety / base.safety,
+        }
+        for row, one in zip(table.rows, found, strict=True)
+    )
+    return ResultTable(
+        dict([*columns[:_IN_PERCENT_AFTER], *added.items(), *columns[_IN_PERCENT_AFTER:]]), rows
+    )

@@ -1,0 +1,68 @@
+"""What a user wants to know of a finished run or loop, as lines of text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from cranktopo.report.tables.result_table import terminal
+from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
+from cranktopo.report.tables.undercuts import obstacles
+
+_SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
+LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
+"""What a loop leaves in its directory beside the folders of its steps."""
+
+
+def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
+    """A finished optimise run; `metrics` as metrics.json holds it."""
+    original = metrics["original_web"]
+    lines = [
+        f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
+        "",
+        f"{'':24}{'optimised':>14}{'original web':>14}{'estimate':>12}{'gain per kg':>14}",
+        *(_case_line(name, metrics) for name in original["gain_of_stiffness_per_mass_percent"]),
+    ]
+    for part in ("throw", "web"):
+        masses = f"{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
+        lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
+    seconds = metrics["seconds"]
+    report = f", report {seconds['report']:.1f} s" if "report" in seconds else ""
+    lines += [
+        "",
+        f"{seconds['total']:.1f} s in all (compiling {seconds['compile']:.1f} s, "
+        f"{seconds['per_iteration_median']:.2f} s per iteration{report}), "
+        f"{metrics['peak_memory_MiB']:.0f} MiB",
+        f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
+        *_surface_warning(metrics["surface"]),
+        *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
+    ]
+    return "\n".join(lines)
+
+
+def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
+    """A finished loop; `data` as iterate.json holds it."""
+    lines = [terminal(steps_table(data["steps"])), "", steps_estimate(data["steps"])]
+    lines += [f"ended: {data['stop_reason']}", best_line(data)]
+    if data["best_step"] is not None:
+        lines.append(str(folder / f"step-{data['best_step']:02d}" / "web.toml"))
+    files = (folder / file for file in LOOP_FILES.values())
+    return "\n".join([*lines, *(str(file) for file in files if file.is_file())])
+
+
+def _case_line(name: str, metrics: Mapping[str, Any]) -> str:
+    """Stiffness under a load case beside that of the original web."""
+    original, case = metrics["original_web"], metrics["load_cases"][name]
+    key = next(key for key in case if key.startswith("stiffness_"))
+    unit = "kN m/rad" if key.endswith("rad") else "kN/mm"
+    values = f"{case[key] / 1000:14.1f}{original['load_cases'][name][key] / 1000:14.1f}"
+    estimate = f"+-{case['error_estimate_percent']:.2g} %" if "error_estimate_percent" in case else ""
+    gain = original["gain_of_stiffness_per_mass_percent"][name]
+    return f"{name + ', ' + unit:24}{values}{estimate:>12}{gain:+12.1f} %"
+
+
+def _surface_warning(surface: Mapping[str, Any]) -> list[str]:
+    if "refusal" in surface:
+        return [f"no STL: {surface['refusal']}"]
+    return obstacles(surface["cavities"], surface.get("undercuts"))

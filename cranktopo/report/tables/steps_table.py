@@ -1,0 +1,64 @@
+"""Table and lines of the loop; steps and data as iterate.json holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from cranktopo.report.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
+from cranktopo.report.tables.evaluation_table import estimate_line
+from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
+
+Step = Mapping[str, Any]
+IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
+"""What every step shows in percent of the original web."""
+
+
+def _in_percent(key: str) -> Callable[[Step], float]:
+    return lambda step: step["percent_of_original"][key]
+
+
+_COLUMNS: tuple[Column[Step], ...] = (
+    Column("step", 0, lambda step: "original" if step["number"] == 0 else str(step["number"])),
+    Column("throw_kg", MASS.digits, lambda step: step["throw_kg"]),
+    Column("web_kg", MASS.digits, lambda step: step["web_kg"]),
+    Column(TORSION.column, TORSION.digits, lambda step: step["torsion_Nm_per_rad"] / 1000),
+    Column(BENDING.column, BENDING.digits, lambda step: step["bending_N_per_mm"] / 1000),
+    Column(
+        TORSION_PER_MASS.column,
+        TORSION_PER_MASS.digits,
+        lambda step: step["torsion_per_mass_Nm_per_rad_kg"] / 1000,
+    ),
+    Column(
+        BENDING_PER_MASS.column,
+        BENDING_PER_MASS.digits,
+        lambda step: step["bending_per_mass_N_per_mm_kg"] / 1000,
+    ),
+    *(Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in IN_PERCENT),
+    Column("transition_mm", 1, lambda step: step["transition_mm"]),
+    Column("overlap_percent", 1, lambda step: step["overlap_percent"]),
+)
+
+
+def steps_table(steps: Sequence[Step]) -> ResultTable:
+    """One row per step, the original web first."""
+    return tabulate(_COLUMNS, steps)
+
+
+def steps_estimate(steps: Sequence[Step]) -> str:
+    """The largest error estimates of the steps' stiffnesses, one line."""
+    return estimate_line(
+        *([step[f"{kind}_error_percent"] for step in steps] for kind in ("torsion", "bending"))
+    )
+
+
+def best_line(data: Mapping[str, Any]) -> str:
+    """Which step is best and what it gains on the original web."""
+    if data["best_step"] is None:
+        return "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
+    share = data["steps"][data["best_step"]]["percent_of_original"]
+    return (
+        f"best: step {data['best_step']}, "
+        f"torsional stiffness per mass {share[TORSION_PER_MASS.key] - 100:+.1f} %, "
+        f"mass {share[MASS.key] - 100:+.1f} %, bending stiffness {share[BENDING.key] - 100:+.1f} %"
+    )

@@ -1,0 +1,173 @@
+"""What the 3D view of a report shows, packed for the browser."""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.case_stress import CaseStress
+from cranktopo.report.figures.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
+from cranktopo.report.viewer.stress_scale import StressScale
+from cranktopo.surface import DensityGrid
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
+
+SCRIPT = Path(__file__).with_name("viewer.js")
+"""The browser's part: draws what `packed` holds."""
+MOST_FACES = 120_000
+"""Of all bodies together; finer surfaces are simplified."""
+_SIMPLER_MM = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
+_STRESS_FACE_MM = 2.5
+"""Longest edge of a face whose corners are coloured by stress."""
+_ALIGNMENT = 4
+
+
+@dataclass(frozen=True)
+class Body:
+    """A surface to look at.
+
+    Attributes:
+        name: shown in the list.
+        mesh: half throw, mm.
+        web_z_mm: axial range of the web; what lies outside is journal.
+        half_pitch_mm: the mid-pin plane, in which the whole throw is mirrored.
+        stress: stresses of the load cases, where they were solved.
+    """
+
+    name: str
+    mesh: SurfaceMesh
+    web_z_mm: tuple[float, float]
+    half_pitch_mm: float
+    stress: CaseStress | None = None
+
+
+@dataclass(frozen=True)
+class DesignSnapshot:
+    """An intermediate design: number of its iteration, physical density of the web's cells."""
+
+    iteration: int
+    cells: DensityGrid
+
+
+@dataclass(frozen=True)
+class Scene3D:
+    """Everything that the 3D view shows.
+
+    Attributes:
+        bodies: surfaces, the first one at the start.
+        steps: designs of the optimisation, on one grid.
+        notes: line shown with each step.
+        stress_scales: what the colours of each load case mean, where every body has stresses.
+    """
+
+    bodies: tuple[Body, ...]
+    steps: tuple[DesignSnapshot, ...] = ()
+    notes: tuple[str, ...] = ()
+    stress_scales: tuple[StressScale, ...] = ()
+
+
+def packed(scene3d: Scene3D) -> str:
+    """The scene3d as base64 text: a compressed block of a JSON header and the arrays it names.
+
+    Positions are rounded to 1/65535 of the size, normals to 1/127, densities to 1/255.
+    """
+    arrays = _Arrays()
+    most = MOST_FACES // len(scene3d.bodies)
+    header = {
+        "bodies": [_body(arrays, body, most, scene3d.stress_scales) for body in scene3d.bodies],
+        "stress": _stress(scene3d.stress_scales),
+        "steps": _steps(arrays, scene3d.steps, scene3d.notes),
+        "arrays": arrays.index,
+    }
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % _ALIGNMENT)
+    block = struct.pack("<I", len(text)) + text + b"".join(arrays.parts)
+    return base64.b64encode(zlib.compress(block, 9)).decode("ascii")
+
+
+class _Arrays:
+    """Arrays one behind the other, each at a multiple of four bytes."""
+
+    def __init__(self) -> None:
+        self.parts: list[bytes] = []
+        self.index: list[dict[str, Any]] = []
+        self._end = 0
+
+    def add(self, array: NDArray[Any]) -> int:
+        """Add an array and return its number."""
+        content = array.tobytes()
+        self.index.append({"type": array.dtype.name, "offset": self._end, "length": array.size})
+        self.parts.append(content + b"\0" * (-len(content) % _ALIGNMENT))
+        self._end += len(self.parts[-1])
+        return len(self.index) - 1
+
+
+def _stress(scales: Sequence[StressScale]) -> dict[str, Any] | None:
+    if not scales:
+        return None
+    cases = [{"label": scale.label, "top_MPa": scale.top_MPa} for scale in scales]
+    return {"ramp": STRESS_COLOURS, "cases": cases}
+
+
+def _body(arrays: _Arrays, body: Body, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
+    skin = shaded(_simplified(body.mesh, most), body.web_z_mm, _STRESS_FACE_MM if scales else None)
+    low, high = skin.vertices_mm.min(axis=0), skin.vertices_mm.max(axis=0)
+    journal = np.zeros(len(skin.vertices_mm), np.uint8)
+    journal[skin.faces] = (skin.colours == JOURNAL_COLOUR).all(axis=1)[:, None]
+    return {
+        "name": body.name,
+        "half_pitch_mm": body.half_pitch_mm,
+        "low_mm": low.tolist(),
+        "size_mm": (high - low).tolist(),
+        "positions": arrays.add(_scaled((skin.vertices_mm - low) / (high - low), 65535, np.uint16)),
+        "normals": arrays.add(_scaled(skin.normals, 127, np.int8)),
+        "journal": arrays.add(journal),
+        "faces": arrays.add(skin.faces.astype(np.uint32)),
+        "stress": [arrays.add(share) for share in _shares(skin, body.stress, scales)],
+    }
+
+
+def _shares(skin: ShadedMesh, stress: CaseStress | None, scales: Sequence[StressScale]) -> list[NDArray[Any]]:
+    """Stress at the corners of a body over the top of its scale, one array per load case."""
+    if stress is None or not scales:
+        return []
+    found = zip(stress.at(skin.vertices_mm), scales, strict=True)
+    return [_scaled(np.minimum(values / scale.top_MPa, 1.0), 255, np.uint8) for values, scale in found]
+
+
+def _simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
+    """The mesh with at most so many faces, or as few as a tolerance of 0.8 mm gives."""
+    if len(mesh.faces) <= most:
+        return mesh
+    solid = solid_of(mesh)
+    for tolerance in _SIMPLER_MM:
+        found = mesh_of(solid.simplify(tolerance))
+        if len(found.faces) <= most:
+            break
+    return found
+
+
+def _steps(arrays: _Arrays, steps: Sequence[DesignSnapshot], notes: Sequence[str]) -> dict[str, Any] | None:
+    if not steps:
+        return None
+    first = steps[0].cells
+    return {
+        "shape": list(first.density.shape),
+        "origin_mm": first.origin_mm.tolist(),
+        "cell_mm": first.cell_mm.tolist(),
+        "iterations": [step.iteration for step in steps],
+        "notes": list(notes),
+        "densities": [arrays.add(_scaled(step.cells.density, 255, np.uint8)) for step in steps],
+    }
+
+
+def _scaled(values: NDArray[np.float64], most: int, kind: type[np.integer[Any]]) -> NDArray[Any]:
+    return np.rint(values * most).astype(kind)

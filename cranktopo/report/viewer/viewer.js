@@ -1,0 +1,395 @@
+"use strict";
+// The 3D view: surfaces and cells of the throw, turned with pointer or keyboard. WebGL 2, nothing else.
+(async () => {
+  const box = document.getElementById("viewer");
+  const packed = document.getElementById("scene3d");
+  if (!box || !packed || !("DecompressionStream" in window)) return;
+  const canvas = box.querySelector("canvas");
+  const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  if (!gl) return;
+
+  const VERTEX = `#version 300 es
+    in vec3 position; in vec3 normal; in float share;
+    uniform mat3 turn; uniform vec3 low, size, flip, shift, target, colour0, colour1;
+    uniform vec2 lens; uniform vec3 depth; uniform vec3 ramp[STOPS]; uniform bool ramped;
+    out vec3 shade;
+    const vec3 KEY = normalize(vec3(-0.45, 0.60, 0.65));
+    const vec3 FRONT = normalize(vec3(0.10, 0.0, 1.0));
+    const vec3 RIM = normalize(vec3(0.95, -0.10, 0.30));
+    vec3 colour() {
+      if (!ramped) return mix(colour0, colour1, share);
+      float place = share * float(STOPS - 1);
+      int below = min(int(place), STOPS - 2);
+      return mix(ramp[below], ramp[below + 1], place - float(below));
+    }
+    void main() {
+      vec3 p = turn * ((low + size * position) * flip + shift - target);
+      vec3 n = turn * (normal * flip);
+      float light = 0.42 + 0.42 * max(dot(n, KEY), 0.0) + 0.26 * max(dot(n, FRONT), 0.0)
+        + 0.16 * max(dot(n, RIM), 0.0);
+      shade = min(colour() * light, 1.0);
+      float w = depth.x - p.z;
+      gl_Position = vec4(lens * p.xy, depth.y * w + depth.z, w);
+    }`;
+  const FRAGMENT = `#version 300 es
+    precision mediump float;
+    in vec3 shade; out vec4 pixel;
+    void main() { pixel = vec4(shade, 1.0); }`;
+  const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5];
+  const FIELD_OF_VIEW = 0.5, START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
+
+  const { header, arrays } = await unpack(packed.textContent);
+  const stress = header.stress;
+  const program = link();
+  const at = (name) => gl.getUniformLocation(program, name);
+  const uniforms = Object.fromEntries(
+    ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "lens", "depth", "ramp",
+      "ramped"].map((n) => [n, at(n)]),
+  );
+  const bodies = header.bodies.map(bodyBuffers);
+  const steps = header.steps;
+  const state = { ...START, body: 0, colour: -1,
+    step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
+  let blocks = null, waiting = false;
+
+  gl.enable(gl.DEPTH_TEST);
+  controls();
+  new ResizeObserver(redraw).observe(canvas);
+  document.documentElement.classList.add("has-3d");
+  redraw();
+  box.dataset.ready = "yes";
+
+  async function unpack(text) {
+    const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const block = await new Response(stream).arrayBuffer();
+    const length = new DataView(block).getUint32(0, true);
+    const found = JSON.parse(new TextDecoder().decode(new Uint8Array(block, 4, length)));
+    const kinds = { uint8: Uint8Array, int8: Int8Array, uint16: Uint16Array, uint32: Uint32Array };
+    const views = found.arrays.map((a) => new kinds[a.type](block, 4 + length + a.offset, a.length));
+    return { header: found, arrays: views };
+  }
+
+  function link() {
+    const made = gl.createProgram();
+    const stops = String(stress ? stress.ramp.length : 2);
+    for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, source.replaceAll("STOPS", stops));
+      gl.compileShader(shader);
+      gl.attachShader(made, shader);
+    }
+    ["position", "normal", "share"].forEach((name, i) => gl.bindAttribLocation(made, i, name));
+    gl.linkProgram(made);
+    if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made));
+    return made;
+  }
+
+  function buffers(attributes, faces) {
+    const shape = { vao: gl.createVertexArray(), count: faces.length, made: [] };
+    gl.bindVertexArray(shape.vao);
+    attributes.forEach(([values, width, type, normalized], i) => {
+      if (!values) return;
+      fill(shape, gl.ARRAY_BUFFER, values);
+      gl.enableVertexAttribArray(i);
+      gl.vertexAttribPointer(i, width, type, normalized, 0, 0);
+    });
+    fill(shape, gl.ELEMENT_ARRAY_BUFFER, faces);
+    return shape;
+  }
+
+  function fill(shape, kind, values) {
+    const buffer = gl.createBuffer();
+    shape.made.push(buffer);
+    gl.bindBuffer(kind, buffer);
+    gl.bufferData(kind, values, gl.STATIC_DRAW);
+  }
+
+  function release(shape) {
+    shape.made.forEach((buffer) => gl.deleteBuffer(buffer));
+    gl.deleteVertexArray(shape.vao);
+  }
+
+  function bodyBuffers(body) {
+    const journal = arrays[body.journal], faces = arrays[body.faces];
+    const isJournal = (_, i) => journal[faces[i - (i % 3)]] > 0;
+    const attributes = [
+      [arrays[body.positions], 3, gl.UNSIGNED_SHORT, true],
+      [arrays[body.normals], 3, gl.BYTE, true],
+    ];
+    return {
+      ...body,
+      web: buffers(attributes, faces.filter((v, i) => !isJournal(v, i))),
+      journals: buffers(attributes, faces.filter(isJournal)),
+    };
+  }
+
+  // Gives the surfaces the stresses of a load case, or takes them away.
+  function colourBy(index) {
+    state.colour = index;
+    for (const body of bodies)
+      for (const shape of [body.web, body.journals]) {
+        gl.bindVertexArray(shape.vao);
+        if (index < 0) {
+          gl.disableVertexAttribArray(2);
+          continue;
+        }
+        shape.share ??= gl.createBuffer();
+        gl.bindBuffer(gl.ARRAY_BUFFER, shape.share);
+        gl.bufferData(gl.ARRAY_BUFFER, arrays[body.stress[index]], gl.STATIC_DRAW);
+        gl.enableVertexAttribArray(2);
+        gl.vertexAttribPointer(2, 1, gl.UNSIGNED_BYTE, true, 0, 0);
+      }
+  }
+
+  // Cells denser than the cut as blocks: the faces between kept cells and the rest.
+  function cellBuffers(densities, cut) {
+    const [nx, ny, nz] = steps.shape, least = Math.max(1, Math.round(cut * 255));
+    const value = (i, j, k) =>
+      i < 0 || j < 0 || k < 0 || i >= nx || j >= ny || k >= nz ? 0 : densities[(i * ny + j) * nz + k];
+    const positions = [], normals = [], share = [], faces = [];
+    const quad = (cell, axis, side, density) => {
+      const first = positions.length / 3, u = (axis + 1) % 3, v = (axis + 2) % 3;
+      for (const [du, dv] of [[0, 0], [1, 0], [1, 1], [0, 1]]) {
+        const corner = [...cell];
+        corner[axis] += side;
+        corner[u] += du;
+        corner[v] += dv;
+        const normal = [0, 0, 0];
+        normal[axis] = side ? 127 : -127;
+        positions.push(...corner);
+        normals.push(...normal);
+        share.push(density);
+      }
+      faces.push(first, first + 1, first + 2, first, first + 2, first + 3);
+    };
+    for (let i = 0; i < nx; i++)
+      for (let j = 0; j < ny; j++)
+        for (let k = 0; k < nz; k++) {
+          const density = value(i, j, k);
+          if (density < least) continue;
+          for (let axis = 0; axis < 3; axis++)
+            for (const side of [0, 1]) {
+              const next = [i, j, k];
+              next[axis] += side ? 1 : -1;
+              if (value(...next) < least) quad([i, j, k], axis, side, density);
+            }
+        }
+    const attributes = [
+      [new Float32Array(positions), 3, gl.FLOAT, false],
+      [new Int8Array(normals), 3, gl.BYTE, true],
+      [new Uint8Array(share), 1, gl.UNSIGNED_BYTE, true],
+    ];
+    return buffers(attributes, new Uint32Array(faces));
+  }
+
+  function redraw() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => {
+      waiting = false;
+      draw();
+    });
+  }
+
+  function draw() {
+    const scale = Math.min(window.devicePixelRatio || 1, 2);
+    const width = Math.max(1, Math.round(canvas.clientWidth * scale));
+    const height = Math.max(1, Math.round(canvas.clientHeight * scale));
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.useProgram(program);
+    const stressed = state.colour >= 0 && blocks === null;
+    if (stress) gl.uniform3fv(uniforms.ramp, stress.ramp.flat());
+    gl.uniform1i(uniforms.ramped, stressed ? 1 : 0);
+    const body = bodies[state.body];
+    aim(body, width / height);
+    box.dataset.triangles = (body.journals.count + (blocks ?? body.web).count) / 3;
+    for (const mirrored of state.whole ? [false, true] : [false]) {
+      gl.uniform3f(uniforms.flip, 1, 1, mirrored ? -1 : 1);
+      gl.uniform3f(uniforms.shift, 0, 0, mirrored ? 2 * body.half_pitch_mm : 0);
+      place(body.low_mm, body.size_mm);
+      paint(body.journals, JOURNAL, JOURNAL);
+      if (blocks === null) paint(body.web, WEB, WEB);
+      else {
+        place(steps.origin_mm, steps.cell_mm);
+        paint(blocks, THIN, WEB);
+      }
+    }
+  }
+
+  function aim(body, aspect) {
+    const out = [
+      Math.sin(state.yaw) * Math.cos(state.pitch),
+      Math.sin(state.pitch),
+      Math.cos(state.yaw) * Math.cos(state.pitch),
+    ];
+    const right = [Math.cos(state.yaw), 0, -Math.sin(state.yaw)];
+    const up = [
+      out[1] * right[2] - out[2] * right[1],
+      out[2] * right[0] - out[0] * right[2],
+      out[0] * right[1] - out[1] * right[0],
+    ];
+    const turn = [0, 1, 2].flatMap((i) => [right[i], up[i], out[i]]);
+    const size = [...body.size_mm];
+    const target = body.low_mm.map((low, i) => low + size[i] / 2);
+    if (state.whole) [target[2], size[2]] = [body.half_pitch_mm, 2 * body.half_pitch_mm];
+    const radius = Math.hypot(...size) / 2;
+    const distance = radius / Math.sin(FIELD_OF_VIEW / 2) / state.zoom;
+    const near = Math.max(distance - 1.2 * radius, 0.02 * distance), far = distance + 1.2 * radius;
+    const lens = (1.1 / Math.tan(FIELD_OF_VIEW / 2)) * Math.min(aspect, 1);
+    gl.uniformMatrix3fv(uniforms.turn, false, turn);
+    gl.uniform3fv(uniforms.target, target);
+    gl.uniform2f(uniforms.lens, lens / aspect, lens);
+    gl.uniform3f(uniforms.depth, distance, (far + near) / (far - near), (-2 * far * near) / (far - near));
+  }
+
+  function place(low, size) {
+    gl.uniform3fv(uniforms.low, low);
+    gl.uniform3fv(uniforms.size, size);
+  }
+
+  function paint(shape, colour0, colour1) {
+    gl.uniform3fv(uniforms.colour0, colour0);
+    gl.uniform3fv(uniforms.colour1, colour1);
+    gl.bindVertexArray(shape.vao);
+    gl.drawElements(gl.TRIANGLES, shape.count, gl.UNSIGNED_INT, 0);
+  }
+
+  function turnBy(yaw, pitch) {
+    state.yaw += yaw;
+    state.pitch = Math.max(-1.55, Math.min(1.55, state.pitch + pitch));
+    redraw();
+  }
+
+  function zoomBy(factor) {
+    state.zoom = Math.max(0.4, Math.min(8, state.zoom * factor));
+    redraw();
+  }
+
+  function controls() {
+    const find = (name) => box.querySelector(`[data-${name}]`);
+    pointer();
+    canvas.addEventListener("keydown", (event) => {
+      const keys = {
+        ArrowLeft: () => turnBy(-0.12, 0), ArrowRight: () => turnBy(0.12, 0),
+        ArrowUp: () => turnBy(0, 0.12), ArrowDown: () => turnBy(0, -0.12),
+        "+": () => zoomBy(1.15), "=": () => zoomBy(1.15), "-": () => zoomBy(1 / 1.15),
+        Home: () => look(START), 0: () => look(START),
+      };
+      if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+    box.querySelectorAll("[data-view]").forEach((button) => {
+      button.addEventListener("click", () => {
+        const [yaw, pitch] = button.dataset.view.split(",").map(Number);
+        look({ yaw, pitch, zoom: 1 });
+      });
+    });
+    find("whole").addEventListener("change", (event) => {
+      state.whole = event.target.checked;
+      redraw();
+    });
+    const body = find("body");
+    body?.addEventListener("change", () => {
+      state.body = Number(body.value);
+      redraw();
+    });
+    const colour = find("colour");
+    colour?.addEventListener("change", () => {
+      colourBy(Number(colour.value));
+      legend();
+      redraw();
+    });
+    if (steps) stepControls(find("step"), find("step-text"), find("cut"), find("cut-row"), find("play"));
+  }
+
+  // Says what the colours mean: parts and densities, or stresses.
+  function legend() {
+    const stressed = state.colour >= 0 && blocks === null;
+    box.querySelectorAll("[data-parts]").forEach((entry) => (entry.hidden = stressed));
+    const select = box.querySelector("[data-colour]"), entry = box.querySelector("[data-stress]");
+    if (!stress) return;
+    select.disabled = blocks !== null;
+    entry.hidden = !stressed;
+    if (!stressed) return;
+    const [swatch, text] = entry.children, found = stress.cases[state.colour];
+    const stops = stress.ramp.map((rgb) => `rgb(${rgb.map((part) => Math.round(255 * part)).join()})`);
+    swatch.style.background = `linear-gradient(90deg, ${stops.join()})`;
+    text.textContent = `von Mises stress, ${found.label}: 0 to ${found.top_MPa.toPrecision(3)} MPa and more`;
+  }
+
+  function stepControls(slider, text, cut, cutRow, play) {
+    const last = steps.iterations.length;
+    let timer = 0;
+    const show = () => {
+      state.step = Number(slider.value);
+      if (blocks) release(blocks);
+      blocks = state.step === last ? null : cellBuffers(arrays[steps.densities[state.step]], state.cut);
+      const iteration = steps.iterations[state.step];
+      const line = blocks ? `Iteration ${iteration}: ${steps.notes[state.step]}` : "Final surface";
+      text.textContent = line;
+      slider.setAttribute("aria-valuetext", line);
+      cutRow.hidden = !blocks;
+      legend();
+      redraw();
+    };
+    const stop = () => {
+      clearInterval(timer);
+      timer = 0;
+      play.textContent = "Play";
+    };
+    slider.addEventListener("input", () => {
+      stop();
+      show();
+    });
+    cut.addEventListener("input", () => {
+      state.cut = Number(cut.value);
+      show();
+    });
+    play.addEventListener("click", () => {
+      if (timer) return stop();
+      if (state.step === last) slider.value = 0;
+      show();
+      play.textContent = "Stop";
+      timer = setInterval(() => {
+        slider.value = state.step + 1;
+        show();
+        if (state.step === last) stop();
+      }, 220);
+    });
+    show();
+  }
+
+  function look(view) {
+    Object.assign(state, view);
+    redraw();
+  }
+
+  function pointer() {
+    let held = null;
+    canvas.addEventListener("pointerdown", (event) => {
+      held = [event.clientX, event.clientY];
+      canvas.setPointerCapture(event.pointerId);
+      canvas.focus({ preventScroll: true });
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!held) return;
+      turnBy(-(event.clientX - held[0]) * 0.01, (event.clientY - held[1]) * 0.01);
+      held = [event.clientX, event.clientY];
+    });
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (held = null));
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        if (document.activeElement !== canvas && !event.ctrlKey) return;
+        event.preventDefault();
+        zoomBy(Math.exp(-event.deltaY * 0.0012));
+      },
+      { passive: false },
+    );
+  }
+})();
