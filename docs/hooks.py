@@ -1,0 +1,145 @@
+"""What pages do not hold as text: references made of the code, pictures of designs, equations as MathML."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+from latex2mathml.converter import convert
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+import cranktopo
+from cranktopo.cli.main import COMMANDS, cli
+from cranktopo.scene.reference import KeyReference, TableReference, scene_reference
+
+ROOT = Path(__file__).resolve().parents[1]
+PICTURES = ("designs/mikron-iiic.png",)
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the pictures that are kept beside the designs."""
+    for path in PICTURES:
+        picture = File.generated(config, f"images/{Path(path).name}", abs_src_path=str(ROOT / path))
+        files.append(picture)
+    return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Fill in `<!-- generated: NAME -->`; set `$...$` and `$$...$$` aside, which Markdown must not touch."""
+    page.meta["equations"] = []
+    parts = re.split(r"(?ms)(^```.*?^```$|`[^`\n]+`)", markdown)
+    found = "".join(
+        part if part.startswith("`") else _set_aside(part, page.meta["equations"]) for part in parts
+    )
+    return re.sub(r"<!-- generated: (\w+) -->", lambda name: GENERATED[name[1]](), found)
+
+
+def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Put the equations back as MathML, which browsers show by themselves."""
+    return re.sub(r"@@equation-(\d+)@@", lambda number: page.meta["equations"][int(number[1])], html)
+
+
+def _set_aside(text: str, equations: list[str]) -> str:
+    def kept(found: re.Match[str]) -> str:
+        equations.append(convert(found[2], display="block" if found[1] == "$$" else "inline"))
+        return f"@@equation-{len(equations) - 1}@@"
+
+    return re.sub(r"(?s)(\$\$?)([^$]+)\1", kept, text)
+
+
+def scene_tables() -> str:
+    """Every table of a scene with its keys."""
+    return "\n\n".join(_scene_table(table) for table in scene_reference())
+
+
+def _scene_table(table: TableReference) -> str:
+    name = f"[[{table.path}]]" if table.repeated else f"[{table.path}]"
+    if table.choice:
+        first = table.keys[0]
+        return f"**{first.name} = {first.kind}**: {_line(table.meaning)}\n\n{_key_rows(table.keys)}"
+    anchor = table.path.replace(".", "-") or "top"
+    heading = f"## `{name}` {{#{anchor}}}" if table.path else f"## The top of the file {{#{anchor}}}"
+    needed = "Required." if table.required else "Optional."
+    return "\n\n".join(filter(None, (heading, f"{table.meaning} {needed}", _key_rows(table.keys))))
+
+
+def _key_rows(keys: tuple[KeyReference, ...]) -> str:
+    if not keys:
+        return ""
+    head = "| key | meaning | unit | value | default |\n|---|---|---|---|---|"
+    return "\n".join([head, *(_key_row(key) for key in keys)])
+
+
+def _key_row(key: KeyReference) -> str:
+    value = " ".join(filter(None, (key.kind, key.allowed)))
+    if key.unless:
+        default = f"required unless {key.unless}"
+    elif key.required:
+        default = "required"
+    else:
+        default = "none" if key.default in (None, "", []) else f"`{key.default}`"
+    return f"| `{key.name}` | {_line(key.meaning)} | {key.unit} | {_line(value)} | {default} |"
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+def command_pages() -> str:
+    """Every command with its arguments and options."""
+    context = click.Context(cli, info_name="cranktopo")
+    return "\n\n".join(
+        part for name in COMMANDS for part in _command(cli.get_command(context, name), context, name, 2)
+    )
+
+
+def _command(command: click.Command | None, parent: click.Context, name: str, level: int) -> Iterator[str]:
+    assert command is not None
+    context = click.Context(command, info_name=name, parent=parent)
+    usage = " ".join(command.collect_usage_pieces(context))
+    text, _, example = (command.help or "").partition("Example: ")
+    yield f"{'#' * level} {context.command_path}"
+    yield f"```sh\n{context.command_path} {usage}\n```"
+    yield "\n\n".join(" ".join(part.split()) for part in text.replace("\b", "").split("\n\n"))
+    if example:
+        yield f"```sh\n{' '.join(example.split())}\n```"
+    options = [
+        p for p in command.get_params(context) if isinstance(p, click.Option) and "--help" not in p.opts
+    ]
+    rows = [_option(option, context) for option in options if not option.hidden]
+    if rows:
+        yield "\n".join(["| option | meaning |", "|---|---|", *rows])
+    for child in command.commands.values() if isinstance(command, click.Group) else ():
+        yield from _command(child, context, str(child.name), level + 1)
+
+
+def _option(option: click.Option, context: click.Context) -> str:
+    names, meaning = option.get_help_record(context) or ("", "")
+    return f"| `{names.replace('|', ' or ')}` | {_line(meaning).replace('[', chr(92) + '[')} |"
+
+
+def exit_codes() -> str:
+    """The table of exit codes."""
+    codes = (cli.epilog or "").removeprefix("Exit codes: ").rstrip(".").split("; ")
+    rows = [f"| {code.partition(' ')[0]} | {code.partition(' ')[2]} |" for code in codes]
+    return "\n".join(["| code | meaning |", "|---|---|", *rows])
+
+
+def public_names() -> str:
+    """Every name of the Python interface with its documentation."""
+    named = (cranktopo.__doc__ or "").partition("->")[0] + (cranktopo.__doc__ or "")
+    order = sorted(cranktopo.__all__, key=lambda name: (name not in named, named.find(name)))
+    return "\n\n".join(f"::: cranktopo.{name}" for name in order)
+
+
+GENERATED: dict[str, Any] = {
+    "scene": scene_tables,
+    "commands": command_pages,
+    "exit_codes": exit_codes,
+    "api": public_names,
+}
