@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 MM_PER_M = 1000.0
+MM_PER_INCH = 25.4
 MM2_PER_M2 = MM_PER_M**2
 MPA_PER_GPA = 1000.0
 MPA_PER_BAR = 0.1

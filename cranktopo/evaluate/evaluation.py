@@ -226,7 +226,7 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
         return mesh_throw(target.scene, element_size_mm, graded=graded)
     from cranktopo.meshing.imported_body import mesh_file
 
-    return mesh_file(target.file, target.scene, element_size_mm)
+    return mesh_file(target.file, target.scene, element_size_mm, target.align)
 
 
 def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluation:

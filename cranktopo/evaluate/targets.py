@@ -27,21 +27,25 @@ class Target:
         scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
             where `file` is None.
         file: STL or STEP of the half throw, mm, or None.
+        align: whether a body from CAD that lies elsewhere is moved to where the scene's journals are.
     """
 
     name: str
     scene: Scene
     file: Path | None = None
     run: Path | None = None
+    align: bool = False
 
 
-def resolve_targets(texts: Sequence[str], design: str | None = None, fillets: bool = False) -> list[Target]:
+def resolve_targets(
+    texts: Sequence[str], design: str | None = None, fillets: bool = False, align: bool = False
+) -> list[Target]:
     """Targets from what the user typed, each with a name of its own.
 
     Raises:
         CranktopoError: as `resolve_target`.
     """
-    found = [resolve_target(text, design, fillets) for text in texts]
+    found = [resolve_target(text, design, fillets, align) for text in texts]
     for name in (lambda text: Path(text).stem, str):
         taken = Counter(target.name for target in found)
         found = [
@@ -51,11 +55,14 @@ def resolve_targets(texts: Sequence[str], design: str | None = None, fillets: bo
     return found
 
 
-def resolve_target(text: str, design: str | None = None, fillets: bool = False) -> Target:
+def resolve_target(
+    text: str, design: str | None = None, fillets: bool = False, align: bool = False
+) -> Target:
     """A target from what the user typed.
 
     Args:
         text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
+        align: moves a body from CAD that lies elsewhere to where the journals are.
 
     Raises:
         CranktopoError: nothing of that name, no finished run of `optimise`, or a geometry file without a
@@ -76,7 +83,7 @@ def resolve_target(text: str, design: str | None = None, fillets: bool = False) 
             hint="Add --design NAME.",
             code=ExitCode.USAGE,
         )
-    return Target(path.name, load_simulated(design), path)
+    return Target(path.name, planned_scene(load_scene(design), ("bores", "fillets")), path, align=align)
 
 
 def _run(run: RunStore) -> Target:

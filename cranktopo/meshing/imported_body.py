@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cranktopo.cad.session import cad_session
+from cranktopo.cad.session import cad_session, triangles
 from cranktopo.cad.throw_solid import SolidProperties, solid_properties
 from cranktopo.errors import CranktopoError
 from cranktopo.frames import Z
+from cranktopo.meshing.placement import placed
 from cranktopo.meshing.remesh import tetrahedralise
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_body, ring_size_mm
 from cranktopo.scene import Scene
@@ -19,14 +21,23 @@ from cranktopo.surface.solids import is_mirror_image, web_region
 from cranktopo.triangles.shells import shell_volumes_mm3
 from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.units import MM_PER_INCH
 
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+Array = NDArray[np.float64]
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
+_UNIT_SHARE = 0.01
+_FACETS_PER_TURN = 64
+_ROUNDING = 1e-6
+"""How far single precision and the mesher may move an end section, over the pitch."""
 
 
-def mesh_file(path: Path, scene: Scene, element_size_mm: float) -> MeshedThrow:
+def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = False) -> MeshedThrow:
     """Mesh of the half throw in an STL or STEP file.
 
     Args:
@@ -34,22 +45,25 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float) -> MeshedThrow:
             hold the full throw (z to the full pitch).
         scene: design of its journals.
         element_size_mm: general element size.
+        align: move a body that lies elsewhere to where the journals are.
 
     Raises:
-        CranktopoError: not watertight, several bodies, wrong extent, or no valid mesh.
+        CranktopoError: not watertight, several bodies, not where the journals are, or no valid mesh.
     """
     if path.suffix.lower() == ".stl":
-        return _mesh_stl(path, scene, element_size_mm)
+        return _mesh_stl(path, scene, element_size_mm, align)
     with cad_session(f"solid of {path}") as gmsh:
         occ = gmsh.model.occ
         body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]
         if len(body) != 1:
             raise CranktopoError(f"{path}: holds {len(body)} solids, not one.", hint="Fuse them first.")
         low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
-        if abs(high - scene.pitch_mm) < _SNAP_MM:
+        _check_unit(path, scene, low, high)
+        if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
             body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
-            high = scene.pitch_mm / 2
-        _check_extent(path, scene, low, high)
+        motion = placed(_facets(gmsh, body, path), scene, str(path), align)
+        if motion is not None:
+            occ.affineTransform(body, motion.affine)
         half = solid_properties(occ, body)
         web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
         web_volume = sum(occ.getMass(*pair) for pair in web)
@@ -67,22 +81,29 @@ def _between(
     return list(kept)
 
 
-def _mesh_stl(path: Path, scene: Scene, size: float) -> MeshedThrow:
-    surface = read_half_throw(path, scene)
+def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
+    surface = read_half_throw(path, scene, align)
     body = solid_of(surface, str(path))
     half = _properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
     if mirrored:
-        surface = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
+        cut = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
+        surface = SurfaceMesh(_on_planes(cut.vertices_mm, scene, _ROUNDING), cut.faces)
     points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
+    points = np.ascontiguousarray(_on_planes(points.T, scene, _ROUNDING).T)
     return MeshedThrow(TetMesh(points, cells, mirrored), half, float(web_region(body, scene).volume()))
 
 
-def read_half_throw(path: Path, scene: Scene) -> SurfaceMesh:
+def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
     """The closed surface of the half throw in an STL file, its ends snapped onto their planes.
 
+    Args:
+        path: the file, mm.
+        scene: design of its journals.
+        align: move a body that lies elsewhere to where the journals are.
+
     Raises:
-        CranktopoError: unreadable, not watertight, several bodies, or another extent than the half throw's.
+        CranktopoError: unreadable, not watertight, several bodies, or not where the journals are.
     """
     surface = read_stl(path, str(path))
     if len(surface.faces) == 0:
@@ -93,25 +114,53 @@ def read_half_throw(path: Path, scene: Scene) -> SurfaceMesh:
     bodies = int((shell_volumes_mm3(SurfaceMesh(surface.vertices_mm, faces)) > 0).sum())
     if bodies != 1:
         raise CranktopoError(f"{path}: holds {bodies} separate bodies.", hint="Remove the loose parts.")
-    vertices = surface.vertices_mm.copy()
-    z = vertices[:, Z]
-    _check_extent(path, scene, float(z.min()), float(z.max()))
+    vertices = surface.vertices_mm
+    _check_unit(path, scene, float(vertices[:, Z].min()), float(vertices[:, Z].max()))
+    motion = placed(solid_of(SurfaceMesh(vertices, faces), str(path)), scene, str(path), align)
+    if motion is not None:
+        vertices = motion.moved(vertices)
+    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces)
+
+
+def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:
+    """Points (n, 3) with those near an end plane exactly on it.
+
+    Single precision, in which surfaces are kept, holds few of the planes' heights: what is not put back on
+    its plane would lie beside it by the rounding, and carry no support.
+
+    Args:
+        points_mm: the points.
+        scene: where the planes are.
+        share: what counts as near, over the pitch.
+    """
+    moved = points_mm.copy()
+    z = moved[:, Z]
     for plane in (0.0, scene.pitch_mm / 2):
-        z[np.abs(z - plane) < _SNAP_MM / 10] = plane
-    return SurfaceMesh(vertices, faces)
+        z[np.abs(z - plane) < share * scene.pitch_mm] = plane
+    return moved
 
 
-def _check_extent(path: Path, scene: Scene, low: float, high: float) -> None:
+def _check_unit(path: Path, scene: Scene, low: float, high: float) -> None:
     end = scene.pitch_mm / 2
-    if abs(low) > _SNAP_MM or abs(high - end) > _SNAP_MM:
-        metres = abs(low) < _SNAP_MM / 1000 and abs(1000 * high - end) < _SNAP_MM
-        raise CranktopoError(
-            f"{path}: reaches from z = {low:.3f} to {high:.3f} mm, "
-            f"the half throw of '{scene.name}' from 0 to {end:g} mm.",
-            hint="It is in metres: export it in mm."
-            if metres
-            else "Give the design it was made from, in mm.",
-        )
+    for name, factor in (("metres", 1000.0), ("inches", MM_PER_INCH)):
+        if abs(factor * (high - low) / end - 1) < _UNIT_SHARE:
+            raise CranktopoError(
+                f"{path}: is {high - low:.4g} long along the crank axis, the half throw {end:g} mm.",
+                hint=f"It is in {name}: export it in mm.",
+            )
+
+
+def _facets(gmsh: Any, body: list[tuple[int, int]], path: Path) -> Manifold:
+    """The solid as a closed surface, fine enough to measure its journals on; the session stays as it was."""
+    gmsh.model.occ.synchronize()
+    for _, tag in body:
+        gmsh.model.mesh.setOutwardOrientation(tag)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _FACETS_PER_TURN)
+    gmsh.model.mesh.generate(2)
+    surface = SurfaceMesh(*triangles(gmsh))
+    gmsh.model.mesh.clear()
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
+    return solid_of(surface, str(path))
 
 
 def _properties(surface: SurfaceMesh) -> SolidProperties:

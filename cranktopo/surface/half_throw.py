@@ -13,7 +13,7 @@ from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
 from cranktopo.surface.grid import DensityGrid, is_x_symmetric
-from cranktopo.surface.isosurface import FineField, iso_solid, resample
+from cranktopo.surface.isosurface import FineField, iso_solid, resample, unsmoothed_solid
 from cranktopo.surface.solids import (
     envelope_solid,
     is_mirror_image,
@@ -23,11 +23,13 @@ from cranktopo.surface.solids import (
     web_region,
 )
 from cranktopo.triangles.self_intersections import self_intersections_mm
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
+from cranktopo.triangles.surface_mesh import DEGENERATE_MM2, SurfaceMesh, mesh_of, solid_of, sound_mesh_of
 
 Array = NDArray[np.float64]
 SIMPLIFY_MM = 0.02
-_SLIVER_MM = 1e-3
+_SLIVERS_MM = (1e-3, 1e-4, 1e-5, 0.0)
+"""How far taking out the slivers of a boolean may move the surface, from attempt to attempt."""
+_ON_MIRROR_MM = 1e-4
 _ATTEMPTS = 4
 _VOLUME_TOLERANCE = 1e-4
 _ISO_RANGE = (0.05, 0.95)
@@ -71,15 +73,19 @@ class Cutter:
     stubs: Manifold
     symmetric: bool
 
-    def web(self, field: FineField, iso: float, rough_mm: Array | None = None) -> Manifold:
+    def web(
+        self, field: FineField, iso: float, rough_mm: Array | None = None, smoothed: bool = True
+    ) -> Manifold:
         """The web at an iso-value.
 
         Args:
             field: resampled density.
             iso: iso-value, 0 < iso < 1.
             rough_mm: places (n, 3) around which the surface is not smoothed.
+            smoothed: False leaves the iso-surface as marching cubes find it.
         """
-        body = (iso_solid(field, iso, SIMPLIFY_MM, rough_mm) ^ self.envelope) + self.stubs - self.bores
+        solid = iso_solid(field, iso, SIMPLIFY_MM, rough_mm) if smoothed else unsmoothed_solid(field, iso)
+        body = (solid ^ self.envelope) + self.stubs - self.bores
         if not self.symmetric:
             return body
         half = body.warp_batch(_snap_to_mirror_plane).trim_by_plane(_X_AXIS, 0.0)
@@ -148,13 +154,22 @@ def extract_half_throw(
 def _throw(
     cutter: Cutter, field: FineField, iso: float, scene: Scene
 ) -> tuple[Manifold, SurfaceMesh, list[Manifold]]:
-    """Half throw, its mesh and its islands; less smoothed wherever smoothing makes it pass through itself."""
+    """Half throw, its mesh and its islands: the first attempt whose surface does not pass through itself.
+
+    Two things make a closed surface pass through itself: smoothing pushes one of two near sheets through the
+    other, and taking out the slivers that a boolean leaves turns a face over. So slivers are first taken out
+    within less and less; then the places that are left stay unsmoothed, at last the whole web. Where nothing
+    helps the last attempt is returned, and the checks refuse it.
+    """
     rough = np.zeros((0, 3))
     for attempt in range(_ATTEMPTS):
-        body, dropped = _keep_throw(cutter.web(field, iso, rough), scene)
-        mesh = sound_mesh_of(body, _SLIVER_MM)
-        if attempt == _ATTEMPTS - 1 or not len(places := self_intersections_mm(mesh)):
-            break
+        web = cutter.web(field, iso, rough, smoothed=attempt < _ATTEMPTS - 1)
+        for sliver_mm in _SLIVERS_MM:
+            body, dropped = _keep_throw(web, scene, sliver_mm)
+            mesh = sound_mesh_of(body, sliver_mm)
+            places = self_intersections_mm(mesh)
+            if not len(places) and mesh.areas_mm2.min() > DEGENERATE_MM2:
+                return body, mesh, dropped
         rough = np.concatenate([rough, places])
     return body, mesh, dropped
 
@@ -240,10 +255,10 @@ def build_cutter(
     return Cutter(envelope, web_bores(scene), journal_stubs(scene), symmetric)
 
 
-def _keep_throw(web: Manifold, scene: Scene) -> tuple[Manifold, list[Manifold]]:
+def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold, list[Manifold]]:
     """The piece of web and journals that holds both journals, and the islands that it left."""
     main, pin = journal_halves(scene)
-    pieces = (web + main + pin).as_original().simplify(_SLIVER_MM).decompose()
+    pieces = (web + main + pin).as_original().simplify(sliver_mm).decompose()
     islands = [piece for piece in pieces if piece.volume() > 0]
     hollows = [piece for piece in pieces if piece.volume() <= 0]
     throw = next((piece for piece in islands if _joins(piece, scene)), None)
@@ -260,7 +275,7 @@ def _keep_throw(web: Manifold, scene: Scene) -> tuple[Manifold, list[Manifold]]:
 
 def _snap_to_mirror_plane(points: Array) -> Array:
     """Points with |x| below a hair put on x = 0, so that the mirrored halves leave no slivers there."""
-    points[np.abs(points[:, X]) < _SLIVER_MM / 10, X] = 0.0
+    points[np.abs(points[:, X]) < _ON_MIRROR_MM, X] = 0.0
     return points
 
 

@@ -53,19 +53,23 @@ def test_nothing_changes_far_from_rough_places() -> None:
     assert len(rough.vertices_mm) != len(smooth.vertices_mm)
 
 
+SLIVER_ATTEMPTS = 4
+
+
 def test_extraction_smooths_less_until_its_surface_is_sound(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two rounds report a place; the third surface is taken, rough around both, volume kept."""
+    """Two webs report a place however few slivers go; the third is taken, rough around both, volume kept."""
     scene = scene_with()
-    found = [np.array([[25.0, 20.0, 30.0]]), np.array([[-25.0, 20.0, 30.0]]), np.zeros((0, 3))]
+    places = [np.array([[25.0, 20.0, 30.0]]), np.array([[-25.0, 20.0, 30.0]])]
+    found = [place for place in places for _ in range(SLIVER_ATTEMPTS)] + [np.zeros((0, 3))]
     rough: list[int] = []
     cut = extract.Cutter.web
 
     def watched(
-        cutter: extract.Cutter, field: FineField, iso: float, rough_mm: np.ndarray | None = None
+        cutter: extract.Cutter, field: FineField, iso: float, rough_mm: np.ndarray | None = None, **more: bool
     ) -> Manifold:
         if rough_mm is not None:
             rough.append(len(rough_mm))
-        return cut(cutter, field, iso, rough_mm)
+        return cut(cutter, field, iso, rough_mm, **more)
 
     def reported(mesh: SurfaceMesh) -> np.ndarray:
         return found.pop(0)

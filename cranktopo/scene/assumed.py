@@ -1,0 +1,75 @@
+"""What a scene leaves out and the program therefore assumes: said by every command that uses it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from cranktopo.scene.base import SceneTable
+from cranktopo.scene.schema import Scene
+
+THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
+"""Tables of the scene whose assumptions a command may ask for."""
+_CONSEQUENCES = {
+    "fillet_mm": "sharp",
+    "bore_diameter_mm": "solid",
+    "piston_group_kg": "no inertia force of the piston",
+    "rod_reciprocating_kg": "no inertia force of the rod's upper end",
+    "rod_rotating_kg": "no centrifugal force of the rod's big end",
+}
+"""What the default of a key means where the number alone does not say it."""
+_QUIET = {"indicator_csv", "source", "name"}
+_WITH_INDICATOR = {"ambient_pressure_MPa"}
+"""Keys of [engine.gas] that count where the pressure is measured."""
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """A key that the scene does not give, the value taken for it, and what that means."""
+
+    key: str
+    value: float | int | str
+    meaning: str
+
+    def __str__(self) -> str:
+        return f"{self.key} = {self.value}" + (f" ({self.meaning})" if self.meaning else "")
+
+
+def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
+    """Values that a scene as it was read does not give and a command nevertheless uses.
+
+    A scene that was read back from a run has every key: ask before it is stored.
+
+    Args:
+        tables: which parts of the scene are used, of `THROW`, `LOADS`, `SUPPORTS`, `ENVELOPE`, `FATIGUE`.
+    """
+    found: list[Assumption] = []
+    for table in tables:
+        value = getattr(scene, table)
+        if isinstance(value, SceneTable):
+            found += _left_out(value, table)
+    return tuple(found)
+
+
+def assumed_text(found: Sequence[Assumption]) -> str:
+    """One line for the terminal; empty when everything is given."""
+    return f"assumed: {'; '.join(map(str, found))}" if found else ""
+
+
+def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
+    """The entries of `assumed` in metrics.json."""
+    return [asdict(item) for item in found]
+
+
+def _left_out(table: SceneTable, path: str) -> Iterator[Assumption]:
+    """Assumptions of a table and of the tables in it, in the order of the schema."""
+    measured = getattr(table, "indicator_csv", None) is not None
+    for name in type(table).model_fields:
+        value, key = getattr(table, name), f"{path}.{name}"
+        if isinstance(value, SceneTable):
+            yield from _left_out(value, key)
+        elif name in table.model_fields_set or name in _QUIET or not isinstance(value, (int, float, str)):
+            continue
+        elif not measured or name in _WITH_INDICATOR:
+            yield Assumption(key, value, _CONSEQUENCES.get(name, "") if not value else "")
