@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -26,7 +25,6 @@ from cranktopo.domain.outline import (
     web_bounds_mm,
     web_outline,
 )
-from cranktopo.domain.stl_envelope import check_symmetric
 from cranktopo.errors import invalid
 from cranktopo.scene.bevel import bevel_cuts_mm
 from cranktopo.scene.geometry import Envelope, Journal, SidePocket, Web
@@ -133,9 +131,6 @@ def build_domain(
     """
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
-    envelope = scene.envelope
-    if target == "envelope" and extent == "quarter" and envelope is not None and envelope.shape == "stl":
-        check_symmetric(Path(envelope.file))
     layers = _layers(scene, target)
     grid = grid or _grid(scene, resolution_mm, target, extent)
     sampled: dict[Shape, Array] = {}  # a shape serves as design and as web: sample it once

@@ -61,7 +61,7 @@ def envelope_outline(envelope: Envelope, z_mm: float) -> Shape:
         return disc(envelope.radius_mm)
     if envelope.shape == "outline":
         return polygons([np.array(envelope.points_mm)])
-    return polygons(section(Path(envelope.file), z_mm))
+    return polygons(section(Path(envelope.file), z_mm, envelope.symmetric))
 
 
 def envelope_bounds_mm(envelope: Envelope) -> tuple[float, float, float, float]:
@@ -75,7 +75,7 @@ def envelope_bounds_mm(envelope: Envelope) -> tuple[float, float, float, float]:
         points = np.array(envelope.points_mm)
         (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
         return float(x0), float(x1), float(y0), float(y1)
-    return bounds_mm(Path(envelope.file))
+    return bounds_mm(Path(envelope.file), envelope.symmetric)
 
 
 def web_bounds_mm(scene: Scene) -> tuple[float, float, float, float]:

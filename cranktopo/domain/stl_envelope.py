@@ -1,4 +1,4 @@
-"""Design envelopes given as closed surface meshes."""
+"""Design envelopes given as files: closed surface meshes, or STEP bodies, which become meshes here."""
 
 from __future__ import annotations
 
@@ -9,47 +9,55 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
+from cranktopo.cad.step_surface import STEP_SUFFIXES, step_surface
 from cranktopo.errors import invalid
 from cranktopo.triangles.shells import shell_volumes_mm3
 from cranktopo.triangles.surface_files import read_stl
-from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 _KEY = "envelope.file"
 _ALIKE = 1e-6
+"""Difference of the sides, over the volume, that is rounding."""
+_MESHED = 5e-4
+"""The same for two sides of one shape that were triangulated differently."""
 _LEAST_MM = 2.0
 """No web is smaller, in metres every one is."""
 
 
-def envelope_from_stl(path: Path) -> Manifold:
-    """The closed body in a surface mesh file, mm, in the frame of `cranktopo.frames`.
+def envelope_from_file(path: Path, symmetric: bool = False) -> Manifold:
+    """The closed body in an STL or STEP file, mm, in the frame of `cranktopo.frames`.
+
+    Args:
+        path: the file.
+        symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made
+            so from the side x >= 0.
 
     Raises:
-        CranktopoError: the file is missing, unreadable, in metres, or its surface is not that of one body.
+        CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or not
+            symmetric though it should be.
     """
-    return solid_of(_closed_surface(path), f"{_KEY} = '{path}'")
+    return _body(_symmetric_surface(path)[0] if symmetric else _closed_surface(path), path)
 
 
-def bounds_mm(path: Path) -> tuple[float, float, float, float]:
+def bounds_mm(path: Path, symmetric: bool = False) -> tuple[float, float, float, float]:
     """Range of the body: (x_min, x_max, y_min, y_max), mm."""
-    box = envelope_from_stl(path).bounding_box()
+    box = envelope_from_file(path, symmetric).bounding_box()
     return box[0], box[3], box[1], box[4]
 
 
-def check_symmetric(path: Path) -> None:
-    """Check that the body is its own mirror image in x = 0.
+def symmetrised(path: Path) -> str:
+    """What was done to make a body its own mirror image in x = 0, in words; empty for nothing.
 
     Raises:
-        CranktopoError: both sides differ by more than a millionth of the volume.
+        CranktopoError: as `envelope_from_file`.
     """
-    body = envelope_from_stl(path)
-    share = mirror_difference(body)
-    if share > _ALIKE:
-        raise invalid(
-            "envelope.symmetric",
-            True,
-            f"the sides of '{path}' differ by {100 * share:.3g} % of its volume",
-            "Set it to false.",
-        )
+    share = _symmetric_surface(path)[1]
+    if share <= _ALIKE:
+        return ""
+    return (
+        f"envelope '{path.name}': its sides differ by {100 * share:.2g} % of its volume; the side x >= 0 and "
+        "its mirror image are taken"
+    )
 
 
 def mirror_difference(body: Manifold) -> float:
@@ -58,14 +66,38 @@ def mirror_difference(body: Manifold) -> float:
     return float(outside / body.volume()) if outside else 0.0
 
 
-def section(path: Path, z_mm: float) -> list[NDArray[np.float64]]:
+def section(path: Path, z_mm: float, symmetric: bool = False) -> list[NDArray[np.float64]]:
     """Closed contours (n, 2) of the body's cross-section at a height z, mm."""
-    return [np.asarray(contour) for contour in envelope_from_stl(path).slice(z_mm).to_polygons()]
+    return [np.asarray(contour) for contour in envelope_from_file(path, symmetric).slice(z_mm).to_polygons()]
+
+
+def _body(surface: SurfaceMesh, path: Path) -> Manifold:
+    return solid_of(surface, f"{_KEY} = '{path}'")
+
+
+@lru_cache(maxsize=4)
+def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
+    """The surface, symmetric in x, and by how much of its volume the sides differed."""
+    surface = _closed_surface(path)
+    body = _body(surface, path)
+    share = mirror_difference(body)
+    if share > _MESHED:
+        raise invalid(
+            "envelope.symmetric",
+            True,
+            f"the sides of '{path}' differ by {100 * share:.3g} % of its volume",
+            "Set it to false.",
+        )
+    if share > _ALIKE:
+        half = body.trim_by_plane((1.0, 0.0, 0.0), 0.0)
+        surface = mesh_of(half + half.mirror((1.0, 0.0, 0.0)))
+    return surface, share
 
 
 @lru_cache(maxsize=4)
 def _closed_surface(path: Path) -> SurfaceMesh:
-    surface = read_stl(path, f"{_KEY} = '{path}'")
+    name = f"{_KEY} = '{path}'"
+    surface = step_surface(path, name) if path.suffix.lower() in STEP_SUFFIXES else read_stl(path, name)
     if len(surface.faces) == 0:
         raise invalid(_KEY, str(path), "holds no triangles", "Export the surface again as STL, mm.")
     largest = float(np.ptp(surface.vertices_mm, axis=0).max())

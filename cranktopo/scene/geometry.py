@@ -244,16 +244,16 @@ class OutlineEnvelope(_EnvelopeBase):
 
 
 class StlEnvelope(_EnvelopeBase):
-    """Design space: the web slab inside a closed surface mesh, mm, in the frame of `cranktopo.frames`.
+    """Design space: the web slab inside a closed body from a file, in the frame of `cranktopo.frames`.
 
-    With `symmetric` the mesh is its own mirror image in x = 0, which is checked, and half of it is enough.
+    With `symmetric` the body is its own mirror image in x = 0, which is checked, and half of it is enough.
     """
 
     shape: Literal["stl"]
     file: str = Field(examples=["envelope.stl"])
-    """STL in mm with z along the crank and y along the throw, a path relative to this file."""
+    """STL in mm or STEP of one body, z along the crank and y along the throw; relative to this file."""
     symmetric: bool = False
-    """The mesh is its own mirror image in x = 0 (checked)."""
+    """The body is its own mirror image in x = 0 (checked to 0.05 % of its volume)."""
 
 
 Envelope = Annotated[

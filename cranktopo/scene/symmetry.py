@@ -17,7 +17,7 @@ def envelope_asymmetry(scene: Scene) -> str:
     """Key of an envelope that is not symmetric in x, or not known to be; empty when it is or is absent."""
     envelope = scene.envelope
     if envelope is not None and envelope.shape == "stl":
-        return "" if envelope.symmetric else "envelope (a surface mesh, not said to be symmetric)"
+        return "" if envelope.symmetric else "envelope (a file, not said to be symmetric)"
     if envelope is not None and envelope.shape == "outline":
         points = {(round(x, 9), round(y, 9)) for x, y in envelope.points_mm}
         if points != {(round(-x, 9) + 0.0, y) for x, y in points}:

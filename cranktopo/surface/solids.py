@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from manifold3d import CrossSection, FillRule, Manifold
 
-from cranktopo.domain.stl_envelope import envelope_from_stl, mirror_difference
+from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.surface.grid import DensityGrid
@@ -84,7 +84,7 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     start, end = start + envelope.bearing_clearance_mm, end - envelope.rod_clearance_mm
     if envelope.shape == "stl":
         slab = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
-        return envelope_from_stl(Path(envelope.file)) ^ slab
+        return envelope_from_file(Path(envelope.file), envelope.symmetric) ^ slab
     if envelope.shape == "cylinder":
         return cylinder(envelope.radius_mm, 0.0, (start, end))
     if envelope.shape == "box":

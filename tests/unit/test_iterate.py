@@ -19,7 +19,7 @@ from manifold3d import Manifold
 from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.cli.main import main
 from cranktopo.domain.build import build_domain
-from cranktopo.domain.stl_envelope import envelope_from_stl, mirror_difference
+from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.effects.beam import throw_compliance
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.balance import throw_balance
@@ -112,7 +112,7 @@ def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mi
     write_solids(known_scene(mikron, WHOLE), tmp_path)
     path = write_envelope(tmp_path)
     assert trimesh.load_mesh(path).is_watertight
-    assert mirror_difference(envelope_from_stl(path)) < 1e-9
+    assert mirror_difference(envelope_from_file(path)) < 1e-9
 
 
 def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene) -> None:
@@ -121,7 +121,7 @@ def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene)
     path = write_envelope(tmp_path)
     mesh = trimesh.load_mesh(path)
     assert mesh.is_watertight
-    assert mirror_difference(envelope_from_stl(path)) < 1e-9
+    assert mirror_difference(envelope_from_file(path)) < 1e-9
     exact = web_volume_mm3(mikron)
     assert mesh.volume == pytest.approx(exact, rel=2e-3)
     envelope = StlEnvelope(shape="stl", file=str(path), symmetric=True)

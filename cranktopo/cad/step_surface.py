@@ -1,0 +1,77 @@
+"""The surface of a STEP body as triangles, from the CAD kernel's own triangulation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cranktopo.cad.session import cad_session, triangles
+from cranktopo.errors import CranktopoError
+
+if TYPE_CHECKING:
+    from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+STEP_SUFFIXES = (".step", ".stp")
+CHORD_MM = 0.01
+"""Largest distance of a triangle from the body; 1e-4 of the volume of a web."""
+_TRIANGULATION = {
+    "StlLinearDeflection": CHORD_MM,
+    "StlLinearDeflectionRelative": 0,
+    "StlAngularDeflection": 0.1,
+}
+_WELD_DIGITS = 6
+_VOLUME_TOLERANCE = 2e-3
+
+
+def step_surface(path: Path, name: str) -> SurfaceMesh:
+    """Outward triangles of the one solid in a STEP file, mm, joined along its edges.
+
+    Args:
+        path: the file, any length unit.
+        name: of the file in messages.
+
+    Raises:
+        CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
+    """
+    from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+    if not path.is_file():
+        raise CranktopoError(f"{name}: no such file.", hint="Give the path of a STEP file of one solid.")
+    with cad_session(f"surface of {path}") as gmsh:
+        body = _one_solid(gmsh, path, name)
+        volume = float(gmsh.model.occ.getMass(*body))
+        for option, value in _TRIANGULATION.items():
+            gmsh.option.setNumber(f"Mesh.{option}", value)
+        gmsh.model.mesh.importStl()
+        points, faces = triangles(gmsh)
+    vertices, number = np.unique(np.round(points, _WELD_DIGITS), axis=0, return_inverse=True)
+    faces = number.reshape(-1)[faces]
+    mesh = SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
+    if not (mesh.as_trimesh().is_watertight and abs(mesh.volume_mm3 / volume - 1) < _VOLUME_TOLERANCE):
+        raise CranktopoError(
+            f"{name}: the faces of its solid do not close ({mesh.volume_mm3:.1f} of {volume:.1f} mm3).",
+            hint="Repair the solid in CAD, or export it as STL.",
+        )
+    return mesh
+
+
+def _one_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
+    occ = gmsh.model.occ
+    try:
+        found = occ.importShapes(str(path))
+    except Exception as error:
+        if type(error) is not Exception:  # gmsh raises the bare class
+            raise
+        raise CranktopoError(
+            f"{name}: cannot be read as STEP.", hint="Export one solid again as STEP (AP203, AP214 or AP242)."
+        ) from None
+    solids = [pair for pair in found if pair[0] == 3]
+    if len(solids) != 1:
+        raise CranktopoError(
+            f"{name}: holds {len(solids)} solids, not one.",
+            hint="Join its solids in CAD, or close its surfaces to a solid, and export it again.",
+        )
+    occ.synchronize()
+    return solids[0]
