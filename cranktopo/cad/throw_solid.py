@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.cad.web_solid import DimTags, add_feature, add_web
+from cranktopo.cad.web_solid import DimTags, add_solid, add_web
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
-from cranktopo.scene.features import bores, pockets
+from cranktopo.scene.features import web_bodies
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.symmetry import mirror_image
 
@@ -202,10 +202,10 @@ def _under_fillet(occ: Any, scene: Scene, journal: Journal, y: float, face: floa
     reach = journal.radius_mm + journal.fillet_mm
     z = (face - journal.fillet_mm, face) if toward > 0 else (face, face + journal.fillet_mm)
     tools: DimTags = []
-    for feature in (*bores(scene), *pockets(scene)):
-        if face in feature.z_mm and journal.bore_radius_mm < reach and 0 < feature.distance_mm(y) < reach:
-            column = [add_feature(occ, feature, z)]
+    cuts = [body for body in web_bodies(scene) if not body.adds and face in body.z_mm]
+    for body in cuts if journal.bore_radius_mm < reach else ():
+        if 0 < body.distance_mm(y) < reach:
+            column = [add_solid(occ, solid) for solid in body.continued(z)]
             core = [(3, occ.addCylinder(0, y, z[0], 0, 0, z[1] - z[0], journal.radius_mm))]
-            trimmed, _ = occ.cut(column, core)
-            tools += trimmed
+            tools += occ.cut(column, core)[0] if column else []
     return tools

@@ -17,25 +17,22 @@ from numpy.typing import NDArray
 
 from cranktopo.domain.grid import Extent, Grid, plan_grid
 from cranktopo.domain.outline import (
-    Coordinates,
-    Shape,
+    SECTIONS,
     disc,
     envelope_bounds_mm,
     envelope_outline,
-    web_bounds_mm,
-    web_outline,
+    envelope_sections,
 )
 from cranktopo.errors import invalid
-from cranktopo.scene.bevel import bevel_cuts_mm
-from cranktopo.scene.geometry import Envelope, Journal, SidePocket, Web
+from cranktopo.scene.features import Body, web_bodies, web_contains
+from cranktopo.scene.geometry import Envelope, Journal
+from cranktopo.scene.polygons import Coordinates, Shape
 from cranktopo.scene.schema import Scene
-from cranktopo.scene.side_pocket import side_cuts_mm, side_floor_mm
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
 Target = Literal["envelope", "web"]
 Array = NDArray[np.float64]
 SAMPLES = 32
-SECTIONS = 32
 
 
 @dataclass(frozen=True)
@@ -148,12 +145,11 @@ def build_domain(
 
 
 def _layers(scene: Scene, target: Target) -> list[_Layer]:
-    """The half throw as slabs along z: main journal, web (cut at pocket and clearance depths), crankpin."""
+    """The half throw as slabs along z: main journal, web (cut where its section changes), crankpin."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
     layers = [_Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
-    cuts = sorted({start, stop, *_web_cuts(scene, target)})
-    layers += [_web_layer(scene, target, pair) for pair in pairwise(cuts)]
+    layers += _own_web(scene) if target == "web" else _design_space(scene)
     layers.append(_Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
     return layers
 
@@ -165,67 +161,40 @@ def _annulus(journal: Journal, y_mm: float) -> Shape:
     return lambda x, y: outer(x, y) & ~bore(x, y)
 
 
-def _web_cuts(scene: Scene, target: Target) -> list[float]:
-    """z values inside the web where its cross-section changes."""
-    start, stop = scene.web_z_mm
-    if target == "envelope":
-        envelope = _envelope(scene)
-        low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
-        return list(np.linspace(low, high, SECTIONS + 1)) if envelope.shape == "stl" else [low, high]
-    cuts = [start + height for height in bevel_cuts_mm(scene.web, SECTIONS)]
-    for pocket in scene.web.pocket:
-        if pocket.shape == "side":
-            cuts += [start + height for height in side_cuts_mm(scene.web, pocket, SECTIONS)]
-        elif pocket.face == "journal" and pocket.depth_mm:
-            cuts.append(start + pocket.depth_mm)
-        elif pocket.face == "pin" and pocket.depth_mm:
-            cuts.append(stop - pocket.depth_mm)
-    return [cut for cut in cuts if start < cut < stop]
+def _own_web(scene: Scene) -> list[_Layer]:
+    """The web of the scene as slabs, each with the section in its middle."""
+    bodies, found = web_bodies(scene), []
+    for z in _slabs(scene, [z for body in bodies for z in body.layers_mm(SECTIONS)]):
+        shape = _section(bodies, sum(z) / 2)
+        found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
+    return found
 
 
-def _web_layer(scene: Scene, target: Target, z: tuple[float, float]) -> _Layer:
-    """One slab of the web: outline or envelope less bores; in a clearance only the journal goes on."""
-    start, stop = scene.web_z_mm
-    throw, middle = scene.throw, (z[0] + z[1]) / 2
+def _section(bodies: list[Body], z_mm: float) -> Shape:
+    return lambda x, y: web_contains(bodies, x, y, z_mm)
+
+
+def _design_space(scene: Scene) -> list[_Layer]:
+    """The envelope less the bores as slabs; in a clearance only the journal goes on."""
+    (start, stop), envelope, throw = scene.web_z_mm, _envelope(scene), scene.throw
+    low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
     bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
-    if target == "web":
-        outline = web_outline(scene.web, throw.radius_mm, middle - start)
-        shape = _without(outline, bores + _pockets_at(scene, middle))
-        return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
-    envelope = _envelope(scene)
-    if start + envelope.bearing_clearance_mm < middle < stop - envelope.rod_clearance_mm:
-        shape = _without(envelope_outline(envelope, middle), bores)
-        return _Layer(z, fixed=None, design=shape, pin=None, web=shape)
-    at_main = middle < start + envelope.bearing_clearance_mm
-    stub = disc(throw.main_journal.radius_mm) if at_main else disc(throw.crankpin.radius_mm, throw.radius_mm)
-    shape = _without(stub, bores)
-    return _Layer(z, fixed=shape, design=None, pin=None, web=shape)
+    found = []
+    for z in _slabs(scene, [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]):
+        middle = sum(z) / 2
+        if low < middle < high:
+            shape = _without(envelope_outline(envelope, middle), bores)
+            found.append(_Layer(z, fixed=None, design=shape, pin=None, web=shape))
+            continue
+        journal, y = throw.journals[0 if middle < low else 1]
+        shape = _without(disc(journal.radius_mm, y), bores)
+        found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
+    return found
 
 
-def _pockets_at(scene: Scene, z: float) -> list[Shape]:
+def _slabs(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:
     start, stop = scene.web_z_mm
-    shapes: list[Shape] = []
-    for pocket in scene.web.pocket:
-        if pocket.shape == "side":
-            shapes.append(_side_slots(scene.web, pocket, z - start))
-            continue
-        depth = pocket.depth_mm or scene.web.thickness_mm
-        from_face = {"journal": z - start, "pin": stop - z, "through": 0.0}[pocket.face]
-        if from_face > depth:
-            continue
-        if pocket.shape == "cylinder":
-            shapes.append(disc(pocket.diameter_mm / 2, pocket.y_mm, pocket.x_mm))
-        else:
-            shapes.append(_box(pocket.x_mm, pocket.y_mm, pocket.size_x_mm / 2, pocket.size_y_mm / 2))
-    return shapes
-
-
-def _side_slots(web: Web, pocket: SidePocket, height_mm: float) -> Shape:
-    return lambda x, y: np.abs(x) >= side_floor_mm(web, pocket, height_mm, y)
-
-
-def _box(x_mm: float, y_mm: float, half_x: float, half_y: float) -> Shape:
-    return lambda x, y: (np.abs(x - x_mm) <= half_x) & (np.abs(y - y_mm) <= half_y)
+    return list(pairwise(sorted({start, stop, *(z for z in cuts if start < z < stop)})))
 
 
 def _without(outline: Shape, holes: Sequence[Shape]) -> Shape:
@@ -253,7 +222,8 @@ def throw_ranges_mm(scene: Scene, target: Target) -> tuple[tuple[float, float], 
     """
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
     reach = max(main, pin)
-    bounds = [(-reach, reach, -main, r + pin), web_bounds_mm(scene)]
+    bounds = [(-reach, reach, -main, r + pin)]
+    bounds += [(*body.x_range_mm, *body.y_range_mm) for body in web_bodies(scene) if body.adds]
     if target == "envelope":
         bounds.append(envelope_bounds_mm(_envelope(scene)))
     x_low, x_high, y_low, y_high = zip(*bounds, strict=True)

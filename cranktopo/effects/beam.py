@@ -16,7 +16,6 @@ import numpy as np
 
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
-from cranktopo.scene.outline import half_width_mm
 from cranktopo.units import MPA_PER_GPA
 
 SHEAR_RING = 0.5  # shear coefficient of a hollow circular section (thin ring; 0.9 for a solid one)
@@ -115,7 +114,7 @@ def _shortened(journal: Journal) -> Journal:
 def _web(scene: Scene) -> _Web:
     throw = scene.throw
     radius = throw.radius_mm
-    width = 2 * float(half_width_mm(scene.web, radius, np.array([radius / 2]))[0])
+    width = 2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0])
     overlap = 0.2 * sum(q.outer_diameter_mm + 2 * q.fillet_mm for q in (throw.main_journal, throw.crankpin))
     # Ker Wilson's free length; journals that overlap leave at least a tenth of the throw.
     return _Web(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from cranktopo.domain.build import Target
@@ -95,7 +94,7 @@ class Costing:
 def _target(scene: Scene) -> Target:
     """What the grid holds; a throw whose envelope is absent, or its file gone, is not optimised."""
     envelope = scene.envelope
-    gone = envelope is not None and envelope.shape == "stl" and not Path(envelope.file).is_file()
+    gone = envelope is not None and envelope.stl_file is not None and not envelope.stl_file.is_file()
     return "web" if envelope is None or gone else "envelope"
 
 

@@ -29,7 +29,6 @@ from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel,
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history
 from cranktopo.scene import Scene
-from cranktopo.scene.outline import half_width_mm
 from cranktopo.units import NMM_PER_NM
 
 Array = NDArray[np.float64]
@@ -136,7 +135,7 @@ def dimensions(scene: Scene) -> Dimensions:
         journal=main.outer_diameter_mm,
         throw=radius,
         web_thickness=scene.web.thickness_mm,
-        web_width=2 * float(half_width_mm(scene.web, radius, np.array([radius / 2]))[0]),
+        web_width=2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0]),
         pin_fillet=pin.fillet_mm,
         journal_fillet=main.fillet_mm,
         pin_bore=pin.bore_diameter_mm,

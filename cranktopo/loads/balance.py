@@ -1,7 +1,7 @@
 """Mass, unbalance and inertia of a throw in closed form, and the counterweight that it needs.
 
-Journals, bores and fillets are exact; the web is integrated over strips of its outline. A fillet that
-reaches beyond the web's edge is counted whole.
+Journals, bores and fillets are exact, the web to 1e-9. A fillet that reaches beyond the web's edge is counted
+whole.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
-from cranktopo.scene.web_section import Moments, web_moments
+from cranktopo.scene.web_moments import Moments, web_moments
 from cranktopo.units import density_kg_per_mm3
 
 
@@ -78,10 +78,10 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     total = journal + crankpin + fillets + web + web
     rod_kg = scene.engine.rod_rotating_kg if scene.engine else 0.0
     return ThrowBalance(
-        mass_kg=total.area,
-        web_kg=web.area,
-        journal_kg=journal.area,
-        crankpin_kg=crankpin.area,
+        mass_kg=total.volume,
+        web_kg=web.volume,
+        journal_kg=journal.volume,
+        crankpin_kg=crankpin.volume,
         throw_unbalance_kg_mm=total.first_y,
         lateral_unbalance_kg_mm=total.first_x,
         rotating_unbalance_kg_mm=total.first_y + rod_kg * radius,

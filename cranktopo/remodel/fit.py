@@ -52,27 +52,24 @@ class FittedWeb:
     residual_regions: tuple[ResidualRegion, ...]
 
 
-def fit_web(surface: SurfaceMesh, scene: Scene, rules: ManufacturingLimits = _DEFAULT) -> FittedWeb:
+def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits = _DEFAULT) -> FittedWeb:
     """Fit a web that a die or a mill can make to an extracted body.
 
     Args:
         surface: closed surface of the half throw (`WebSurface.half_throw`), mm.
         scene: the design it was extracted for: journals, thickness and fillets stay.
-        rules: bounds of the web.
 
     Raises:
-        CranktopoError: nothing of the surface lies between the web faces, or no web keeps the rules.
+        CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
     """
-    from cranktopo.fem.precision import double_precision
     from cranktopo.triangles.surface_mesh import solid_of
 
     body = solid_of(surface, "surface to be re-modelled")
-    with double_precision():
-        chosen, trials = select(_problem(body, scene, rules, _SEARCH_CELL_MM))
-        fine = _problem(body, scene, rules, rules.cell_mm)
-        fits = _final_fits(fine, chosen)
-        best = fits[0]
-        rest = residual_regions(fine, model_fill(fine, best))
+    chosen, trials = select(fit_problem(body, scene, limits, _SEARCH_CELL_MM))
+    fine = fit_problem(body, scene, limits, limits.cell_mm)
+    fits = _final_fits(fine, chosen)
+    best = fits[0]
+    rest = residual_regions(fine, model_fill(fine, best))
     return FittedWeb(
         scene_with_web(scene, web_of(best.layout, best.values, scene)),
         best.layout.names,
@@ -101,17 +98,18 @@ def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
 _SUFFIX = "-remodel"
 
 
-def _problem(body: Manifold, scene: Scene, rules: ManufacturingLimits, cell_mm: float) -> FitProblem:
+def fit_problem(body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_mm: float) -> FitProblem:
+    """What a fit to a body has to match, on cells of at most the given edge."""
     cells = voxel_fill(body, scene, cell_mm)
-    return FitProblem(cells, _free_of_bores(scene, cells), scene, rules)
+    return FitProblem(cells, _free_of_bores(scene, cells), scene, limits)
 
 
 def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
     """Fits from the chosen web and from scattered copies of it, best first."""
     random = np.random.default_rng(SEED)
-    low, high = bounds(chosen.layout, problem.scene, problem.rules)
+    low, high = bounds(chosen.layout, problem.scene, problem.limits)
     starts = [chosen.values]
-    for _ in range(problem.rules.starts - 1):
+    for _ in range(problem.limits.starts - 1):
         scattered = chosen.values + random.normal(0.0, _SPREAD, len(chosen.values))
         starts.append(np.clip(scattered, low, high))
     found = [fit_from(problem, chosen.layout, start, "final") for start in starts]

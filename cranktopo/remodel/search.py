@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.constraints import outline_limits, part_limits
+from cranktopo.remodel.constraints import outline_constraints, part_constraints
 from cranktopo.remodel.family import Layout, bounds, flank_of
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.model_fill import CHORDS, Fill, smooth_step
@@ -37,13 +37,13 @@ class FitProblem:
     Attributes:
         target: fill of the cells by the extracted body.
         free: (nx, ny) share of each cell that no bore takes.
-        scene, rules: bounds.
+        scene, limits: what the web must keep.
     """
 
     target: VoxelFill
     free: Array
     scene: Scene
-    rules: ManufacturingLimits
+    limits: ManufacturingLimits
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,9 @@ class _Shape:
     """Points of an outline and its constraints, with their derivatives by its parameters (last axis)."""
 
     points: Array
-    limits: Array
+    constraints: Array
     point_slopes: Array
-    limit_slopes: Array
+    constraint_slopes: Array
 
 
 class _Outline:
@@ -70,20 +70,20 @@ class _Outline:
         return self._last[1]
 
     def _shape(self, own: Array) -> _Shape:
-        points, limits = self._raw(own)
+        points, constraints = self._raw(own)
         sides = [self._raw(own + 1j * _COMPLEX * unit) for unit in np.eye(len(own))]
         point_slopes = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
-        limit_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
-        return _Shape(points, limits, point_slopes, limit_slopes)
+        constraint_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
+        return _Shape(points, constraints, point_slopes, constraint_slopes)
 
     def _raw(self, own: Any) -> tuple[Any, Any]:
-        flank = flank_of(np, self._layout, own)
-        limits = outline_limits(flank, self._problem.scene, self._problem.rules)
-        return flank.along(np, CHORDS), limits
+        flank = flank_of(self._layout, own)
+        constraints = outline_constraints(flank, self._problem.scene, self._problem.limits)
+        return flank.along(CHORDS), constraints
 
 
 class Fit:
-    """How well a web fits, as functions of its parameters; call them in double precision.
+    """How well a web fits, as functions of its parameters.
 
     Args:
         problem: what to match and what to keep.
@@ -96,7 +96,7 @@ class Fit:
 
     def __init__(self, problem: FitProblem, layout: Layout) -> None:
         self.layout = layout
-        self.bounds = bounds(layout, problem.scene, problem.rules)
+        self.bounds = bounds(layout, problem.scene, problem.limits)
         cells = problem.target
         self._problem, self._target, self._free = problem, cells.filled, problem.free[:, :, None]
         self._grid = Fill(layout.parts, (cells.x_mm, cells.y_mm, cells.z_mm), problem.scene.web_z_mm)
@@ -138,33 +138,33 @@ class Fit:
         model = self.fill(values, width_mm)
         return float(np.minimum(model, self._target).sum() / np.maximum(model, self._target).sum())
 
-    def limits(self, values: Array) -> Array:
+    def constraints(self, values: Array) -> Array:
         """Constraints, kept where <= 0."""
         shape = self._outline.at(values)
-        return np.concatenate([shape.limits, self._part_limits(shape.points, values)])
+        return np.concatenate([shape.constraints, self._part_constraints(shape.points, values)])
 
     def slopes(self, values: Array) -> Array:
         """Gradients of the constraints (constraints, parameters)."""
         shape, n = self._outline.at(values), self.layout.stations
 
         def parts(step: Array) -> Array:
-            return self._part_limits(shape.points + shape.point_slopes @ step[:n], values + step)
+            return self._part_constraints(shape.points + shape.point_slopes @ step[:n], values + step)
 
         steps = _DIFFERENCE * np.eye(len(values))
         below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
-        above = np.hstack([shape.limit_slopes, np.zeros((len(shape.limits), len(values) - n))])
+        above = np.hstack([shape.constraint_slopes, np.zeros((len(shape.constraints), len(values) - n))])
         return np.vstack([above, below])
 
     def _parts(self, values: Array) -> Array:
         return values[self.layout.stations :]
 
-    def _part_limits(self, points: Array, values: Array) -> Array:
+    def _part_constraints(self, points: Array, values: Array) -> Array:
         problem = self._problem
-        return part_limits(self.layout.parts, points, self._parts(values), problem.scene, problem.rules)
+        return part_constraints(self.layout.parts, points, self._parts(values), problem.scene, problem.limits)
 
 
 def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
-    """Fit the parameters from one start, with ever sharper steps; call in double precision.
+    """Fit the parameters from one start, with ever sharper steps.
 
     Args:
         fit: the functions.
@@ -193,18 +193,18 @@ def _minimise(fit: Fit, start: Array, width_mm: float) -> tuple[Array, float]:
         result, slope = fit.misfit(values, width_mm)
         if gradient.size:
             gradient[:] = slope
-        if result < least and np.max(fit.limits(values)) < _KEPT:
+        if result < least and np.max(fit.constraints(values)) < _KEPT:
             best, least = values.copy(), float(result)
         return float(result)
 
     def constrain(result: Array, values: Array, gradient: Array) -> None:
         if gradient.size:
             gradient[:] = fit.slopes(values)
-        result[:] = fit.limits(values)
+        result[:] = fit.constraints(values)
 
     optimiser = nlopt.opt(nlopt.LD_SLSQP, len(start))
     optimiser.set_min_objective(value)
-    optimiser.add_inequality_mconstraint(constrain, np.full(len(fit.limits(start)), _FEASIBLE))
+    optimiser.add_inequality_mconstraint(constrain, np.full(len(fit.constraints(start)), _FEASIBLE))
     optimiser.set_lower_bounds(low)
     optimiser.set_upper_bounds(high)
     optimiser.set_xtol_abs(_TOLERANCE)

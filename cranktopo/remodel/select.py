@@ -9,16 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.family import Bevel, FittedFeature, Layout, Pocket, label
-from cranktopo.remodel.initial_guess import (
-    bevel_start,
-    outline_start,
-    pocket_start,
-    side_starts,
-    with_stations,
-)
-from cranktopo.remodel.residual_regions import ResidualRegion, residual_regions
+from cranktopo.remodel.family import Layout
+from cranktopo.remodel.initial_guess import outline_guess, with_stations
+from cranktopo.remodel.residual_regions import residual_regions
 from cranktopo.remodel.search import Fit, FitProblem, search
+from cranktopo.scene.features.fitted import FittedFeature
+from cranktopo.scene.features.web import FITTED_TO_REGIONS, FITTED_TO_SECTIONS
 
 Array = NDArray[np.float64]
 _FIRST_STATIONS = 7
@@ -65,7 +61,7 @@ class Trial:
 
 
 def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
-    """The web that pays for each of its parameters; call in double precision.
+    """The web that pays for each of its parameters.
 
     Args:
         problem: the fit, on cells coarse enough for many searches.
@@ -77,7 +73,7 @@ def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
         CranktopoError: not even the plain outline keeps the rules.
     """
     layout = Layout(_FIRST_STATIONS)
-    best = fit_from(problem, layout, outline_start(problem, _FIRST_STATIONS), "outline")
+    best = fit_from(problem, layout, outline_guess(problem, _FIRST_STATIONS), "outline")
     if best is None:
         raise CranktopoError(
             "remodel: no outline keeps the manufacturing rules.",
@@ -108,10 +104,9 @@ def fit_from(problem: FitProblem, layout: Layout, start: Array, step: str) -> Ca
 
 
 def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
-    for face in ("journal", "pin"):
-        part = Bevel(face)
-        best = _try(problem, best, [(part, bevel_start(problem, part))], trials)
-    best = _try(problem, best, side_starts(problem), trials)
+    for group in FITTED_TO_SECTIONS:
+        guesses = ((part, part.guess(problem.target, problem.scene, problem.limits)) for part in group)
+        best = _try(problem, best, [(part, guess) for part, guess in guesses if guess is not None], trials)
     for _ in range(_MOST_POCKETS):
         before = best
         for choice in _pockets(problem, best):
@@ -130,32 +125,22 @@ def _try(
     found = []
     for part, start in choices:
         layout = replace(best.layout, parts=(*best.layout.parts, part))
-        fitted = fit_from(problem, layout, np.concatenate([best.values, start]), label(part))
+        fitted = fit_from(problem, layout, np.concatenate([best.values, start]), part.label)
         found += [] if fitted is None else [fitted]
     chosen = max([best, *found], key=lambda candidate: candidate.overlap)
-    if 100 * (chosen.overlap - best.overlap) < problem.rules.least_gain_percent:
+    if 100 * (chosen.overlap - best.overlap) < problem.limits.least_gain_percent:
         chosen = best
     trials += [_trial(fitted, fitted.overlap - best.overlap, fitted is chosen) for fitted in found]
     return chosen
 
 
 def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeature, Array]]:
-    """Pockets that could take out what the body lacks, largest leftover first."""
-    for leftover in residual_regions(problem, model_fill(problem, best)):
-        if leftover.kind == "material":
-            continue
-        for part in _kinds(leftover):
-            low, high = np.array(leftover.low_mm), np.array(leftover.high_mm)
-            yield part, pocket_start(part, low, high, leftover.volume_mm3 / 2, problem.scene.web_z_mm)
-
-
-def _kinds(leftover: ResidualRegion) -> list[Pocket]:
-    if leftover.kind == "window":
-        return [Pocket("cylinder", "through", leftover.pair)]
-    face = leftover.face
-    if face is None:
-        return []
-    return [Pocket("cylinder", face, leftover.pair), Pocket("box", face, leftover.pair)]
+    """Features that could take out what the body lacks, largest region first."""
+    for region in residual_regions(problem, model_fill(problem, best)):
+        for kind in FITTED_TO_REGIONS if region.kind != "material" else ():
+            part = kind.in_region(region)
+            if part is not None:
+                yield part, part.guess(region, problem.scene.web_z_mm)
 
 
 def _stations(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
@@ -163,28 +148,28 @@ def _stations(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Cand
 
     Numbers are tried upwards until another two bring less than the least gain.
     """
-    ladder = []
-    for stations in range(_LEAST_STATIONS, problem.rules.max_stations + 1):
+    tried = []
+    for stations in range(_LEAST_STATIONS, problem.limits.max_stations + 1):
         layout = replace(best.layout, stations=stations)
         start = with_stations(best.layout, best.values, stations)
         found = fit_from(problem, layout, start, f"{stations} stations")
         if found is not None:
-            ladder.append(found)
-        if len(ladder) > 2 and ladder[-1].overlap - ladder[-3].overlap < _least(problem):
+            tried.append(found)
+        if len(tried) > 2 and tried[-1].overlap - tried[-3].overlap < _least(problem):
             break
     chosen = best
-    overlaps = np.maximum.accumulate([found.overlap for found in ladder])
-    if len(ladder):
+    overlaps = np.maximum.accumulate([found.overlap for found in tried])
+    if len(tried):
         index = int(np.argmax(overlaps >= overlaps[-1] - _least(problem)))
-        chosen = ladder[index]
-    for i, found in enumerate(ladder):
-        gain = found.overlap - ladder[i - 1].overlap if i else 0.0
+        chosen = tried[index]
+    for i, found in enumerate(tried):
+        gain = found.overlap - tried[i - 1].overlap if i else 0.0
         trials.append(_trial(found, gain, found is chosen))
     return chosen
 
 
 def _least(problem: FitProblem) -> float:
-    return problem.rules.least_gain_percent / 100
+    return problem.limits.least_gain_percent / 100
 
 
 def model_fill(problem: FitProblem, candidate: Candidate) -> Array:

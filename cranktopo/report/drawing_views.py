@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
 from cranktopo.scene import Scene
-from cranktopo.scene.geometry import ProfileWeb
-from cranktopo.scene.outline import half_width_mm, largest_half_width_mm, y_range_mm
+from cranktopo.scene.features import ProfileWeb
+from cranktopo.scene.features.primitives import Circle, Dimension, FeatureDrawing, Polyline
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -36,24 +36,29 @@ class Sheet:
     solid: Manifold
     body: Manifold
 
+    @property
+    def features(self) -> list[FeatureDrawing]:
+        """How each feature of the web appears."""
+        return [feature.drawing(self.scene) for _, _, feature in self.web.features()]
+
 
 def front_view(axes: Any, sheet: Sheet) -> None:
-    """View along the crank axis from the crankpin side: outline with its stations, bevels, pockets.
+    """View along the crank axis from the crankpin side: outline with its stations, features.
 
     Args:
         axes: matplotlib axes.
         sheet: what is drawn.
     """
     web, radius = sheet.web, sheet.scene.throw.radius_mm
-    low, high = y_range_mm(web, radius)
+    low, high = web.y_range_mm(radius)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, _POINTS))
-    half = half_width_mm(web, radius, y)
+    half = web.half_width_mm(radius, y)
     hatched(axes, [np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])], "")
     ghost(axes, sheet.body.project().to_polygons())
-    _bevel_edges(axes, sheet)
     _journals(axes, sheet.scene)
-    _pocket_edges(axes, web)
-    widest, place = largest_half_width_mm(web), float(y[np.argmax(half)])
+    for stroke in (stroke for feature in sheet.features for stroke in feature.front):
+        _edges(axes, stroke)
+    widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
     dimension(axes, (-widest, place), (widest, place), (0, low - 9 - place), f"{2 * widest:.2f}")
     dimension(axes, (-widest - 9, low), (-widest - 9, high), (-5, 0), f"{high - low:.2f}")
     dimension(axes, (-widest - 2, low), (-widest - 2, 0), (-4, 0), f"{-low:.2f}")
@@ -77,27 +82,22 @@ def lengthwise_section(axes: Any, sheet: Sheet) -> None:
     """
     scene, web = sheet.scene, sheet.web
     start, end = scene.web_z_mm
-    low, high = y_range_mm(web, scene.throw.radius_mm)
+    low, high = web.y_range_mm(scene.throw.radius_mm)
     solid, body = (_section_x(which) for which in (sheet.solid, sheet.body))
     hatched(axes, solid)
     ghost(axes, body)
     for centre in (0.0, scene.throw.radius_mm):
         axes.plot([-3, scene.pitch_mm / 2 + 3], [centre, centre], color=THIN, lw=0.6, ls="-.")
     dimension(axes, (start, low), (end, low), (0, -8), f"{web.thickness_mm:g}")
-    for bevel in web.bevel:
-        if bevel.face == "journal":
-            dimension(axes, (start, 0), (start, bevel.y_mm), (-9, 0), f"{bevel.y_mm:.2f}")
-            dimension(axes, (start, high), (start + bevel.depth_mm, high), (0, 5), f"{bevel.depth_mm:.2f}")
-        else:
-            dimension(axes, (end, 0), (end, bevel.y_mm), (9, 0), f"{bevel.y_mm:.2f}")
-            dimension(axes, (end - bevel.depth_mm, low), (end, low), (0, -3.5), f"{bevel.depth_mm:.2f}")
+    for feature in sheet.features:
+        _dimensions(axes, feature.lengthwise)
     axes.set_xlim(-8, scene.pitch_mm / 2 + 8)
     axes.set_ylim(low - 13, high + 9)
     finish(axes, "section x = 0")
 
 
 def cross_section(axes: Any, sheet: Sheet) -> None:
-    """Section across the side pocket, or half-way between the axes: x to the right, crank axis upward.
+    """Section where a feature shows best, or half-way between the axes: x to the right, crank axis upward.
 
     Args:
         axes: matplotlib axes.
@@ -105,18 +105,15 @@ def cross_section(axes: Any, sheet: Sheet) -> None:
     """
     scene, web = sheet.scene, sheet.web
     start, end = scene.web_z_mm
-    side = next((pocket for pocket in web.pocket if pocket.shape == "side"), None)
-    y = side.y_mm if side else scene.throw.radius_mm / 2
-    half = float(half_width_mm(web, scene.throw.radius_mm, np.array([y]))[0])
+    shown = next((feature for feature in sheet.features if feature.section_y_mm is not None), None)
+    y = scene.throw.radius_mm / 2 if shown is None or shown.section_y_mm is None else shown.section_y_mm
+    half = float(web.half_width_mm(scene.throw.radius_mm, np.array([y]))[0])
     hatched(axes, _section_y(sheet.solid, y))
     ghost(axes, _section_y(sheet.body, y))
     dimension(axes, (-half, start), (half, start), (0, -6), f"{2 * half:.2f}")
     dimension(axes, (-half, start), (-half, end), (-7, 0), f"{web.thickness_mm:g}")
-    if side:
-        floor, middle = largest_half_width_mm(web) - side.depth_mm, (start + end) / 2 + side.offset_mm
-        tall, out = side.height_mm / 2, half - floor + 7
-        dimension(axes, (floor, middle - tall), (floor, middle + tall), (out, 0), f"{side.height_mm:.2f}")
-        dimension(axes, (-floor, end), (floor, end), (0, 6), f"{2 * floor:.2f}")
+    if shown is not None:
+        _dimensions(axes, shown.across)
     axes.set_xlim(-half - 16, half + 18)
     axes.set_ylim(start - 12, end + 12)
     finish(axes, f"section y = {y:.2f}")
@@ -150,41 +147,17 @@ def _journals(axes: Any, scene: Scene) -> None:
         axes.text(0, y, text, ha="center", va="center", fontsize=TEXT_SIZE, color=INK, bbox=clear)
 
 
-def _bevel_edges(axes: Any, sheet: Sheet) -> None:
-    for bevel in sheet.web.bevel:
-        half = float(half_width_mm(sheet.web, sheet.scene.throw.radius_mm, np.array([bevel.y_mm]))[0])
-        style = "-" if bevel.face == "pin" else "--"
-        axes.plot([-half, half], [bevel.y_mm] * 2, color=INK, lw=0.9, ls=style)
+def _edges(axes: Any, stroke: Circle | Polyline) -> None:
+    """An edge of a feature, dashed where it is hidden."""
+    style, width = ("--" if stroke.hidden else "-"), 1.0
+    if isinstance(stroke, Circle):
+        x, y = stroke.centre
+        circle(axes, stroke.radius, y, style, width, x=x)
+        axes.text(x, y, stroke.label, fontsize=TEXT_SIZE, ha="center", va="center")
+    else:
+        axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=width, ls=style)
 
 
-def _pocket_edges(axes: Any, web: ProfileWeb) -> None:
-    floor_line, ends = largest_half_width_mm(web), (web.stations_mm[0], web.stations_mm[-1])
-    for pocket in web.pocket:
-        if pocket.shape == "side":
-            floor, half = floor_line - pocket.depth_mm, pocket.length_mm / 2
-            more = pocket.slope * pocket.depth_mm
-            for sign in (1, -1):
-                x = sign * np.array([floor_line, floor, floor, floor_line])
-                y = np.clip(pocket.y_mm + np.array([-half - more, -half, half, half + more]), *ends)
-                axes.plot(x, y, color=INK, lw=0.9, ls="--")
-            continue
-        style = "--" if pocket.face == "journal" else "-"
-        if pocket.shape == "cylinder":
-            circle(axes, pocket.diameter_mm / 2, pocket.y_mm, style, 1.0, x=pocket.x_mm)
-            axes.text(
-                pocket.x_mm,
-                pocket.y_mm,
-                f"⌀{pocket.diameter_mm:g}",
-                fontsize=TEXT_SIZE,
-                ha="center",
-                va="center",
-            )
-        else:
-            half_x, half_y = pocket.size_x_mm / 2, pocket.size_y_mm / 2
-            axes.plot(
-                pocket.x_mm + half_x * np.array([-1, 1, 1, -1, -1]),
-                pocket.y_mm + half_y * np.array([-1, -1, 1, 1, -1]),
-                color=INK,
-                lw=1,
-                ls=style,
-            )
+def _dimensions(axes: Any, found: tuple[Dimension, ...]) -> None:
+    for one in found:
+        dimension(axes, one.start, one.end, one.shift, one.text)

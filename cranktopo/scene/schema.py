@@ -23,7 +23,8 @@ from cranktopo.scene.base import (
 )
 from cranktopo.scene.engine import Engine
 from cranktopo.scene.fatigue_settings import Fatigue
-from cranktopo.scene.geometry import Envelope, Throw, Web
+from cranktopo.scene.features import Web
+from cranktopo.scene.geometry import Envelope, Throw
 from cranktopo.scene.supports import Supports
 
 EffectState = Literal["auto", "on", "off"]

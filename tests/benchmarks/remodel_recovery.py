@@ -10,9 +10,8 @@ import sys
 
 import numpy as np
 
-from cranktopo.fem.precision import double_precision
 from cranktopo.remodel.family import bounds
-from cranktopo.remodel.fit import _problem
+from cranktopo.remodel.fit import fit_problem
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.select import fit_from
 from cranktopo.scene import load_scene
@@ -26,11 +25,9 @@ def recovered(cell_mm: float) -> np.ndarray:
     scene, true = load_scene("mikron-iiic"), values_of(WHOLE)
     body = body_of(known_scene(scene, WHOLE), FACET_MM)
     start = true + np.random.default_rng(1).normal(0, 1.0, len(true))
-    with double_precision():
-        problem = _problem(body, scene, ManufacturingLimits(), cell_mm)
-        found = fit_from(
-            problem, WHOLE, np.clip(start, *bounds(WHOLE, scene, ManufacturingLimits())), "known web"
-        )
+    limits = ManufacturingLimits()
+    problem = fit_problem(body, scene, limits, cell_mm)
+    found = fit_from(problem, WHOLE, np.clip(start, *bounds(WHOLE, scene, limits)), "known web")
     assert found is not None
     return found.values
 

@@ -15,7 +15,7 @@ from cranktopo.evaluate.condense import condense
 from cranktopo.evaluate.support_stiffness import torsional_stiffness_Nm_per_rad
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.scene.geometry import ObroundWeb
+from cranktopo.scene.features import ObroundWeb
 from tests.physics.evaluation_cases import elastic, throw_scene
 
 SHEAR_MPA = 210e3 / 2.6

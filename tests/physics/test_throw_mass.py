@@ -7,8 +7,7 @@ import pytest
 
 from cranktopo.loads.balance import throw_balance
 from cranktopo.scene import load_scene, scene_from_dict
-from cranktopo.scene.outline import half_width_mm, largest_half_width_mm, y_range_mm
-from cranktopo.scene.web_section import section_moments, web_moments
+from cranktopo.scene.web_moments import section_moments, web_moments
 
 BASE = {
     "name": "t",
@@ -33,9 +32,9 @@ def test_obround_with_bores_is_exact():
     end = math.pi * 25**4 / 2 + math.pi * 25**2 * 48**2 / 2 + 2 * 48 * 2 / 3 * 25**3  # two half discs
     bores = 2 * math.pi / 2 * 12**4 + math.pi * 12**2 * 48**2
     polar = 50 * 48**3 / 3 + 48 * 50**3 / 12 + end - bores
-    assert got.area == pytest.approx(area, rel=1e-6)
-    assert got.first_y == pytest.approx(area * 24, rel=1e-6)
-    assert got.polar == pytest.approx(polar, rel=1e-6)
+    assert got.volume == pytest.approx(area, rel=1e-9)
+    assert got.first_y == pytest.approx(area * 24, rel=1e-9)
+    assert got.polar == pytest.approx(polar, rel=1e-9)
     assert abs(got.first_x) < 1e-9
 
 
@@ -93,7 +92,7 @@ def test_sections_with_asymmetric_pockets(name, z):
     step = 0.25
     x, y = np.meshgrid(np.arange(-50, 50, step) + step / 2, np.arange(-60, 100, step) + step / 2)
     hit = inside(WEBS[name], x, y, z) * step**2
-    assert got.area == pytest.approx(hit.sum(), rel=2e-3)
+    assert got.volume == pytest.approx(hit.sum(), rel=2e-3)
     assert got.first_x == pytest.approx((hit * x).sum(), rel=2e-2)
     assert got.first_y == pytest.approx((hit * y).sum(), rel=2e-3)
     assert got.polar == pytest.approx((hit * (x**2 + y**2)).sum(), rel=2e-3)
@@ -102,31 +101,31 @@ def test_sections_with_asymmetric_pockets(name, z):
 def test_web_is_the_sum_of_its_layers():
     s = scene({**WEBS["ellipse"], "pocket": POCKETS})
     heights = np.linspace(15, 35, 41)
-    layers = [section_moments(s, z).area * 0.5 for z in (heights[:-1] + heights[1:]) / 2]
-    assert web_moments(s).area == pytest.approx(sum(layers), rel=1e-9)
+    layers = [section_moments(s, z).volume * 0.5 for z in (heights[:-1] + heights[1:]) / 2]
+    assert web_moments(s).volume == pytest.approx(sum(layers), rel=1e-9)
 
 
 def test_profile_runs_through_its_stations_without_overshoot():
     web = scene(WEBS["profile"]).web
     y = np.array(web.stations_mm)
-    assert half_width_mm(web, 40.0, y) == pytest.approx(web.half_widths_mm)
-    assert half_width_mm(web, 40.0, np.linspace(-30, 62, 999)).max() <= largest_half_width_mm(web) + 1e-12
-    assert half_width_mm(web, 40.0, np.array([-31.0, 63.0])) == pytest.approx([0, 0])
-    assert y_range_mm(web, 40.0) == (-30.0, 62.0)
+    assert web.half_width_mm(40.0, y) == pytest.approx(web.half_widths_mm)
+    assert web.half_width_mm(40.0, np.linspace(-30, 62, 999)).max() <= web.largest_half_width_mm + 1e-12
+    assert web.half_width_mm(40.0, np.array([-31.0, 63.0])) == pytest.approx([0, 0])
+    assert web.y_range_mm(40.0) == (-30.0, 62.0)
 
 
 @pytest.mark.parametrize("name", ["tapered", "ellipse", "rectangle"])
 def test_half_width_vanishes_only_beyond_the_range(name):
     web = scene(WEBS[name]).web
-    low, high = y_range_mm(web, 40.0)
-    width = half_width_mm(web, 40.0, np.array([low - 1e-3, low + 1e-3, high - 1e-3, high + 1e-3]))
+    low, high = web.y_range_mm(40.0)
+    width = web.half_width_mm(40.0, np.array([low - 1e-3, low + 1e-3, high - 1e-3, high + 1e-3]))
     assert (width > 0).tolist() == [False, True, True, False]
 
 
 def test_one_disc_within_the_other():
     web = scene({"outline": "tapered", "main_radius_mm": 90.0, "pin_radius_mm": 20.0}).web
-    assert half_width_mm(web, 40.0, np.array([0.0, 54.0])) == pytest.approx([90.0, 72.0])
-    assert y_range_mm(web, 40.0) == (-90.0, 90.0)
+    assert web.half_width_mm(40.0, np.array([0.0, 54.0])) == pytest.approx([90.0, 72.0])
+    assert web.y_range_mm(40.0) == (-90.0, 90.0)
 
 
 def test_fillets_follow_pappus():

@@ -8,9 +8,12 @@ import numpy as np
 from manifold3d import Manifold
 
 from cranktopo.cad.solid_files import surface_of
-from cranktopo.remodel.family import Bevel, Layout, Pocket, web_of
+from cranktopo.remodel.family import Layout, web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.scene import Scene
+from cranktopo.scene.features.bevel import FittedBevel
+from cranktopo.scene.features.cylinder_pocket import FittedCylinder
+from cranktopo.scene.features.side_pocket import FittedSlot
 from cranktopo.triangles.surface_mesh import solid_of
 
 OUTLINE = {
@@ -29,7 +32,7 @@ PAIR = {"x": 22.0, "y": 24.0, "diameter": 6.0}
 """Nothing here is symmetric along the throw or the crank axis."""
 
 PLAIN = Layout(7)
-PARTS = (Bevel("journal"), Bevel("pin"), Pocket("side", "side"), Pocket("cylinder", "through", pair=True))
+PARTS = (FittedBevel("journal"), FittedBevel("pin"), FittedSlot(), FittedCylinder("through", pair=True))
 WHOLE = Layout(7, PARTS)
 _TABLES = (JOURNAL_BEVEL, PIN_BEVEL, SIDE, PAIR)
 

@@ -15,7 +15,8 @@ from cranktopo.errors import CranktopoError
 from cranktopo.loads import at_speed, extreme_states, load_cases
 from cranktopo.loads.balance import throw_balance
 from cranktopo.scene import load_scene, scene_from_dict
-from cranktopo.scene.geometry import CylinderPocket, Journal, OutlineEnvelope
+from cranktopo.scene.features import CylinderPocket
+from cranktopo.scene.geometry import Journal, OutlineEnvelope
 from cranktopo.scene.schema import Weights
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 

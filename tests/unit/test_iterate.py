@@ -30,7 +30,8 @@ from cranktopo.pipeline.iterate.transition import transition_mm
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.report.tables.steps_table import best_line
 from cranktopo.scene import Scene
-from cranktopo.scene.geometry import ObroundWeb, StlEnvelope
+from cranktopo.scene.features import ObroundWeb
+from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import create_run
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of

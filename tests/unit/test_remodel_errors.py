@@ -11,7 +11,7 @@ from cranktopo.cad.throw_solid import add_half_throw, check_body
 from cranktopo.errors import CranktopoError
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene, builtin_designs, load_scene, scene_from_dict
-from cranktopo.scene.geometry import ObroundWeb
+from cranktopo.scene.features import ObroundWeb
 from tests.physics.evaluation_cases import mikron_with
 from tests.random_throws import random_throw
 

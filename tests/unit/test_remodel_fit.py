@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.remodel.constraints import part_limits
-from cranktopo.remodel.family import Bevel, Layout, Pocket, web_of
-from cranktopo.remodel.fit import _problem, fit_web, scene_with_web
-from cranktopo.remodel.initial_guess import bevel_start, outline_start, side_start
+from cranktopo.remodel.constraints import part_constraints
+from cranktopo.remodel.family import Layout, web_of
+from cranktopo.remodel.fit import fit_problem, fit_web, scene_with_web
+from cranktopo.remodel.initial_guess import outline_guess
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.residual_regions import residual_regions
 from cranktopo.remodel.search import Fit, search
@@ -20,8 +19,11 @@ from cranktopo.remodel.select import Candidate, fit_from, model_fill
 from cranktopo.remodel.shape_error import shape_error, surface_distance_mm
 from cranktopo.remodel.voxel_fill import voxel_fill
 from cranktopo.scene import Scene
-from cranktopo.scene.geometry import ProfileWeb
-from cranktopo.scene.profile import profile_flank
+from cranktopo.scene.features import ProfileWeb
+from cranktopo.scene.features.bevel import FittedBevel
+from cranktopo.scene.features.box_pocket import FittedBox
+from cranktopo.scene.features.cylinder_pocket import FittedCylinder
+from cranktopo.scene.features.side_pocket import FittedSlot
 from cranktopo.triangles.surface_mesh import mesh_of
 from tests.benchmarks.remodel_recovery import recovered
 from tests.unit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, values_of
@@ -61,19 +63,18 @@ def test_occupancy_is_the_mean_of_both_sides(mikron: Scene) -> None:
 def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold) -> None:
     """All parameters of the family, away from the body they are fitted to."""
     values = values_of(WHOLE) + np.random.default_rng(3).normal(0, 0.7, len(WHOLE.names))
-    with double_precision():
-        fit = Fit(_problem(body, mikron, COARSE, 2.0), WHOLE)
-        _, gradient = fit.misfit(values, 3.0)
-        slopes = np.asarray(fit.slopes(values))
-        step = 1e-5
-        for i, name in enumerate(WHOLE.names):
-            ahead, back = values.copy(), values.copy()
-            ahead[i] += step
-            back[i] -= step
-            difference = (float(fit.misfit(ahead, 3.0)[0]) - float(fit.misfit(back, 3.0)[0])) / (2 * step)
-            assert gradient[i] == pytest.approx(difference, rel=1e-4, abs=1e-8), name
-            change = (np.asarray(fit.limits(ahead)) - np.asarray(fit.limits(back))) / (2 * step)
-            assert slopes[:, i] == pytest.approx(change, rel=1e-4, abs=1e-6), name
+    fit = Fit(fit_problem(body, mikron, COARSE, 2.0), WHOLE)
+    _, gradient = fit.misfit(values, 3.0)
+    slopes = np.asarray(fit.slopes(values))
+    step = 1e-5
+    for i, name in enumerate(WHOLE.names):
+        ahead, back = values.copy(), values.copy()
+        ahead[i] += step
+        back[i] -= step
+        difference = (float(fit.misfit(ahead, 3.0)[0]) - float(fit.misfit(back, 3.0)[0])) / (2 * step)
+        assert gradient[i] == pytest.approx(difference, rel=1e-4, abs=1e-8), name
+        change = (np.asarray(fit.constraints(ahead)) - np.asarray(fit.constraints(back))) / (2 * step)
+        assert slopes[:, i] == pytest.approx(change, rel=1e-4, abs=1e-6), name
 
 
 def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifold) -> None:
@@ -82,12 +83,10 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
     Crowns and draft, which move the surface by hundredths of a millimetre, take the finer cells below.
     """
     rules = ManufacturingLimits()
-    with double_precision():
-        problem = _problem(body, mikron, rules, 1.0)
-        start = [outline_start(problem, 7), *(bevel_start(problem, part) for part in PARTS[:2])]
-        found, error = search(
-            Fit(problem, MORE), np.concatenate([*start, side_start(problem)]), (2.0, 1.0, 0.5)
-        )
+    problem = fit_problem(body, mikron, rules, 1.0)
+    guesses = (part.guess(problem.target, mikron, rules) for part in PARTS[:3])
+    start = [outline_guess(problem, 7), *(guess for guess in guesses if guess is not None)]
+    found, error = search(Fit(problem, MORE), np.concatenate(start), (2.0, 1.0, 0.5))
     assert error < 2e-3
     for name, true, value in zip(MORE.names, values_of(MORE), found, strict=True):
         if not name.endswith(("crown", "draft", "bevel-pin.y")):
@@ -96,23 +95,17 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
 
 def test_gradients_of_pockets_and_groove(mikron: Scene, body: Manifold) -> None:
     """The parts that the known web lacks, one on each face."""
-    parts = (
-        Bevel("pin"),
-        Pocket("groove", "side"),
-        Pocket("box", "journal"),
-        Pocket("cylinder", "pin", True),
-    )
+    parts = (FittedBevel("pin"), FittedSlot(through=True), FittedBox("journal"), FittedCylinder("pin", True))
     layout = Layout(6, parts)
     values = [-25.0, 74.0, 21.0, 35.0, 36.0, 20.0, *(8.0, 12.0, 1.5), *(6.0, 30.0, 0.5, 11.0)]
     at = np.array([*values, *(23.0, 9.0, 7.0, 5.0), *(22.0, 25.0, 8.0, 4.0)])
-    with double_precision():
-        fit = Fit(_problem(body, mikron, COARSE, 2.0), layout)
-        _, gradient = fit.misfit(at, 3.0)
-        step = 1e-5
-        for i, name in enumerate(layout.names):
-            side = step * np.eye(len(at))[i]
-            difference = (fit.misfit(at + side, 3.0)[0] - fit.misfit(at - side, 3.0)[0]) / (2 * step)
-            assert gradient[i] == pytest.approx(difference, rel=1e-4, abs=1e-8), name
+    fit = Fit(fit_problem(body, mikron, COARSE, 2.0), layout)
+    _, gradient = fit.misfit(at, 3.0)
+    step = 1e-5
+    for i, name in enumerate(layout.names):
+        side = step * np.eye(len(at))[i]
+        difference = (fit.misfit(at + side, 3.0)[0] - fit.misfit(at - side, 3.0)[0]) / (2 * step)
+        assert gradient[i] == pytest.approx(difference, rel=1e-4, abs=1e-8), name
 
 
 @pytest.mark.slow
@@ -129,28 +122,27 @@ def test_the_outline_of_a_square_body_does_not_fold_back(
     """Flat ends invite the first piece of the curve to dip below its own end; the scene refuses that."""
     start, end = mikron.web_z_mm
     square = Manifold.cube((2 * half_width, 106.0, end - start)).translate((-half_width, -29.0, start))
-    with double_precision():
-        problem = _problem(square, mikron, COARSE, 2.0)
-        found = fit_from(problem, Layout(stations), outline_start(problem, stations), "outline")
+    problem = fit_problem(square, mikron, COARSE, 2.0)
+    found = fit_from(problem, Layout(stations), outline_guess(problem, stations), "outline")
     assert found is not None
     assert found.overlap > 0.8
     web = scene_with_web(mikron, web_of(found.layout, found.values, mikron)).web
     assert web.outline == "profile"
-    assert profile_flank(web).derivatives(np, np.linspace(0, 1, 501))[0][..., 1].min() > -1e-9
+    assert web.flank.derivatives(np.linspace(0, 1, 501))[0][..., 1].min() > -1e-9
 
 
 def test_pockets_keep_a_wall_between_each_other(mikron: Scene) -> None:
     """A slot over the middle of the thickness and a pocket from a face: apart in depth, or across, or not."""
-    layout = Layout(7, (Pocket("side", "side"), Pocket("box", "journal", True)))
+    layout = Layout(7, (FittedSlot(), FittedBox("journal", True)))
     slot = [24.0, 24.0, 5.0, 31.0, 0.0, 3.0]
 
     def wall_mm(x: float, y: float, depth: float) -> float:
         values = np.array([*values_of(PLAIN), *slot, x, y, 6.0, 6.0, depth])
-        points = profile_flank(_profile(mikron)).along(np, 48)
-        limits = part_limits(layout.parts, points, values[7:], mikron, ManufacturingLimits())
+        points = _profile(mikron).flank.along(48)
+        limits = part_constraints(layout.parts, points, values[7:], mikron, ManufacturingLimits())
         return ManufacturingLimits().min_wall_mm - float(limits[-1])
 
-    opening = (profile_flank(_profile(mikron)).along(np, 48)[:, 0].max() - 31.0) * np.tan(np.deg2rad(3.0))
+    opening = (_profile(mikron).flank.along(48)[:, 0].max() - 31.0) * np.tan(np.deg2rad(3.0))
     assert wall_mm(24.0, 24.0, 12.0) == pytest.approx(31.0 - 27.0, abs=0.03)  # further in
     assert wall_mm(32.0, 24.0, 3.0) == pytest.approx(9.5 - 2.5 - opening - 3.0, abs=0.03)  # above
     assert wall_mm(32.0, 45.0, 12.0) == pytest.approx(21.0 - 3.0 - 12.0 - opening, abs=0.03)  # beyond its end
@@ -168,17 +160,16 @@ def test_rules_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
     """A wall, a radius and a draft that the body itself does not keep."""
     rules = ManufacturingLimits(cell_mm=2.0, min_wall_mm=5.0, min_radius_mm=22.0, min_draft_deg=20.0)
     true = values_of(MORE)
-    with double_precision():
-        problem = _problem(body, mikron, rules, 2.0)
-        fit = Fit(problem, MORE)
-        assert fit.limits(true).max() > 0.1
-        values, error = search(fit, true, (4.0, 2.0))
+    problem = fit_problem(body, mikron, rules, 2.0)
+    fit = Fit(problem, MORE)
+    assert fit.constraints(true).max() > 0.1
+    values, error = search(fit, true, (4.0, 2.0))
     assert np.isfinite(error)
     web = scene_with_web(mikron, web_of(MORE, values, mikron)).web
     assert web.outline == "profile"
-    flank = profile_flank(web)
-    assert np.abs(flank.curvature_per_mm(np, np.linspace(0, 1, 200))).max() <= 1 / 22.0
-    points = flank.at(np, np.linspace(0, 1, 200)).reshape(-1, 2)
+    flank = web.flank
+    assert np.abs(flank.curvature_per_mm(np.linspace(0, 1, 200))).max() <= 1 / 22.0
+    points = flank.at(np.linspace(0, 1, 200)).reshape(-1, 2)
     for y in (0.0, 48.0):
         assert np.hypot(points[:, 0], points[:, 1] - y).min() >= 21 + 2.5 + 0.1
     (side,) = web.pocket
@@ -195,11 +186,8 @@ def test_a_window_and_a_hollow_are_named_with_place_and_volume(mikron: Scene) ->
     window = Manifold.cube((8.0, 14.0, 40.0)).translate((20.0, 17.0, 15.0))
     hollow = Manifold.cube((14.0, 10.0, 9.0)).translate((-7.0, 19.0, start + 6.0))
     holed = solid - window - window.mirror((1.0, 0.0, 0.0)) - hollow
-    with double_precision():
-        problem = _problem(holed, mikron, ManufacturingLimits(), 1.0)
-        rest = residual_regions(
-            problem, model_fill(problem, Candidate(PLAIN, values_of(PLAIN), 0.0, "known"))
-        )
+    problem = fit_problem(holed, mikron, ManufacturingLimits(), 1.0)
+    rest = residual_regions(problem, model_fill(problem, Candidate(PLAIN, values_of(PLAIN), 0.0, "known")))
     kinds = {item.kind: item for item in rest}
     assert sorted(kinds) == ["hollow", "window"]
     assert kinds["window"].volume_mm3 == pytest.approx(2 * 8 * 14 * 19, rel=0.05)

@@ -1,17 +1,13 @@
-"""End bevels of the web: arcs in the plane of the crank axis and the throw, straight across the web."""
+"""The arc of an end bevel, in the plane of the crank axis and the throw."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from cranktopo.scene.geometry import EndBevel, Web
-from cranktopo.scene.outline import y_range_mm
 
 Array = NDArray[np.float64]
 _FLAT_MM = 1e-6
@@ -89,83 +85,13 @@ class BevelArc:
     def _normal(self) -> tuple[float, float]:
         return -(self.end_mm - self.start_mm) / self.chord_mm, self.depth_mm / self.chord_mm
 
-    def distance_mm(self, xp: ModuleType, depth_mm: Any, reach_mm: Any) -> Any:
-        """Signed distance, positive on the web's side; beyond both ends that of the chord.
-
-        Args:
-            xp: numpy or jax.numpy.
-            depth_mm, reach_mm: points, broadcastable.
-        """
+    def distance_mm(self, depth_mm: Any, reach_mm: Any) -> Any:
+        """Signed distance of points, broadcastable, positive in the web; beyond its ends the chord's."""
         rise, run = self.end_mm - self.start_mm, self.depth_mm
-        length = xp.sqrt(rise**2 + run**2)
+        length = np.sqrt(rise**2 + run**2)
         bend = 2 * self.crown_mm / (length**2 / 4 + self.crown_mm**2)
         d, v = depth_mm - run / 2, reach_mm - (self.start_mm + self.end_mm) / 2
-        along = xp.clip((d * run + v * rise) / length, -length / 2, length / 2)
+        along = np.clip((d * run + v * rise) / length, -length / 2, length / 2)
         above = (v * run - d * rise) / length - self.crown_mm
-        root = xp.sqrt(xp.maximum(1 - (bend * along) ** 2, _LEAST_ROOT))
+        root = np.sqrt(np.maximum(1 - (bend * along) ** 2, _LEAST_ROOT))
         return -(above + bend * along**2 / (1 + root)) * root
-
-
-def bevel_arc(web: Web, throw_radius_mm: float, bevel: EndBevel) -> BevelArc:
-    """The arc of one of the web's bevels.
-
-    Args:
-        web: the bevelled web.
-        throw_radius_mm: distance of the pin axis from the crank axis.
-        bevel: one of its bevels.
-    """
-    low, high = y_range_mm(web, throw_radius_mm)
-    if bevel.face == "journal":
-        return BevelArc(bevel.y_mm, high, bevel.depth_mm, bevel.crown_mm, 1.0)
-    return BevelArc(-bevel.y_mm, -low, bevel.depth_mm, bevel.crown_mm, -1.0)
-
-
-def height_range_mm(web: Web, throw_radius_mm: float, y_mm: Array) -> tuple[Array, Array]:
-    """Heights over the journal face between which the web lies at positions along the throw, mm.
-
-    Args:
-        web: the web.
-        throw_radius_mm: distance of the pin axis from the crank axis.
-        y_mm: positions along the throw, any shape.
-    """
-    low, high = np.zeros_like(y_mm), np.full_like(y_mm, web.thickness_mm)
-    for bevel in web.bevel:
-        arc = bevel_arc(web, throw_radius_mm, bevel)
-        depth = arc.depth_at_mm(arc.outward * y_mm)
-        if bevel.face == "journal":
-            low = depth
-        else:
-            high = web.thickness_mm - depth
-    return low, high
-
-
-def throw_range_mm(web: Web, throw_radius_mm: float, height_mm: float) -> tuple[float, float]:
-    """Range along the throw that the bevels leave at a height over the journal face, mm; may be infinite.
-
-    Args:
-        web: the web.
-        throw_radius_mm: distance of the pin axis from the crank axis.
-        height_mm: height over the journal face.
-    """
-    low, high = -math.inf, math.inf
-    for bevel in web.bevel:
-        arc = bevel_arc(web, throw_radius_mm, bevel)
-        if bevel.face == "journal":
-            high = arc.reach_at_mm(height_mm)
-        else:
-            low = -arc.reach_at_mm(web.thickness_mm - height_mm)
-    return low, high
-
-
-def bevel_cuts_mm(web: Web, sections: int) -> list[float]:
-    """Heights over the journal face at which a bevelled web is cut into thin layers, mm.
-
-    Args:
-        web: the web.
-        sections: number of layers per bevel.
-    """
-    cuts: list[float] = []
-    for bevel in web.bevel:
-        layers = np.linspace(0.0, bevel.depth_mm, sections + 1)
-        cuts += list(layers if bevel.face == "journal" else web.thickness_mm - layers)
-    return cuts

@@ -1,22 +1,18 @@
-"""The profile outline: one smooth curve through half-widths at stations along the throw.
+"""The right flank of a profile outline: one smooth curve through half-widths at stations along the throw.
 
-The right flank is a cubic spline of x and y over the chord length between its points, with continuous
-curvature. An end with half-width 0 is round: the curve crosses x = 0 at a right angle, with the curvature of
-its own mirror image. An end with a half-width above 0 is cut straight across. The formulae take the array
-module, so that the fit can differentiate them.
+It is a cubic spline of x and y over the chord length between its points, with continuous curvature. An end
+with half-width 0 is round: the curve crosses x = 0 at a right angle, with the curvature of its own mirror
+image. An end with a half-width above 0 is cut straight across. The formulae are analytic, so that a complex
+step differentiates them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from cranktopo.scene.geometry import ProfileWeb
 
 Array = NDArray[np.float64]
 _BISECTIONS = 52
@@ -36,15 +32,14 @@ class Flank:
     lengths_mm: Any
     slopes: Any
 
-    def at(self, xp: ModuleType, u: Any) -> Any:
+    def at(self, u: Any) -> Any:
         """Points of every piece, (pieces, u, 2), mm.
 
         Args:
-            xp: numpy or jax.numpy.
             u: (u,) places in each piece, 0 to 1.
         """
         start, end, leave, arrive = self._pieces()
-        t = xp.asarray(u)[None, :, None]
+        t = np.asarray(u)[None, :, None]
         return (
             start * (1 + 2 * t) * (1 - t) ** 2
             + end * t**2 * (3 - 2 * t)
@@ -52,17 +47,16 @@ class Flank:
             + arrive * t**2 * (t - 1)
         )
 
-    def along(self, xp: ModuleType, chords: int) -> Any:
+    def along(self, chords: int) -> Any:
         """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm.
 
         Args:
-            xp: numpy or jax.numpy.
             chords: number of steps.
         """
         pieces = self.points_mm.shape[0] - 1
         place = np.linspace(0, pieces, chords + 1)
         piece = np.minimum(place.astype(int), pieces - 1)
-        t = xp.asarray(place - piece)[:, None]
+        t = np.asarray(place - piece)[:, None]
         start, end, leave, arrive = (part[piece, 0] for part in self._pieces())
         return (
             start * (1 + 2 * t) * (1 - t) ** 2
@@ -71,27 +65,25 @@ class Flank:
             + arrive * t**2 * (t - 1)
         )
 
-    def derivatives(self, xp: ModuleType, u: Any) -> tuple[Any, Any]:
+    def derivatives(self, u: Any) -> tuple[Any, Any]:
         """First and second derivative by the parameter, (pieces, u, 2) each, - and 1/mm.
 
         Args:
-            xp: numpy or jax.numpy.
             u: (u,) places in each piece, 0 to 1.
         """
         start, end, leave, arrive = self._pieces()
-        t, length = xp.asarray(u)[None, :, None], self.lengths_mm[:, None, None]
+        t, length = np.asarray(u)[None, :, None], self.lengths_mm[:, None, None]
         first = 6 * t * (1 - t) * (end - start) + leave * (1 - t) * (1 - 3 * t) + arrive * t * (3 * t - 2)
         second = (6 - 12 * t) * (end - start) + leave * (6 * t - 4) + arrive * (6 * t - 2)
         return first / length, second / length**2
 
-    def curvature_per_mm(self, xp: ModuleType, u: Any) -> Any:
+    def curvature_per_mm(self, u: Any) -> Any:
         """Signed curvature of every piece, (pieces, u), 1/mm; positive where the web is convex.
 
         Args:
-            xp: numpy or jax.numpy.
             u: (u,) places in each piece, 0 to 1.
         """
-        first, second = self.derivatives(xp, u)
+        first, second = self.derivatives(u)
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         return cross / (first**2).sum(axis=-1) ** 1.5
 
@@ -105,46 +97,35 @@ class Flank:
         )
 
 
-def flank_through(
-    xp: ModuleType, half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]
-) -> Flank:
-    """The flank through half-widths at stations.
+def flank_through(half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]) -> Flank:
+    """The flank through half-widths at stations, (n,) each, mm.
 
     Args:
-        xp: numpy or jax.numpy.
-        half_widths_mm, stations_mm: (n,) x and y of the points.
         round_ends: whether the lower and the upper end cross x = 0 smoothly.
     """
-    points = xp.stack([half_widths_mm, stations_mm], axis=1)
-    lengths = xp.sqrt(((points[1:] - points[:-1]) ** 2).sum(axis=1))
-    free = _slopes(xp, lengths, points, (False, False))
-    held = _slopes(xp, lengths, points, round_ends)
+    points = np.stack([half_widths_mm, stations_mm], axis=1)
+    lengths = np.sqrt(((points[1:] - points[:-1]) ** 2).sum(axis=1))
+    free = _slopes(lengths, points, (False, False))
+    held = _slopes(lengths, points, round_ends)
     # In a mirror x is odd, so its second derivative vanishes, and y is even, so its first one does.
-    return Flank(points, lengths, xp.stack([free[:, 0], held[:, 1]], axis=1))
+    return Flank(points, lengths, np.stack([free[:, 0], held[:, 1]], axis=1))
 
 
-def _slopes(xp: ModuleType, lengths: Any, points: Any, clamped: tuple[bool, bool]) -> Any:
+def _slopes(lengths: Any, points: Any, clamped: tuple[bool, bool]) -> Any:
     """Derivatives at the points of the C2 spline; an end has derivative 0 (clamped) or no curvature."""
-    one, zero = xp.ones(1), xp.zeros(1)
+    one, zero = np.ones(1), np.zeros(1)
     inverse = 1 / lengths
     middle = 2 * (inverse[:-1] + inverse[1:])
-    diagonal = xp.concatenate([one if clamped[0] else 2 * one, middle, one if clamped[1] else 2 * one])
-    upper = xp.concatenate([zero if clamped[0] else one, inverse[1:]])
-    lower = xp.concatenate([inverse[:-1], zero if clamped[1] else one])
+    diagonal = np.concatenate([one if clamped[0] else 2 * one, middle, one if clamped[1] else 2 * one])
+    upper = np.concatenate([zero if clamped[0] else one, inverse[1:]])
+    lower = np.concatenate([inverse[:-1], zero if clamped[1] else one])
     chords = (points[1:] - points[:-1]) * inverse[:, None]
     inner = 3 * (chords[:-1] * inverse[:-1, None] + chords[1:] * inverse[1:, None])
     first = 0.0 if clamped[0] else 3.0
     last = 0.0 if clamped[1] else 3.0
-    right = xp.concatenate([first * chords[:1], inner, last * chords[-1:]])
-    matrix = xp.diag(diagonal) + xp.diag(upper, 1) + xp.diag(lower, -1)
-    return xp.linalg.solve(matrix, right)
-
-
-@lru_cache(maxsize=64)
-def profile_flank(web: ProfileWeb) -> Flank:
-    """The right flank of a profile web."""
-    half = np.array(web.half_widths_mm, dtype=np.float64)
-    return flank_through(np, half, np.array(web.stations_mm, dtype=np.float64), web.round_ends)
+    right = np.concatenate([first * chords[:1], inner, last * chords[-1:]])
+    matrix = np.diag(diagonal) + np.diag(upper, 1) + np.diag(lower, -1)
+    return np.linalg.solve(matrix, right)
 
 
 def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:

@@ -1,0 +1,283 @@
+"""End bevels of the web: arcs in the plane of the crank axis and the throw, straight across the web."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+from typing_extensions import override
+
+from cranktopo.errors import invalid
+from cranktopo.scene.base import Length, LengthOrZero, Place
+from cranktopo.scene.features.bevel_arc import BevelArc
+from cranktopo.scene.features.body import ROUNDING_MM, SHOULDER_MM, Array, Body, Face, Feature, Mask, Span
+from cranktopo.scene.features.fitted import (
+    CLEAR_MM,
+    Axes,
+    Cells,
+    FittedToSections,
+    Limits,
+    Named,
+    Surroundings,
+    depth_mm,
+    rounded,
+)
+from cranktopo.scene.features.primitives import (
+    Arc,
+    Curve,
+    Dimension,
+    Extrusion,
+    FeatureDrawing,
+    Line,
+    Point,
+    Polyline,
+    Solid,
+)
+
+if TYPE_CHECKING:
+    from cranktopo.scene.geometry import Throw
+    from cranktopo.scene.schema import Scene
+
+_HALF = 0.5
+_LEAST_DEPTH_MM = 1.0
+
+
+class EndBevel(Feature):
+    """Bevel across one end of the web, on the face that carries no journal there.
+
+    On the journal face it takes off the crankpin's end of the web, on the pin face the main journal's. It
+    starts at `y_mm` on its face and reaches `depth_mm` below that face at the very end of the outline; it is
+    straight across the web, and along the throw an arc that rises `crown_mm` over its chord (0 = plane).
+    """
+
+    face: Literal["journal", "pin"] = Field(examples=["journal"])
+    """Face that it is cut from: `journal` bevels the crankpin's end of the web, `pin` the main journal's."""
+    y_mm: Place = Field(examples=[60.0])
+    """Where it meets that face, along the throw from the crank axis."""
+    depth_mm: Length = Field(examples=[8.0])
+    """Depth below that face at the very end of the outline; smaller than the web's thickness."""
+    crown_mm: LengthOrZero = 0.0
+    """Rise of its arc over the chord; 0 = plane."""
+
+    def arc(self, scene: Scene) -> BevelArc:
+        """Its arc, up to the end of the web's outline."""
+        ends = scene.web.y_range_mm(scene.throw.radius_mm)
+        return _arc(self.face, self.y_mm, self.depth_mm, self.crown_mm, ends)
+
+    @override
+    def bodies(self, scene: Scene, key: str) -> tuple[Body, ...]:
+        arc, (start, end) = self.arc(scene), scene.web_z_mm
+        face, into = (start, 1.0) if arc.outward > 0 else (end, -1.0)
+        z_mm = (start, start + self.depth_mm) if arc.outward > 0 else (end - self.depth_mm, end)
+        return (BevelTool(key, z_mm, arc, face, into, 2 * scene.web.largest_half_width_mm),)
+
+    @override
+    def check_alone(self, scene: Scene, key: str) -> None:
+        web = scene.web
+        if len({bevel.face for bevel in web.bevel}) < len(web.bevel):
+            raise invalid("web.bevel", web.bevel[0].face, "one bevel per face")
+        arc = self.arc(scene)
+        if self.depth_mm >= web.thickness_mm:
+            allowed = f"must be smaller than web.thickness_mm = {web.thickness_mm:g} mm"
+            raise invalid(f"{key}.depth_mm", self.depth_mm, allowed)
+        if arc.start_mm >= arc.end_mm:
+            end = arc.outward * arc.end_mm
+            raise invalid(f"{key}.y_mm", self.y_mm, f"lies beyond the end of the outline at {end:g} mm")
+        if self.crown_mm > arc.largest_crown_mm:
+            allowed = f"must be at most {arc.largest_crown_mm:.4g} mm, or the arc turns back"
+            raise invalid(f"{key}.crown_mm", self.crown_mm, allowed)
+
+    def check_in_web(self, scene: Scene, key: str) -> None:
+        """The two bevels do not meet, and each keeps clear of the journal that stands on its face."""
+        starts = {bevel.face: bevel.y_mm for bevel in scene.web.bevel}
+        if len(starts) == 2 and starts["pin"] >= starts["journal"]:
+            allowed = f"the bevels overlap; the other starts at {starts['journal']:g} mm"
+            raise invalid("web.bevel", starts["pin"], allowed)
+        arc, (name, journal, axis) = self.arc(scene), _journals(scene.throw, self.face)[0]
+        room = arc.start_mm - arc.outward * axis - SHOULDER_MM
+        if journal.radius_mm + journal.fillet_mm > room + ROUNDING_MM:
+            raise invalid(
+                f"{key}.y_mm",
+                self.y_mm,
+                f"starts {room + SHOULDER_MM:.4g} mm from the axis of throw.{name}, which needs "
+                f"{journal.radius_mm + journal.fillet_mm + SHOULDER_MM:.4g} mm for its radius and fillet",
+                "Move the bevel outward.",
+            )
+
+    @override
+    def drawing(self, scene: Scene) -> FeatureDrawing:
+        arc, (start, end) = self.arc(scene), scene.web_z_mm
+        half = float(scene.web.half_width_mm(scene.throw.radius_mm, np.array([self.y_mm]))[0])
+        edge = Polyline(((-half, self.y_mm), (half, self.y_mm)), hidden=self.face == "journal")
+        face, out, off = (start, -9.0, 5.0) if arc.outward > 0 else (end, 9.0, -3.5)
+        tip = arc.outward * arc.end_mm
+        depths = sorted((face, face + arc.outward * self.depth_mm))
+        angle = np.degrees(np.arctan2(arc.end_mm - arc.start_mm, arc.depth_mm))
+        shape = f"R {arc.radius_mm:.1f}" if np.isfinite(arc.radius_mm) else "plane"
+        return FeatureDrawing(
+            front=(edge,),
+            lengthwise=(
+                Dimension((face, 0.0), (face, self.y_mm), (out, 0.0), f"{self.y_mm:.2f}"),
+                Dimension((depths[0], tip), (depths[1], tip), (0.0, off), f"{self.depth_mm:.2f}"),
+            ),
+            lines=(
+                "",
+                f"BEVEL on the {self.face} face",
+                f"   from y {self.y_mm:.2f}, depth {self.depth_mm:.2f}",
+                f"   chord {angle:.1f}° to the crank axis, {shape}",
+            ),
+        )
+
+
+@dataclass(frozen=True)
+class BevelTool(Body):
+    """What a bevel takes off, over the whole width.
+
+    Attributes:
+        arc: where it cuts.
+        face_mm: height of its face.
+        into: sign of the crank axis from its face into the web.
+        wide_mm: a lateral extent beyond the outline.
+    """
+
+    arc: BevelArc
+    face_mm: float
+    into: float
+    wide_mm: float
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        cut = self.into * (z_mm - self.face_mm) < self.arc.depth_at_mm(self.arc.outward * y_mm)
+        half = np.where(cut, self.wide_mm, 0.0)
+        return [(-half, half)]
+
+    @override
+    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
+        """The same over the whole width, so (1, y) for points (x, 1) and (1, y)."""
+        return np.asarray(self.into * (z_mm - self.face_mm) < self.arc.depth_at_mm(self.arc.outward * y_mm))
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        low, high = sorted(self.arc.outward * reach for reach in (self.arc.start_mm, self.arc.end_mm))
+        return low, high
+
+    @override
+    def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
+        return [self.face_mm + self.into * self.arc.depth_at_mm(self.arc.outward * y_mm)]
+
+    @property
+    @override
+    def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
+        return (self.z_mm,)
+
+    def solids(self) -> tuple[Solid, ...]:
+        """The arc, continued along its tangent beyond the web, swept across."""
+        arc, far = self.arc, self.arc.chord_mm
+        slope = math.atan2(arc.end_mm - arc.start_mm, arc.depth_mm)
+        slope -= 2 * math.atan(2 * arc.crown_mm / arc.chord_mm)
+        deepest, top = arc.depth_mm + far * math.cos(slope), arc.end_mm + 2 * far
+        start, end = self._point(0.0, arc.start_mm), self._point(arc.depth_mm, arc.end_mm)
+        corners = [end, self._point(deepest, arc.end_mm + far * math.sin(slope)), self._point(deepest, top)]
+        corners += [self._point(-far, top), self._point(-far, arc.start_mm), start]
+        straight = math.isinf(arc.radius_mm)
+        curved: Curve = Line(start, end) if straight else Arc(start, self._point(*arc.centre_mm), end)
+        contour = (curved, *(Line(a, b) for a, b in pairwise(corners)))
+        return (Extrusion(contour, (2 * self.wide_mm, 0.0, 0.0)),)
+
+    def _point(self, depth_mm: float, reach_mm: float) -> Point:
+        return -self.wide_mm, self.arc.outward * reach_mm, self.face_mm + self.into * depth_mm
+
+
+def height_range_mm(scene: Scene, y_mm: Array) -> tuple[Array, Array]:
+    """Heights over the journal face between which bevels leave the web at positions along the throw, mm."""
+    low, high = np.zeros_like(y_mm), np.full_like(y_mm, scene.web.thickness_mm)
+    for bevel in scene.web.bevel:
+        arc = bevel.arc(scene)
+        depth = arc.depth_at_mm(arc.outward * y_mm)
+        low, high = (depth, high) if arc.outward > 0 else (low, scene.web.thickness_mm - depth)
+    return low, high
+
+
+@dataclass(frozen=True)
+class FittedBevel(FittedToSections):
+    """An end bevel of the re-model, by its face."""
+
+    face: Face
+    table: ClassVar[str] = "bevel"
+    follows_ends: ClassVar[bool] = True
+
+    @property
+    @override
+    def label(self) -> str:
+        return f"bevel-{self.face}"
+
+    @property
+    @override
+    def names(self) -> tuple[str, ...]:
+        return ("y", "depth", "crown")
+
+    @override
+    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+        far, thickness = 4 * scene.throw.radius_mm, scene.web.thickness_mm
+        return [(-far, far), (_LEAST_DEPTH_MM, thickness - limits.min_wall_mm), (0.0, thickness)]
+
+    @override
+    def arc(self, named: Named, ends: Array) -> BevelArc:
+        return _arc(self.face, named["y"], named["depth"], named["crown"], (ends[0], ends[1]))
+
+    @override
+    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+        arc = self.arc(named, ends)
+        depth = depth_mm(self.face, axes[2], web_z_mm)
+        return np.asarray(arc.distance_mm(depth[None, :], arc.outward * axes[1][:, None])[None])
+
+    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
+        """Clear of the journal on its face, a wall under the other journal's edge, no turning back."""
+        arc = self.arc(named, around.points_mm[[0, -1], 1])
+        (_, journal, axis), (_, other, far) = _journals(around.scene.throw, self.face)
+        reach = arc.outward * axis + journal.radius_mm + journal.fillet_mm
+        yield reach + SHOULDER_MM + CLEAR_MM - arc.start_mm
+        yield around.limits.min_wall_mm + arc.start_mm - arc.end_mm
+        wall = around.scene.web.thickness_mm - around.limits.min_wall_mm
+        yield -arc.distance_mm(wall, arc.outward * far + other.radius_mm)
+        yield 4 * arc.crown_mm - 0.95 * _twice_tangent(arc.end_mm - arc.start_mm, arc.depth_mm)
+
+    @override
+    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
+        return [{"face": self.face, **{f"{name}_mm": rounded(value) for name, value in named.items()}}]
+
+    def guess(self, cells: Cells, scene: Scene, limits: Limits) -> Array:
+        """Start, depth and crown (0), mm, from how far the body reaches at each height."""
+        solid = (cells.filled > _HALF).any(axis=0)
+        outward = 1.0 if self.face == "journal" else -1.0
+        reach = np.where(solid, outward * cells.y_mm[:, None], -np.inf).max(axis=0)
+        reach = reach if self.face == "journal" else reach[::-1]
+        below = np.flatnonzero(reach >= reach.max() - cells.cell_mm[1])
+        deepest = scene.web.thickness_mm - limits.min_wall_mm
+        depth = float(np.clip((below[0] + _HALF) * cells.cell_mm[2], _LEAST_DEPTH_MM, deepest))
+        return np.array([outward * reach[0], depth, 0.0])
+
+
+def _arc(face: str, y_mm: Any, depth: Any, crown_mm: Any, ends: tuple[Any, Any]) -> BevelArc:
+    if face == "journal":
+        return BevelArc(y_mm, ends[1], depth, crown_mm, 1.0)
+    return BevelArc(-y_mm, -ends[0], depth, crown_mm, -1.0)
+
+
+def _journals(throw: Throw, face: str) -> list[tuple[str, Any, float]]:
+    """The journal that stands on a face, then the other: name, journal, place of its axis."""
+    both = [("main_journal", throw.main_journal, 0.0), ("crankpin", throw.crankpin, throw.radius_mm)]
+    return both if face == "journal" else both[::-1]
+
+
+def _twice_tangent(rise: Any, run: Any) -> Any:
+    """2 L tan(min(slope, 90 deg - slope) / 2): four times a crown this large makes the arc turn back."""
+    chord = np.hypot(rise, run)
+    shorter, longer = np.minimum(rise, run), np.maximum(rise, run)
+    return 2 * chord * shorter / (chord + longer)

@@ -1,0 +1,203 @@
+"""What a feature says so that the re-model can fit it: parameters, signed distance, constraints, tables."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+import numpy as np
+
+from cranktopo.scene.features.body import Array, Face
+
+if TYPE_CHECKING:
+    from cranktopo.scene.features.bevel_arc import BevelArc
+    from cranktopo.scene.schema import Scene
+
+Named = dict[str, Any]
+"""Values of a feature's parameters by name, mm or degrees."""
+Axes = tuple[Array, Array, Array]
+"""x, y and z of the cell centres, mm; x > 0 only."""
+RESOLUTION_MM = 0.01
+"""Parameters are rounded to this in the scene; the constraints keep as much clear."""
+CLEAR_MM = 2 * RESOLUTION_MM
+LEAST_MM = 3.0
+"""Least size of a pocket."""
+_STEP = 1e-6
+"""Step of the derivatives by the parameters, mm or degrees."""
+
+
+class Limits(Protocol):
+    """What a die or a mill can make."""
+
+    @property
+    def min_wall_mm(self) -> float:
+        """Least wall between bores, pockets, bevels and the outline."""
+
+    @property
+    def min_draft_deg(self) -> float:
+        """Least slope of the walls of a side pocket."""
+
+
+class Cells(Protocol):
+    """Fill of the cells by the extracted body, (nx, ny, nz) in [0, 1]; x > 0 only."""
+
+    @property
+    def x_mm(self) -> Array:
+        """Cell centres across the throw."""
+
+    @property
+    def y_mm(self) -> Array:
+        """Cell centres along the throw."""
+
+    @property
+    def cell_mm(self) -> Array:
+        """Edges of a cell, (3,)."""
+
+    @property
+    def filled(self) -> Array:
+        """Fill."""
+
+
+class Region(Protocol):
+    """A connected region that the body lacks and the web has, its part at x >= 0."""
+
+    @property
+    def kind(self) -> str:
+        """`window` where it is open at both web faces."""
+
+    @property
+    def volume_mm3(self) -> float:
+        """Volume on both sides of x = 0."""
+
+    @property
+    def low_mm(self) -> tuple[float, float, float]:
+        """Least corner of its bounding box."""
+
+    @property
+    def high_mm(self) -> tuple[float, float, float]:
+        """Largest corner of its bounding box."""
+
+    @property
+    def pair(self) -> bool:
+        """It does not reach x = 0."""
+
+    @property
+    def face(self) -> Face | None:
+        """The only web face at which it is open."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the constraints on a feature refer to.
+
+    Attributes:
+        scene: journals and thickness.
+        limits: what is to be kept.
+        points_mm: (n, 2) points of the outline's right half, from end to end.
+        arcs: end bevels of the web.
+    """
+
+    scene: Scene
+    limits: Limits
+    points_mm: Array
+    arcs: tuple[BevelArc, ...] = ()
+
+    @property
+    def widest_mm(self) -> float:
+        """Largest half-width of the outline."""
+        return float(self.points_mm[:, 0].max())
+
+    @property
+    def wall_mm(self) -> float:
+        """Least wall, with what rounding may take."""
+        return self.limits.min_wall_mm + CLEAR_MM
+
+
+class FittedFeature(ABC):
+    """A kind of feature with free parameters; compared by its label."""
+
+    table: ClassVar[str] = "pocket"
+    """Key of the web under which its tables go."""
+    follows_ends: ClassVar[bool] = False
+    """Whether its surface moves with the ends of the outline."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Short name, such as `bevel-journal` or `cylinder-through-pair`."""
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of its parameters: mm, draft in degrees."""
+
+    @abstractmethod
+    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+        """Lower and upper bound of each parameter."""
+
+    @abstractmethod
+    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+        """Signed distance of the cells, positive where it leaves material, broadcastable to (nx, ny, nz).
+
+        Args:
+            ends: least and largest y of the outline, mm.
+        """
+
+    @abstractmethod
+    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
+        """Walls, shoulders and access of a tool, mm; each kept where it is <= 0."""
+
+    @abstractmethod
+    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
+        """Its tables in the scene, rounded.
+
+        Args:
+            frame_mm: least and largest y of the outline, largest half-width.
+        """
+
+    def box_mm(self, named: Named, around: Surroundings) -> Array | None:
+        """Corners of the box around it at x > 0, (2, 3), z from the journal face; None if no wall is kept."""
+        return None
+
+    def arc(self, named: Named, ends: Array) -> BevelArc | None:
+        """The end bevel that it is; None for others."""
+        return None
+
+    def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+        """`inside_mm` of values in the order of `names`."""
+        return self.inside_mm(dict(zip(self.names, values, strict=True)), ends, axes, web_z_mm)
+
+    def pulled_back(
+        self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array
+    ) -> tuple[Array, Array]:
+        """Derivative of sum(weight * inside_mm) by the values and by the ends, by central differences."""
+        both, across = np.concatenate([values, ends]), weight.sum(axis=0, keepdims=True)
+        count, slopes = len(both) if self.follows_ends else len(values), np.zeros(len(both))
+        for i, step in enumerate(_STEP * np.eye(len(both))[:count]):
+            above, below = (
+                self.field_mm(shifted[: len(values)], shifted[len(values) :], axes, web_z_mm)
+                for shifted in (both + step, both - step)
+            )
+            change = above - below
+            slopes[i] = float((change * (across if len(change) == 1 else weight)).sum()) / (2 * _STEP)
+        return slopes[: len(values)], slopes[len(values) :]
+
+
+class FittedToSections(FittedFeature):
+    """A kind whose initial values are read from cross-sections of the body."""
+
+    @abstractmethod
+    def guess(self, cells: Cells, scene: Scene, limits: Limits) -> Array | None:
+        """Initial values; None where the body shows no such feature."""
+
+
+def rounded(value: Any) -> float:
+    """A parameter as it stands in the scene."""
+    return round(float(value), 2) + 0.0
+
+
+def depth_mm(face: str, z_mm: Any, web_z_mm: tuple[float, float]) -> Any:
+    """Depth of heights below a web face."""
+    return z_mm - web_z_mm[0] if face == "journal" else web_z_mm[1] - z_mm

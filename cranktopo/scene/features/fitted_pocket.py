@@ -1,0 +1,122 @@
+"""Pockets of the re-model that start from a web face: one at x = 0 or a pair at +x and -x."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+import numpy as np
+from typing_extensions import override
+
+from cranktopo.scene.features.body import SHOULDER_MM, Array
+from cranktopo.scene.features.fitted import (
+    LEAST_MM,
+    Axes,
+    FittedFeature,
+    Limits,
+    Named,
+    Region,
+    Surroundings,
+    depth_mm,
+    rounded,
+)
+
+if TYPE_CHECKING:
+    from cranktopo.scene.schema import Scene
+
+_LEAST_DEPTH_MM = 1.0
+
+
+@dataclass(frozen=True)
+class FittedPocket(FittedFeature):
+    """A pocket parallel to the crank axis: the face it starts from, whether there are two."""
+
+    face: Literal["journal", "pin", "through"]
+    pair: bool = False
+    shape: ClassVar[str]
+    sizes: ClassVar[tuple[str, ...]]
+    """Names of its size across and along the throw."""
+
+    @classmethod
+    @abstractmethod
+    def in_region(cls, region: Region) -> Self | None:
+        """The pocket that could take out a region; None if the region does not fit the kind."""
+
+    @abstractmethod
+    def section_mm(self, named: Named, across: Array, along: Array) -> Array:
+        """Signed distance in a section, positive in the pocket; from its centre, |along|."""
+
+    @abstractmethod
+    def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
+        """Distance of points of a section from the pocket, negative inside."""
+
+    @property
+    @override
+    def label(self) -> str:
+        return f"{self.shape}-{self.face}{'-pair' if self.pair else ''}"
+
+    @property
+    @override
+    def names(self) -> tuple[str, ...]:
+        depth = () if self.face == "through" else ("depth",)
+        return (*(("x", "y") if self.pair else ("y",)), *self.sizes, *depth)
+
+    @override
+    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+        far = 4 * scene.throw.radius_mm
+        deepest = scene.web.thickness_mm - limits.min_wall_mm
+        ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (_LEAST_DEPTH_MM, deepest)}
+        return [ranges.get(name, (LEAST_MM, far)) for name in self.names]
+
+    @override
+    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+        x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2]
+        result = self.section_mm(named, x - named.get("x", 0.0), np.abs(y - named["y"]))
+        if self.face == "through":
+            return -result
+        return np.asarray(-np.minimum(result, named["depth"] - depth_mm(self.face, z, web_z_mm)))
+
+    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
+        """Walls toward bores and the outline, between twins, and journals out of the tool's way."""
+        wall = around.wall_mm
+        yield wall - self.gap_mm(named, around.points_mm[:, 0], around.points_mm[:, 1]).min()
+        if self.pair:
+            yield wall / 2 + named[self.sizes[0]] / 2 - named["x"]
+        for face, (journal, axis) in zip(("journal", "pin"), around.scene.throw.journals, strict=True):
+            gap = self.gap_mm(named, 0.0, axis)
+            yield journal.bore_radius_mm + wall - gap
+            if self.face in (face, "through"):
+                yield journal.radius_mm + journal.fillet_mm + SHOULDER_MM - gap
+
+    @override
+    def box_mm(self, named: Named, around: Surroundings) -> Array:
+        thickness = around.scene.web.thickness_mm
+        centre = np.array([named.get("x", 0.0), named["y"]])
+        half = np.array([named[self.sizes[0]], named[self.sizes[-1]]]) / 2
+        depth = named.get("depth", thickness)
+        low = thickness - depth if self.face == "pin" else 0.0
+        return np.array([[*(centre - half), low], [*(centre + half), low + depth]])
+
+    @override
+    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
+        values = {f"{name}_mm": rounded(value) for name, value in named.items()}
+        table = {"shape": self.shape, "face": self.face, **values}
+        if not self.pair:
+            return [{**table, "x_mm": 0.0}]
+        return [{**table, "x_mm": side * values["x_mm"]} for side in (1, -1)]
+
+    def guess(self, region: Region, web_z_mm: tuple[float, float]) -> Array:
+        """Initial values of a pocket that fills a region of the volume of its bounding box."""
+        low, high = np.array(region.low_mm), np.array(region.high_mm)
+        centre, size = (low + high) / 2, high - low
+        area = region.volume_mm3 / 2 / size[2] * (1.0 if self.pair else 2.0)
+        across = size[0] if self.pair else 2 * high[0]
+        values = [*([centre[0]] if self.pair else []), centre[1], *self.size_guess(area, across, size[1])]
+        depth = (high[2] - web_z_mm[0]) if self.face == "journal" else (web_z_mm[1] - low[2])
+        return np.array(values if self.face == "through" else [*values, depth])
+
+    @abstractmethod
+    def size_guess(self, area_mm2: float, across_mm: float, along_mm: float) -> list[float]:
+        """Initial sizes from the mean section of a region and the size of its bounding box."""

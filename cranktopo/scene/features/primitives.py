@@ -1,0 +1,146 @@
+"""What features are made of, as data: solids for the CAD kernel, strokes for the drawing; all in mm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Point = tuple[float, float, float]
+FlatPoint = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight edge."""
+
+    start: Point
+    end: Point
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A circular edge of less than half a turn."""
+
+    start: Point
+    centre: Point
+    end: Point
+
+
+@dataclass(frozen=True)
+class Bezier:
+    """A Bezier curve through its first and last point."""
+
+    points: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """A whole ellipse in a plane of constant z, its axes along x and y."""
+
+    centre: Point
+    half_x: float
+    half_y: float
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A whole rectangle in a plane of constant z, with rounded corners."""
+
+    low: Point
+    size_x: float
+    size_y: float
+    corner_radius: float
+
+
+Curve = Line | Arc | Bezier | Ellipse | Rectangle
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A cylinder about any axis: middle of its first end, vector to that of the other, radius."""
+
+    start: Point
+    axis: Point
+    radius: float
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box along the axes: its least corner and its edges."""
+
+    low: Point
+    size: Point
+
+
+@dataclass(frozen=True)
+class Frustum:
+    """A body between two quadrilaterals with corners in the same order."""
+
+    floor: tuple[Point, ...]
+    mouth: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class Extrusion:
+    """A closed plane contour, swept along a vector."""
+
+    contour: tuple[Curve, ...]
+    path: Point
+
+
+Solid = Cylinder | Box | Frustum | Extrusion
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A circle of a view, with a text in its middle."""
+
+    centre: FlatPoint
+    radius: float
+    hidden: bool = False
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """A chain of straight edges of a view."""
+
+    points: tuple[FlatPoint, ...]
+    hidden: bool = False
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A dimension between two points of a view, its line moved off them by a shift along one axis."""
+
+    start: FlatPoint
+    end: FlatPoint
+    shift: FlatPoint
+    text: str
+
+
+@dataclass(frozen=True)
+class FeatureDrawing:
+    """How a feature appears in the drawing of its web.
+
+    Attributes:
+        front: edges in the view along the crank axis, (x, y).
+        lengthwise: dimensions in the section x = 0, (z, y).
+        across: dimensions in the section across the throw at `section_y_mm`, (x, z).
+        section_y_mm: where a section across the throw shows the feature best; None for no preference.
+        lines: its numbers, for the table.
+    """
+
+    front: tuple[Circle | Polyline, ...] = ()
+    lengthwise: tuple[Dimension, ...] = ()
+    across: tuple[Dimension, ...] = ()
+    section_y_mm: float | None = None
+    lines: tuple[str, ...] = ()
+
+
+def number_lines(title: str, values: dict[str, float]) -> tuple[str, ...]:
+    """Lines of the drawing's table: a title, and each number by its key without the unit."""
+    lines = ["", title]
+    for name, value in values.items():
+        word, unit = name.rsplit("_", 1)
+        lines.append(f"   {word.replace('_', ' ')} {value:.2f}{'°' if unit == 'deg' else ''}")
+    return tuple(lines)

@@ -1,0 +1,352 @@
+"""Slot cut from both lateral faces, its walls sloped outward; longer than the outline it is a groove."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from pydantic import Field
+from typing_extensions import override
+
+from cranktopo.errors import CranktopoError
+from cranktopo.scene.base import Length, Place
+from cranktopo.scene.features.bevel import height_range_mm
+from cranktopo.scene.features.body import Array, Body, Feature, Mask, Span
+from cranktopo.scene.features.fitted import (
+    LEAST_MM,
+    Axes,
+    Cells,
+    FittedToSections,
+    Limits,
+    Named,
+    Surroundings,
+    rounded,
+)
+from cranktopo.scene.features.hole import check_cut, check_depth
+from cranktopo.scene.features.primitives import (
+    Box,
+    Dimension,
+    FeatureDrawing,
+    Frustum,
+    Polyline,
+    Solid,
+    number_lines,
+)
+
+if TYPE_CHECKING:
+    from cranktopo.scene.schema import Scene
+
+_BEYOND_MM = 1.0
+"""How far the tool of a sloped slot reaches beyond the outline, and a groove beyond both of its ends."""
+_LARGEST_DRAFT_DEG = 45.0
+_FIRST_DRAFT_DEG = 10.0
+_LEAST_LENGTH_MM = 6.0
+_HALF = 0.5
+_ENDLESS_MM = 1e4
+_CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+
+
+class SidePocket(Feature):
+    """Slot cut from both lateral faces, symmetric in x.
+
+    Length and height are those of its floor, the innermost face; its walls open outward by the draft angle.
+    Its middle lies `offset_mm` from the web's mid-plane toward the pin.
+    """
+
+    shape: Literal["side"]
+    y_mm: Place = Field(examples=[24.0])
+    """Centre along the throw, from the crank axis toward the crankpin."""
+    length_mm: Length = Field(examples=[20.0])
+    """Length of its floor along the throw; longer than the outline: a groove that runs out at both ends."""
+    height_mm: Length = Field(examples=[8.0])
+    """Height of its floor along the crank axis."""
+    depth_mm: Length = Field(examples=[5.0])
+    """Depth of its floor below the largest half-width of the web."""
+    offset_mm: Place = 0.0
+    """Distance of its middle from the web's mid-plane, toward the pin."""
+    draft_deg: float = Field(default=0.0, ge=0, le=60)
+    """Draft angle: the walls open outward by it."""
+
+    @property
+    def slope(self) -> float:
+        """How much each wall opens per mm toward the side."""
+        return math.tan(math.radians(self.draft_deg))
+
+    @override
+    def bodies(self, scene: Scene, key: str) -> tuple[Body, ...]:
+        return (self._slots(scene, key),)
+
+    @override
+    def check_alone(self, scene: Scene, key: str) -> None:
+        tall = self.height_mm + 2 * (self.slope * self.depth_mm + abs(self.offset_mm))
+        check_depth(scene, f"{key}.height_mm", tall)
+
+    @override
+    def check_in_web(self, scene: Scene, key: str) -> None:
+        slots = self._slots(scene, key)
+        check_cut(scene, slots)
+        if self.slope > 0:
+            _check_bevels(scene, slots)
+            _check_apart(scene, slots)
+
+    @override
+    def drawing(self, scene: Scene) -> FeatureDrawing:
+        web = scene.web
+        ends, widest = web.y_range_mm(scene.throw.radius_mm), web.largest_half_width_mm
+        floor, half, more = widest - self.depth_mm, self.length_mm / 2, self.slope * self.depth_mm
+        y = np.clip(self.y_mm + np.array([-half - more, -half, half, half + more]), *ends)
+        x = (widest, floor, floor, widest)
+        front = tuple(
+            Polyline(tuple((side * a, float(b)) for a, b in zip(x, y, strict=True)), hidden=True)
+            for side in (1, -1)
+        )
+        groove = self.length_mm > ends[1] - ends[0]
+        title = "GROOVE on both sides, through both ends" if groove else "POCKET side"
+        lines = number_lines(title, self.model_dump(exclude={"shape"}))
+        return FeatureDrawing(front, (), self._across(scene, floor), self.y_mm, lines)
+
+    def _across(self, scene: Scene, floor: float) -> tuple[Dimension, ...]:
+        start, end = scene.web_z_mm
+        here = np.array([self.y_mm])
+        out = float(scene.web.half_width_mm(scene.throw.radius_mm, here)[0]) - floor + 7
+        middle, tall = (start + end) / 2 + self.offset_mm, self.height_mm / 2
+        height = Dimension((floor, middle - tall), (floor, middle + tall), (out, 0), f"{self.height_mm:.2f}")
+        return height, Dimension((-floor, end), (floor, end), (0, 6), f"{2 * floor:.2f}")
+
+    def _slots(self, scene: Scene, key: str) -> SideSlots:
+        widest, (start, end) = scene.web.largest_half_width_mm, scene.web_z_mm
+        floor = widest - self.depth_mm
+        outer = widest + _BEYOND_MM if self.slope > 0 else 2 * widest
+        middle, tall = (start + end) / 2 + self.offset_mm, self.height_mm / 2 + self.slope * (outer - floor)
+        size = (self.y_mm, self.length_mm / 2, middle, self.height_mm / 2)
+        return SideSlots(key, (middle - tall, middle + tall), floor, outer, *size, self.slope)
+
+
+@dataclass(frozen=True)
+class SideSlots(Body):
+    """Both slots of a side pocket.
+
+    Attributes:
+        floor_mm, outer_mm: |x| of the floor and of the tool's end, beyond the outline.
+        y_mm, half_length_mm: along the throw, at the floor.
+        z_centre_mm, half_height_mm: along the crank axis, at the floor.
+        slope: how much each wall opens per mm of |x|.
+    """
+
+    floor_mm: float
+    outer_mm: float
+    y_mm: float
+    half_length_mm: float
+    z_centre_mm: float
+    half_height_mm: float
+    slope: float
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        inner = np.minimum(self.open_from_mm(y_mm, z_mm), self.outer_mm)
+        return [(inner, np.full_like(inner, self.outer_mm)), (np.full_like(inner, -self.outer_mm), -inner)]
+
+    @override
+    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
+        return np.asarray(np.abs(x_mm) >= self.open_from_mm(y_mm, z_mm))
+
+    def open_from_mm(self, y_mm: Array, z_mm: Array | float) -> Array:
+        """|x| from which the slots are open; infinite where they are not."""
+        along, height = np.abs(y_mm - self.y_mm), np.abs(z_mm - self.z_centre_mm)
+        beyond = np.maximum(along - self.half_length_mm, height - self.half_height_mm)
+        if self.slope == 0:
+            return np.where(beyond <= 0, self.floor_mm, np.inf)
+        return np.asarray(self.floor_mm + np.maximum(beyond, 0.0) / self.slope)
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        half = self.half_length_mm + self.slope * (self.outer_mm - self.floor_mm)
+        return self.y_mm - half, self.y_mm + half
+
+    @property
+    @override
+    def y_breaks_mm(self) -> tuple[float, ...]:
+        return (*self.y_range_mm, self.y_mm - self.half_length_mm, self.y_mm + self.half_length_mm)
+
+    def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
+        """Edges of the floor, or of the end wall beyond it, and of the opening in the outline."""
+        floor = np.maximum(
+            self.half_height_mm, self.half_height_mm + np.abs(y_mm - self.y_mm) - self.half_length_mm
+        )
+        mouth = self.half_height_mm + self.slope * (half_width_mm - self.floor_mm)
+        return [self.z_centre_mm + side * half for half in (floor, mouth) for side in (-1, 1)]
+
+    @property
+    @override
+    def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
+        if self.slope == 0:
+            return ()
+        wall = (
+            self.half_height_mm,
+            self.half_height_mm + self.slope * (self.outer_mm - self.floor_mm - _BEYOND_MM),
+        )
+        return tuple(
+            (self.z_centre_mm + side * wall[0], self.z_centre_mm + side * wall[1]) for side in (-1, 1)
+        )
+
+    def distance_mm(self, y_mm: float) -> float:
+        """Distance of a slot at mid-height from the axis (0, y), mm."""
+        y = np.linspace(*self.y_range_mm, 2001)
+        if self.slope == 0:
+            y = np.clip(np.array([y_mm]), *self.y_range_mm)
+        return float(np.hypot(self.open_from_mm(y, self.z_centre_mm), y - y_mm).min())
+
+    @override
+    def solids(self) -> tuple[Solid, ...]:
+        return self._side(1.0), self._side(-1.0)
+
+    def _side(self, side: float) -> Solid:
+        if self.slope == 0:
+            (y0, y1), (z0, z1) = self.y_range_mm, self.z_mm
+            low = self.floor_mm if side > 0 else -self.outer_mm
+            return Box((low, y0, z0), (self.outer_mm - self.floor_mm, y1 - y0, z1 - z0))
+        more = self.slope * (self.outer_mm - self.floor_mm)
+        floor, mouth = (
+            tuple(
+                (
+                    side * x,
+                    self.y_mm + j * (self.half_length_mm + out),
+                    self.z_centre_mm + k * (self.half_height_mm + out),
+                )
+                for j, k in _CORNERS
+            )
+            for x, out in ((self.floor_mm, 0.0), (self.outer_mm, more))
+        )
+        return Frustum(floor, mouth)
+
+
+def _check_bevels(scene: Scene, slots: SideSlots) -> None:
+    """Sloped walls stay inside the bevels, unless the slot runs through both ends of the web."""
+    start, ends = scene.web_z_mm[0], scene.web.y_range_mm(scene.throw.radius_mm)
+    y = np.linspace(*slots.y_range_mm, 401)
+    half = scene.web.half_width_mm(scene.throw.radius_mm, y)
+    height = slots.half_height_mm + slots.slope * (half - slots.floor_mm)
+    low, high = height_range_mm(scene, y)
+    middle = slots.z_centre_mm - start
+    cut = half > slots.open_from_mm(y, slots.z_centre_mm)
+    through = abs(slots.y_mm - sum(ends) / 2) + (ends[1] - ends[0]) / 2 <= slots.half_length_mm
+    sunk = cut & ((middle + slots.half_height_mm < low) | (middle - slots.half_height_mm > high))
+    if through and sunk.any():
+        raise CranktopoError(
+            f"{slots.key}: a bevel takes off its whole floor.", hint="Heighten the floor or move it inward."
+        )
+    if not through and (cut & ((middle - height < low) | (middle + height > high))).any():
+        raise CranktopoError(
+            f"{slots.key}: its sloped walls run into a bevel.", hint="Shorten the pocket or the bevel."
+        )
+
+
+def _check_apart(scene: Scene, slots: SideSlots) -> None:
+    """Sloped walls stay clear of other pockets."""
+    y = np.linspace(*slots.y_range_mm, 401)
+    own = slots.spans(y, np.asarray(slots.z_centre_mm))
+    others = (
+        body
+        for index, pocket in enumerate(scene.web.pocket)
+        for body in pocket.bodies(scene, f"web.pocket[{index}]")
+    )
+    for other in others:
+        if other.key == slots.key or other.z_mm[0] >= slots.z_mm[1] or other.z_mm[1] <= slots.z_mm[0]:
+            continue
+        for a0, a1 in own:
+            for b0, b1 in other.spans(y, np.asarray(sum(other.z_mm) / 2)):
+                if (np.minimum(a1, b1) > np.maximum(a0, b0)).any():
+                    raise CranktopoError(f"{slots.key}: meets {other.key}.", hint="Move them apart.")
+
+
+@dataclass(frozen=True)
+class FittedSlot(FittedToSections):
+    """A side pocket of the re-model; `through` makes it a groove through both ends."""
+
+    through: bool = False
+
+    @property
+    @override
+    def label(self) -> str:
+        return "groove" if self.through else "side"
+
+    @property
+    @override
+    def names(self) -> tuple[str, ...]:
+        return (*(() if self.through else ("y", "length")), "height", "floor", "offset", "draft")
+
+    @override
+    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+        thickness, far = scene.web.thickness_mm, 4 * scene.throw.radius_mm
+        ranges = {
+            "y": (-far, far),
+            "length": (LEAST_MM, far),
+            "height": (LEAST_MM, thickness),
+            "floor": (LEAST_MM, far),
+            "offset": (-thickness / 2, thickness / 2),
+            "draft": (limits.min_draft_deg, _LARGEST_DRAFT_DEG),
+        }
+        return [ranges[name] for name in self.names]
+
+    @override
+    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+        x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2]
+        angle, deep = np.deg2rad(named["draft"]), x - named["floor"]
+        opening = deep * np.tan(angle)
+        height = np.abs(z - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"])
+        walls = named["height"] / 2 + opening - height
+        if not self.through:
+            walls = np.minimum(walls, named["length"] / 2 + opening - np.abs(y - named["y"]))
+        return np.asarray(-np.minimum(deep, walls * np.cos(angle)))
+
+    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
+        """Flanges on both sides, walls toward bores and, unless it runs through them, bevels."""
+        scene, slope = around.scene, np.tan(np.deg2rad(named["draft"]))
+        deep, offset, wall = around.widest_mm - named["floor"], named["offset"], around.wall_mm
+        tall = named["height"] / 2 + slope * deep
+        yield 1.0 - deep
+        yield tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
+        for journal, y in scene.throw.journals:
+            if journal.bore_radius_mm:
+                beyond = 0.0 if self.through else max(abs(y - named["y"]) - named["length"] / 2, 0.0)
+                yield journal.bore_radius_mm + wall - np.hypot(named["floor"], beyond)
+        for arc in () if self.through else around.arcs:
+            reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
+            depth = scene.web.thickness_mm / 2 + offset * arc.outward
+            yield wall - arc.distance_mm(depth - tall, reach)
+
+    @override
+    def box_mm(self, named: Named, around: Surroundings) -> Array:
+        opening = np.tan(np.deg2rad(named["draft"])) * (around.widest_mm - named["floor"])
+        length, height = named.get("length", _ENDLESS_MM) / 2 + opening, named["height"] / 2 + opening
+        y, z = named.get("y", 0.0), around.scene.web.thickness_mm / 2 + named["offset"]
+        return np.array([[named["floor"], y - length, z - height], [_ENDLESS_MM, y + length, z + height]])
+
+    @override
+    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
+        low, high, widest = frame_mm
+        values = {name: rounded(value) for name, value in named.items()}
+        draft, depth = values.pop("draft"), rounded(widest - values.pop("floor"))
+        if self.through:
+            values |= {"y": rounded((low + high) / 2), "length": rounded(high - low + 2 * _BEYOND_MM)}
+        lengths = {f"{name}_mm": value for name, value in values.items()}
+        return [{"shape": "side", **lengths, "depth_mm": depth, "draft_deg": draft}]
+
+    def guess(self, cells: Cells, scene: Scene, limits: Limits) -> Array | None:
+        """Initial values where the middle of the body is narrower than both faces; None where it is not."""
+        outer = cells.x_mm + cells.cell_mm[0] / 2
+        extent = ((cells.filled > _HALF) * outer[:, None, None]).max(axis=0)
+        layers = extent.shape[1]
+        third = max(1, layers // 3)
+        middle = extent[:, third : layers - third].min(axis=1)
+        depth = np.minimum(extent[:, :third].max(axis=1), extent[:, layers - third :].max(axis=1)) - middle
+        if depth.max() <= 0:
+            return None
+        inside = np.flatnonzero(depth > depth.max() / 2)
+        y, floor = cells.y_mm[inside], float(np.median(middle[inside]))
+        place = [] if self.through else [y.mean(), max(y[-1] - y[0], _LEAST_LENGTH_MM)]
+        return np.array([*place, scene.web.thickness_mm / 4, floor, 0.0, _FIRST_DRAFT_DEG])

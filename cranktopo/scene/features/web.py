@@ -1,0 +1,149 @@
+"""The web table: thickness, and every kind of feature. A new kind is registered here, by one field.
+
+Outlines are tables of their own that extend it; `cranktopo.scene.features` lists them.
+"""
+
+from __future__ import annotations
+
+import functools
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field
+from typing_extensions import override
+
+from cranktopo.scene.base import Length, SceneTable
+from cranktopo.scene.features.bevel import EndBevel, FittedBevel
+from cranktopo.scene.features.body import Array, Body, Feature, Mask, Span
+from cranktopo.scene.features.box_pocket import BoxPocket, FittedBox
+from cranktopo.scene.features.cylinder_pocket import CylinderPocket, FittedCylinder
+from cranktopo.scene.features.fitted import FittedToSections
+from cranktopo.scene.features.fitted_pocket import FittedPocket
+from cranktopo.scene.features.hole import bores
+from cranktopo.scene.features.primitives import Curve, Extrusion, Solid
+from cranktopo.scene.features.side_pocket import FittedSlot, SidePocket
+
+if TYPE_CHECKING:
+    from cranktopo.scene.schema import Scene
+
+Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
+FITTED_TO_SECTIONS: tuple[tuple[FittedToSections, ...], ...] = (
+    (FittedBevel("journal"),),
+    (FittedBevel("pin"),),
+    (FittedSlot(), FittedSlot(through=True)),
+)
+"""Features whose initial values the re-model reads from cross-sections; of each group the best is tried."""
+FITTED_TO_REGIONS: tuple[type[FittedPocket], ...] = (FittedCylinder, FittedBox)
+"""Features that the re-model places where the body has a hole that the web lacks."""
+
+
+class WebTable(SceneTable, ABC):
+    """What all webs have: thickness and features; an outline extends it by its own dimensions."""
+
+    thickness_mm: Length = Field(examples=[19.0])
+    """Thickness along the crank axis."""
+    bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
+    pocket: tuple[Pocket, ...] = ()
+    """What is taken out of the outline's solid; `shape` chooses the kind."""
+
+    feature_keys: ClassVar[tuple[str, ...]] = ("bevel", "pocket")
+    """Keys that hold features."""
+
+    @abstractmethod
+    def half_width_mm(self, throw_radius_mm: float, y_mm: Array) -> Array:
+        """Half-width of the outline, without its features, at places along the throw; 0 beyond its ends."""
+
+    @abstractmethod
+    def y_range_mm(self, throw_radius_mm: float) -> tuple[float, float]:
+        """Range of the outline along the throw."""
+
+    @property
+    @abstractmethod
+    def largest_half_width_mm(self) -> float:
+        """Half of the outline's largest width; side pockets are measured from it."""
+
+    @abstractmethod
+    def contour(self, throw_radius_mm: float, z_mm: float) -> tuple[Curve, ...]:
+        """The exact outline at a height, a closed loop."""
+
+    def kinks_mm(self, throw_radius_mm: float) -> tuple[float, ...]:
+        """Positions along the throw between its ends where the half-width is not smooth."""
+        return ()
+
+    def check_outline(self, throw_radius_mm: float) -> None:
+        """Refuse dimensions that give no outline.
+
+        Raises:
+            CranktopoError: first inconsistency found.
+        """
+
+    def features(self) -> Iterator[tuple[str, int, Feature]]:
+        """Each feature with its key and number."""
+        for key in self.feature_keys:
+            for index, feature in enumerate(getattr(self, key)):
+                yield key, index, feature
+
+
+@dataclass(frozen=True)
+class OutlineBody(Body):
+    """The web before its features: the outline between both faces."""
+
+    web: WebTable
+    throw_radius_mm: float
+    adds: ClassVar[bool] = True
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        half = self.web.half_width_mm(self.throw_radius_mm, y_mm)
+        return [(-half, half)]
+
+    @override
+    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
+        return np.asarray(np.abs(x_mm) < self.web.half_width_mm(self.throw_radius_mm, y_mm))
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        return self.web.y_range_mm(self.throw_radius_mm)
+
+    @property
+    @override
+    def y_breaks_mm(self) -> tuple[float, ...]:
+        return (*self.y_range_mm, *self.web.kinks_mm(self.throw_radius_mm))
+
+    @property
+    @override
+    def x_range_mm(self) -> tuple[float, float]:
+        half = self.web.largest_half_width_mm
+        return -half, half
+
+    @override
+    def solids(self) -> tuple[Solid, ...]:
+        low, high = self.z_mm
+        return (Extrusion(self.web.contour(self.throw_radius_mm, low), (0.0, 0.0, high - low)),)
+
+
+def web_bodies(scene: Scene) -> list[Body]:
+    """What the web is made of: its outline, the bores through it, its features."""
+    outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
+    return [outline, *bores(scene), *feature_bodies(scene)]
+
+
+def feature_bodies(scene: Scene) -> list[Body]:
+    """The bodies of all features of the web in the order of the scene."""
+    return [
+        body
+        for key, index, feature in scene.web.features()
+        for body in feature.bodies(scene, f"web.{key}[{index}]")
+    ]
+
+
+def web_contains(bodies: Sequence[Body], x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
+    """Whether points of a section lie in the material that bodies leave, broadcastable."""
+    here = [body for body in bodies if body.z_mm[0] <= z_mm <= body.z_mm[1]]
+    added = (body.contains(x_mm, y_mm, z_mm) for body in here if body.adds)
+    removed = (~body.contains(x_mm, y_mm, z_mm) for body in here if not body.adds)
+    return functools.reduce(np.logical_and, removed, functools.reduce(np.logical_or, added))
