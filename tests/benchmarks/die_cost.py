@@ -14,7 +14,7 @@ from cranktopo.fem.precision import double_precision
 from cranktopo.optimise import stage
 from cranktopo.optimise.assess import Assessment, assess
 from cranktopo.scene import load_scene, scene_from_dict
-from tests.benchmarks.effects_truth import CAR
+from tests.studies.example_throws import CAR
 
 ENVELOPE = {"shape": "box", "half_width_mm": 50.0, "y_min_mm": -45.0, "y_max_mm": 85.0}
 

@@ -1,7 +1,7 @@
-"""What the judge's mesh costs and gives: the sharp Mikron throw, graded at its rings and uniform.
+"""What the mesh of the evaluation costs and gives: the sharp Mikron throw, graded at its rings and uniform.
 
 Run with `python -m tests.benchmarks.evaluation_meshes`. Each mesh is a fresh process, so that peak memory is
-its own. Errors are against the reference of tests/physics/test_judge_reference.py (E = 210 GPa, no fillets).
+its own. Errors are against the reference of tests/physics/test_evaluation_reference.py (no fillets).
 """
 
 from __future__ import annotations

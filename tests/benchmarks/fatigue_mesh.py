@@ -10,39 +10,19 @@ from __future__ import annotations
 import argparse
 import subprocess
 import sys
-from typing import Any
 
 from cranktopo.evaluate.m53 import concentration_factors, outside_validity
 from cranktopo.evaluate.rule_check import dimensions, element_factors
 from cranktopo.evaluate.stress_model import solve_stresses
 from cranktopo.evaluate.targets import Target
-from cranktopo.scene import Scene, load_scene
-from tests.benchmarks.effects_truth import INDUSTRIAL
-from tests.physics.evaluation_cases import throw_scene
+from tests.studies.example_throws import rule_throws
 
 FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
-MARINE: dict[str, Any] = {
-    "throw": {
-        "radius_mm": 45.0,
-        "main_journal": {"outer_diameter_mm": 70.0, "length_mm": 40.0, "fillet_mm": 3.6},
-        "crankpin": {"outer_diameter_mm": 60.0, "length_mm": 40.0, "fillet_mm": 3.6},
-    },
-    "web": {"thickness_mm": 22.0, "outline": "obround", "width_mm": 100.0},
-}
-
-
-def throws() -> dict[str, Scene]:
-    """Throws inside the validity of the rule, by name."""
-    return {
-        "rule-example": throw_scene(MARINE["throw"], MARINE["web"]),
-        "mikron-iiic": load_scene("mikron-iiic"),
-        "industrial-gas": throw_scene(INDUSTRIAL["throw"], INDUSTRIAL["web"]),
-    }
 
 
 def row(name: str, fraction: float) -> str:
     """One line of the table."""
-    scene = throws()[name]
+    scene = rule_throws()[name]
     size = dimensions(scene)
     assert outside_validity(size) == ()
     model = solve_stresses(Target(name, scene), ("moment", "bending", "torsion"), fraction)
@@ -59,7 +39,7 @@ def row(name: str, fraction: float) -> str:
 def main() -> None:
     """Print the table as Markdown."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--throw", choices=[*throws()])
+    parser.add_argument("--throw", choices=[*rule_throws()])
     parser.add_argument("--fraction", type=float)
     chosen = parser.parse_args()
     if chosen.throw and chosen.fraction:
@@ -68,7 +48,7 @@ def main() -> None:
     print("| throw | size/r | longest edge/r | nodes | alpha_B | alpha_T | beta_B | beta_Q | beta_T ", end="")
     print("| normal % | jump % | s, mesh | s, solve |")
     print("|---" * 13 + "|")
-    for name in throws():
+    for name in rule_throws():
         for fraction in FRACTIONS:
             command = [sys.executable, "-m", __spec__.name, "--throw", name, "--fraction", f"{fraction}"]
             print(

@@ -1,4 +1,4 @@
-"""What the optimiser's own stiffness is worth: its model of whole webs against the judge's, without fillets.
+"""How exact the optimiser's own stiffness is: its model of whole webs against body-fitted elements.
 
 - `python -m tests.benchmarks.voxel_accuracy`: error and time on finer and finer cells, the Mikron's own web.
 - `... --throws [NAME...]`: errors and their bound on built-in designs and random throws (random-SEED).
@@ -9,169 +9,20 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
-import jax.numpy as jnp
-
-from cranktopo.domain.build import build_domain
-from cranktopo.domain.grid import Grid
-from cranktopo.effects import planned_scene
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
-from cranktopo.fem.model import build_model
 from cranktopo.fem.precision import double_precision
-from cranktopo.fem.response import compliances, solve, stiffness
-from cranktopo.optimise.error_bound import model_error_percent
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from tests.benchmarks.error_estimates import Bounded, held_text, limit, target_of
-from tests.physics.evaluation_cases import mikron_with
-from tests.physics.throw_cases import BENDING, TORSION
+from cranktopo.scene import load_scene
+from tests.studies.cell_models import REFERENCE, model_errors, own_model, ranking
+from tests.studies.error_bounds import held_text, target_of
 
-REFERENCE = {"torsion": 138.2e3, "bending": 217.6e3}
-"""Body-fitted quadratic tetrahedra refined at the re-entrant rings, N m/rad and N/mm; no fillets."""
 CELLS_MM = (4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
 DESIGNS = ("opposed-piston", "opposed-piston-casting", "opposed-piston-forging")
 DESIGNS += tuple(f"random-{seed}" for seed in (0, 2, 4, 5, 7))
-CELLS_THROUGH_WEB = (4, 6, 9)
 
 
-@dataclass(frozen=True)
-class Own:
-    """Stiffnesses of a whole web by the optimiser's model, N m/rad and N/mm, and what they took."""
-
-    stiffness: dict[str, float]
-    unknowns: int
-    iterations: int
-    cell_mm: float
-    grid: Grid
-
-
-def own_model(scene: Scene, cell_mm: float, grid: Grid | None = None) -> Own:
-    """The scene's web on cells; call inside `double_precision()`."""
-    domain = build_domain(scene, cell_mm, "web", grid=grid)
-    model = build_model(scene, domain, (BENDING, TORSION))
-    solution = solve(model, jnp.asarray(domain.fixed), tolerance=1e-8)
-    work = [float(c) for c in compliances(model, solution.displacements)]
-    found = {case.name: stiffness(model, c, case.name) for case, c in zip(model.cases, work, strict=True)}
-    grid = domain.grid
-    return Own(found, model.forces[0].size, int(solution.iterations), grid.largest_edge_mm, grid)
-
-
-def without_fillets(scene: Scene) -> Scene:
-    """The scene as the optimiser sees it."""
-    effects = scene.effects.model_copy(update={"fillets": "off", "fatigue": "off"})
-    return planned_scene(scene.model_copy(update={"effects": effects}))
-
-
-def judged(scene: Scene, steps: Sequence[int] = (1, 0)) -> dict[str, float]:
-    """Stiffnesses by the judge, extrapolated from two meshes; steps as in `error_estimates`."""
-    size = default_element_size_mm(scene)
-    rows = [evaluate_on_mesh(Target(scene.name, scene), size * RATIO**step).stiffness for step in steps]
-    supports = scene.supports
-    pairs = {
-        "torsion": [row.torsion[supports.torsion] for row in rows],
-        "bending": [row.bending[supports.bending] for row in rows],
-    }
-    return {name: limit(*(v for v in values if v is not None)) for name, values in pairs.items()}
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModelError(Bounded):
-    """A stiffness by the optimiser's model."""
-
-    cell_mm: float
-    cells_through_web: float
-
-
-def model_errors(scene: Scene, through_web: Sequence[int] = CELLS_THROUGH_WEB) -> Iterator[ModelError]:
-    """Errors of the optimiser's model of a scene's web, without fillets, on finer and finer cells."""
-    sharp = without_fillets(scene)
-    true, thickness = judged(sharp), sharp.web.thickness_mm
-    for count in through_web:
-        with double_precision():
-            own = own_model(sharp, thickness / count)
-        bounds = model_error_percent(sharp, own.cell_mm)
-        for name, value in own.stiffness.items():
-            error = 100 * (value / true[name] - 1)
-            yield ModelError(
-                design=scene.name,
-                quantity=name,
-                bound_percent=bounds[name],
-                error_percent=error,
-                cell_mm=own.cell_mm,
-                cells_through_web=thickness / own.cell_mm,
-            )
-
-
-def variants() -> dict[str, Scene]:
-    """Eleven webs of the Mikron, without fillets, on one grid."""
-    hole = {"shape": "cylinder", "x_mm": 0.0, "y_mm": 24.0, "diameter_mm": 12.0}
-    slot = {"shape": "side", "y_mm": 24.0, "length_mm": 24.0, "height_mm": 7.0, "depth_mm": 8.0}
-    box = {"shape": "box", "face": "pin", "x_mm": 0.0, "y_mm": -18.0, "size_x_mm": 30.0, "size_y_mm": 8.0}
-    ellipse = {"outline": "ellipse", "semi_axis_throw_mm": 56.0, "semi_axis_lateral_mm": 36.0}
-    tapered = {"outline": "tapered", "main_radius_mm": 31.0, "pin_radius_mm": 25.0}
-    obround = {"outline": "obround"}
-    rectangle = {"outline": "rectangle", "overhang_mm": 26.0, "corner_radius_mm": 8.0}
-    webs: dict[str, dict[str, Any]] = {
-        "obround 46": {**obround, "width_mm": 46.0},
-        "obround 50": {**obround, "width_mm": 50.0},
-        "obround 54": {**obround, "width_mm": 54.0},
-        "obround 60": {**obround, "width_mm": 60.0},
-        "rectangle 50": {**rectangle, "width_mm": 50.0},
-        "rectangle 56": {**rectangle, "width_mm": 56.0},
-        "ellipse": ellipse,
-        "tapered": tapered,
-        "obround 54 with hole": {**obround, "width_mm": 54.0, "pocket": [hole]},
-        "obround 60 with slots": {**obround, "width_mm": 60.0, "pocket": [slot]},
-        "obround 60 with recess": {**obround, "width_mm": 60.0, "pocket": [{**box, "depth_mm": 5.0}]},
-    }
-    return {name: _variant(web) for name, web in webs.items()}
-
-
-def _variant(web: dict[str, Any]) -> Scene:
-    data = mikron_with(fillet_mm=0.0).model_dump(mode="json", exclude_none=True)
-    return scene_from_dict({**data, "web": {"thickness_mm": 19.0, **web}})
-
-
-@dataclass(frozen=True)
-class Ranking:
-    """Both stiffnesses of all variants by both models, and rank agreement (Kendall, Spearman) of each."""
-
-    own: dict[str, dict[str, float]]
-    judged: dict[str, dict[str, float]]
-
-    def agreement(self, quantity: str) -> tuple[float, float]:
-        """Kendall's tau and Spearman's rho."""
-        from scipy.stats import kendalltau, spearmanr
-
-        pairs = [(self.own[name][quantity], self.judged[name][quantity]) for name in self.own]
-        own, true = zip(*pairs, strict=True)
-        return float(kendalltau(own, true).statistic), float(spearmanr(own, true).statistic)
-
-
-def ranking(
-    cell_mm: float = 1.5, steps: Sequence[int] = (3, 2), progress: Callable[[str], None] = lambda _: None
-) -> Ranking:
-    """All variants by both models; the cells are those of the Mikron's envelope."""
-    own, true = {}, {}
-    grid = build_domain(load_scene("mikron-iiic"), cell_mm).grid
-    for name, scene in variants().items():
-        with double_precision():
-            own[name] = own_model(scene, cell_mm, grid).stiffness
-        true[name] = judged(scene, steps)
-        cells = [
-            f"{own[name][q] / 1e3:.2f} | {true[name][q] / 1e3:.2f} | "
-            f"{100 * (own[name][q] / true[name][q] - 1):+.2f}"
-            for q in ("torsion", "bending")
-        ]
-        progress(f"| {name} | {' | '.join(cells)} |")
-    return Ranking(own, true)
-
-
-def print_ladder() -> None:
+def print_cell_sizes() -> None:
     """Error and time on finer and finer cells."""
     scene = load_scene("mikron-iiic")
     print("| cell mm | unknowns | CG | s, solve | s, first time | torsion error % | bending error % |")
@@ -205,7 +56,7 @@ def print_throws(names: Sequence[str]) -> None:
 
 def print_ranking() -> None:
     """Stiffnesses of the variants by both models, and how well the ranks agree."""
-    print("| web | torsion own | judged kN m/rad | error % | bending own | judged kN/mm | error % |")
+    print("| web | torsion own | evaluated kN m/rad | error % | bending own | evaluated kN/mm | error % |")
     print("|---" * 7 + "|")
     found = ranking(progress=partial(print, flush=True))
     for quantity in ("torsion", "bending"):
@@ -224,7 +75,7 @@ def main() -> None:
     elif chosen.ranking:
         print_ranking()
     else:
-        print_ladder()
+        print_cell_sizes()
 
 
 if __name__ == "__main__":

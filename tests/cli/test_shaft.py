@@ -1,9 +1,11 @@
-"""`cranktopo shaft` chains the throw that the effects plan leaves, as every other command judges it."""
+"""`cranktopo shaft` assembles the throw that the effects plan leaves, as every other command evaluates it."""
 
 from __future__ import annotations
 
+import io
 import json
 import math
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -16,35 +18,37 @@ MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 STEEL_KG_PER_MM3 = 7.85e-6
 
 
-def shaft(folder: Path, effects: str, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
-    path = folder / "mine.toml"
-    assert "[effects]\n" in MIKRON
-    path.write_text(MIKRON.replace("[effects]\n", f"[effects]\n{effects}\n"), encoding="utf-8")
-    assert main(["shaft", str(path), "--element-size-mm", "24", "--json", "--quiet"]) == 0
-    out, err = capsys.readouterr()
-    assert err == ""
-    data: dict[str, Any] = json.loads(out)
+def shaft(design: str, size_mm: str) -> dict[str, Any]:
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        assert main(["shaft", design, "--element-size-mm", size_mm, "--json", "--quiet"]) == 0
+    assert err.getvalue() == ""
+    data: dict[str, Any] = json.loads(out.getvalue())
     return data
 
 
-def test_shaft_obeys_the_effects_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.fixture(scope="module")
+def bored() -> dict[str, Any]:
+    """The shaft of the built-in engine, whose plan keeps the bores, on a coarse mesh."""
+    return shaft("mikron-iiic", "24")
+
+
+def test_shaft_obeys_the_effects_plan(bored: dict[str, Any], tmp_path: Path) -> None:
     """Closed form: four throws, each bore 24 mm wide through its journal and both 19 mm webs."""
-    bored = shaft(tmp_path, 'bores = "on"\nfillets = "off"', capsys)
-    solid = shaft(tmp_path, 'bores = "off"\nfillets = "off"', capsys)
+    path = tmp_path / "mine.toml"
+    assert "[effects]\n" in MIKRON
+    path.write_text(MIKRON.replace("[effects]\n", '[effects]\nbores = "off"\n'), encoding="utf-8")
+    solid = shaft(str(path), "24")
     length = (40.0 + 2 * 19.0) + (36.0 + 2 * 19.0)
     missing = 4 * STEEL_KG_PER_MM3 * math.pi / 4 * 24.0**2 * length
     assert solid["mass_kg"] - bored["mass_kg"] == pytest.approx(missing, rel=1e-6)
     assert solid["torsion"]["end_to_end_Nm_per_rad"] > 1.02 * bored["torsion"]["end_to_end_Nm_per_rad"]
 
 
-def test_estimate_covers_a_finer_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_estimate_covers_a_finer_mesh(bored: dict[str, Any]) -> None:
     """Stiffness end to end on a finer mesh is within the estimate, which is not a wide guess."""
-    found = []
-    for size in ("16", "10"):
-        assert main(["shaft", "mikron-iiic", "--element-size-mm", size, "--json", "--quiet"]) == 0
-        found.append(json.loads(capsys.readouterr().out))
-    coarse, fine = (data["torsion"]["end_to_end_Nm_per_rad"] for data in found)
-    estimate = found[0]["error_estimate_percent"]["torsion"]
+    fine = shaft("mikron-iiic", "16")["torsion"]["end_to_end_Nm_per_rad"]
+    coarse, estimate = bored["torsion"]["end_to_end_Nm_per_rad"], bored["error_estimate_percent"]["torsion"]
     assert 0.05 < 100 * (coarse / fine - 1) < estimate < 10
 
 

@@ -9,7 +9,7 @@ from cranktopo.evaluate.m53 import concentration_factors, nominal_stresses
 from cranktopo.evaluate.rule_check import dimensions, element_factors
 from cranktopo.evaluate.stress_model import solve_stresses
 from cranktopo.evaluate.targets import Target
-from tests.benchmarks.fatigue_mesh import throws
+from tests.studies.example_throws import rule_throws
 
 
 @pytest.mark.slow
@@ -20,7 +20,7 @@ def test_elements_agree_with_the_rule(name: str) -> None:
     The shear factor is a small remainder of two large stresses: it is held in the sum it belongs to, which
     the rule's second method takes instead.
     """
-    scene = throws()[name]
+    scene = rule_throws()[name]
     size = dimensions(scene)
     model = solve_stresses(Target(name, scene), ("moment", "bending", "torsion"))
     assert model.quality.within_rule, model.quality

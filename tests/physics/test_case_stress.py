@@ -13,7 +13,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.loads.load_case import LoadCase
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
-SIZE_MM = 7.0
+SIZE_MM = 14.0
 TORSION = LoadCase("torsion", "torsion", torque_Nm=700.0)
 BENDING = LoadCase("bending", "bending", radial_N=30000.0)
 

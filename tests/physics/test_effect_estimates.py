@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.benchmarks.effects_truth import estimates, scenes, truths
+from tests.studies.effect_truths import estimates, scenes, truths
 
 
 @pytest.mark.slow

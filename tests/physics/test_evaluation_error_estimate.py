@@ -1,4 +1,4 @@
-"""The judge's error estimate against the true error, with fillets and without."""
+"""The error estimate of the evaluation against the true error, with fillets and without."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import pytest
 
 from cranktopo.evaluate.evaluation import evaluate, evaluate_on_mesh
 from cranktopo.evaluate.targets import Target
-from tests.benchmarks.error_estimates import limit
 from tests.physics.evaluation_cases import mikron_with
 from tests.physics.test_evaluation_reference import BENDING, TORSION
+from tests.studies.error_bounds import limit
 
 
 def extrapolated(target: Target) -> tuple[float, float]:

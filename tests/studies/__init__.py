@@ -1,0 +1,1 @@
+"""Studies that tests and benchmarks share: true values, bounds and errors on many designs."""
