@@ -8,7 +8,7 @@ from typing import Any
 
 
 class ExitCode(IntEnum):
-    """Process exit codes, documented in the README and `cranktopo --help`."""
+    """Process exit codes, documented in `cranktopo --help`."""
 
     DONE = 0
     INTERNAL = 1
