@@ -11,7 +11,11 @@ StudyName = Literal["judge", "fillet stress", "optimiser"]
 EVALUATION: Final = "judge"
 FILLET_STRESS: Final = "fillet stress"
 OPTIMISER: Final = "optimiser"
-TITLES: dict[str, str] = {EVALUATION: "evaluation", FILLET_STRESS: FILLET_STRESS, OPTIMISER: OPTIMISER}
+TITLES: dict[str, str] = {
+    EVALUATION: "body-fitted evaluation",
+    FILLET_STRESS: FILLET_STRESS,
+    OPTIMISER: OPTIMISER,
+}
 """Names of the studies as they are printed."""
 TORSION, BENDING, STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
 NAME_OF_CASE = {"torsion": TORSION, "bending": BENDING}

@@ -97,7 +97,7 @@ def _cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Callable[[Arra
 def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
     """Correction for a residual by Chebyshev iteration, Jacobi-scaled (Saad, Iterative Methods, 12.1)."""
     inverse = 1.0 / matrix.diagonal()[:, None]
-    upper = 1.1 * _largest_eigenvalue(matrix, inverse)
+    upper = 1.1 * largest_eigenvalue(matrix, inverse)
     lower = upper / _BAND
     centre, half = (upper + lower) / 2, (upper - lower) / 2
 
@@ -116,7 +116,7 @@ def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
     return smooth
 
 
-def _largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
+def largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
     """Of the Jacobi-scaled matrix, by Lanczos: one bad element may hold it, where power iteration is slow."""
     root = sp.diags(np.sqrt(inverse[:, 0]))
     start = np.random.default_rng(SEED).standard_normal(matrix.shape[0])

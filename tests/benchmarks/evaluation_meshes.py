@@ -12,7 +12,7 @@ import sys
 
 from cranktopo.evaluate.evaluation import default_element_size_mm
 from tests.physics.evaluation_cases import mikron_with
-from tests.physics.test_evaluation_reference import errors_percent, judged
+from tests.physics.test_evaluation_reference import errors_percent, stiffness_on
 
 MESHES = (
     *((size, True) for size in (9.45, 6.3, 4.2, 2.8)),
@@ -22,7 +22,7 @@ MESHES = (
 
 def row(size_mm: float, graded: bool) -> str:
     """One line of the table; runs in a process of its own."""
-    found = judged(size_mm, graded)
+    found = stiffness_on(size_mm, graded)
     values = {**found.torsion, **found.bending}
     errors = errors_percent(found)
     kind = "graded" if graded else "uniform"

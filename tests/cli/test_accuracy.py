@@ -60,7 +60,7 @@ def test_a_budget_buys_levels_a_table_a_plot_and_a_stored_study(
     assert stored["rungs"] == result["rungs"]
     assert "# What accuracy costs in time: opposed-piston-casting" in (out / "accuracy.md").read_text()
     assert "opposed-piston-casting" in json.loads((cache / "accuracy.json").read_text())["designs"]
-    assert re.search(r"\d of 600 s: evaluation, uniform [\d.]+ mm", captured.err)
+    assert re.search(r"\d of 600 s: body-fitted evaluation, uniform [\d.]+ mm", captured.err)
 
 
 def test_every_evaluation_prints_its_estimate_beside_the_value(

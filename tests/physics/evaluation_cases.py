@@ -1,4 +1,4 @@
-"""Throws and models shared by the tests of the judge."""
+"""Throws and models shared by the tests of the body-fitted evaluation."""
 
 from __future__ import annotations
 

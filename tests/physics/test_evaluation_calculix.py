@@ -1,4 +1,4 @@
-"""The judge against CalculiX: the same ten-node tetrahedra (C3D10), another code's matrices and supports.
+"""Evaluation against CalculiX: same ten-node tetrahedra (C3D10), matrices and supports of another code.
 
 Both integrate the stiffness at the same four points, on curved elements too, so no mesh error enters and
 only the six printed digits and the solvers' precision are left.
@@ -40,7 +40,7 @@ class Case:
     mesh: TetMesh
     model: Elasticity
     order: np.ndarray
-    """Number in the judge's model of each node of the mesh."""
+    """Number in the evaluation's model of each node of the mesh."""
     twist: Condensed
     bend: Condensed
 

@@ -1,4 +1,4 @@
-"""Order of convergence of the judge's elements on an exact solution, and on the Mikron throw.
+"""Order of convergence of the evaluation's elements on an exact solution, and on the Mikron throw.
 
 The exact solution is a sum of plane waves u = sum a sin(k.x + p): its body force follows in closed form from
 Navier's equation, -(lambda + mu) grad div u - mu laplace u, and no axis or plane of it is special.
@@ -16,7 +16,7 @@ from skfem import Basis, ElementTetP2, MeshTet
 
 from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.evaluation import condensed_stiffness
-from cranktopo.evaluate.linear import _largest_eigenvalue, solve
+from cranktopo.evaluate.linear import largest_eigenvalue, solve
 from cranktopo.meshing.remesh import quadratic
 from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
 from tests.physics.evaluation_cases import mikron_with
@@ -136,11 +136,11 @@ def test_order_on_the_mikron_throw() -> None:
     surface meshes of the same sizes gave 1.8 to 2.0.
     """
     scene = mikron_with()
-    rungs = []
+    levels = []
     for size in (6.3, 4.2, 2.8):
         found = condensed_stiffness(mesh_throw(scene, size), scene, size, 0.0)
-        rungs.append([found.torsion["free"], found.torsion["held"], found.bending["pinned"]])
-    coarse, middle, fine = np.array(rungs)
+        levels.append([found.torsion["free"], found.torsion["held"], found.bending["pinned"]])
+    coarse, middle, fine = np.array(levels)
     orders = np.log((coarse - middle) / (middle - fine)) / np.log(1.5)
     assert (orders > 1.4).all(), orders
     assert fine == pytest.approx([141.2e3, 194.3e3, 230.2e3], rel=1e-3)
@@ -158,7 +158,7 @@ def test_linear_elements_are_the_quadratic_ones_held_to_linear_fields() -> None:
     np.testing.assert_array_equal(linear.nodes_mm, quadratic_.nodes_mm[:, : linear.nodes_mm.shape[1]])
 
 
-def test_largest_eigenvalue_of_one_bad_element_is_found() -> None:
+def testlargest_eigenvalue_of_one_bad_element_is_found() -> None:
     """Three stiffly tied unknowns in a long chain: 1 + 2 * 0.8 = 2.6 with the chain's own 2 almost nothing.
 
     A smoother scaled by less than the largest eigenvalue diverges.
@@ -168,5 +168,5 @@ def test_largest_eigenvalue_of_one_bad_element_is_found() -> None:
     tied = sp.lil_matrix((count, count))
     tied[5000:5003, 5000:5003] = 1e6 * (0.2 * np.eye(3) + 0.8)
     matrix = (chain + tied).tocsr()
-    found = _largest_eigenvalue(matrix, 1 / matrix.diagonal()[:, None])
+    found = largest_eigenvalue(matrix, 1 / matrix.diagonal()[:, None])
     assert found == pytest.approx(2.6, rel=1e-3)

@@ -130,6 +130,8 @@ def test_evaluation_reports_them() -> None:
 def test_mesh_fills_the_solid() -> None:
     """Quadratic faces on round surfaces: the meshed volume, of the half x >= 0 where there is a mirror."""
     for scene, parts in ((mikron_with(), 2), (mikron_with(pocket=[LOPSIDED]), 1)):
-        part = mesh_throw(scene, 6.0)
-        assert part.mesh.mirrored == (parts == 2)
-        assert parts * elastic(part.mesh, scene).volume_mm3 == pytest.approx(part.half.volume_mm3, rel=5e-4)
+        meshed = mesh_throw(scene, 6.0)
+        assert meshed.mesh.mirrored == (parts == 2)
+        assert parts * elastic(meshed.mesh, scene).volume_mm3 == pytest.approx(
+            meshed.half.volume_mm3, rel=5e-4
+        )

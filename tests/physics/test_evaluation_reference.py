@@ -16,7 +16,7 @@ TORSION = {"free": 138.2e3, "held": 187.3e3}
 BENDING = {"pinned": 217.6e3, "clamped": 1324e3}
 
 
-def judged(size_mm: float, graded: bool = True) -> Stiffness:
+def stiffness_on(size_mm: float, graded: bool = True) -> Stiffness:
     """The sharp Mikron throw on a mesh of its own."""
     scene = mikron_with(fillet_mm=0.0)
     return evaluate_on_mesh(Target("mikron", scene), size_mm, graded=graded).stiffness
@@ -29,19 +29,19 @@ def errors_percent(found: Stiffness) -> dict[str, float]:
 
 @pytest.mark.slow
 def test_graded_mesh_is_within_half_a_percent() -> None:
-    errors = errors_percent(judged(4.7))
+    errors = errors_percent(stiffness_on(4.7))
     assert all(abs(e) < 0.5 for e in errors.values()), errors
 
 
 def test_uniform_mesh_is_not() -> None:
     """Without refinement at the re-entrant rings the throw is more than one percent too stiff."""
-    errors = errors_percent(judged(6.3, graded=False))
+    errors = errors_percent(stiffness_on(6.3, graded=False))
     assert all(1.0 < e < 5.0 for e in errors.values()), errors
 
 
 @pytest.mark.slow
 def test_default_and_finer_mesh() -> None:
     default = default_element_size_mm(mikron_with(fillet_mm=0.0))
-    coarse, fine = (errors_percent(judged(size)) for size in (default, default / 1.5))
+    coarse, fine = (errors_percent(stiffness_on(size)) for size in (default, default / 1.5))
     assert all(abs(e) < 0.35 for e in coarse.values()), coarse
     assert all(abs(fine[name]) < min(0.2, abs(e)) for name, e in coarse.items()), fine

@@ -71,13 +71,13 @@ def direct(model: Elasticity, scene: Scene, pin: Array) -> Array:
     return np.asarray(basis @ sla.splu(matrix).solve(loads))
 
 
-def pin_force(part: Elasticity, model: Elasticity, scene: Scene) -> Array:
+def pin_force(body: Elasticity, model: Elasticity, scene: Scene) -> Array:
     """Radial and tangential force spread evenly over the pin, gathered from the four images."""
     start, total = scene.web_z_mm[1], np.zeros(model.nodes_mm.size)
     tree = cKDTree(model.nodes_mm.T)
-    images = [tree.query(moved(part.nodes_mm, flip, scene.pitch_mm).T)[1] for flip in IMAGES]
+    images = [tree.query(moved(body.nodes_mm, flip, scene.pitch_mm).T)[1] for flip in IMAGES]
     for axis, force in ((1, -RADIAL_N), (0, TANGENTIAL_N)):
-        quarter = force / 4 * mean_displacement(part, axis, start)[axis::3]
+        quarter = force / 4 * mean_displacement(body, axis, start)[axis::3]
         for image in images:
             np.add.at(total, 3 * image + axis, quarter)
     return total
@@ -88,11 +88,11 @@ def test_superposed_states_equal_a_direct_solve() -> None:
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
     quarter = mesh_throw(scene, 15.0, graded=False).mesh
     assert quarter.mirrored
-    part = elastic(quarter, scene)
-    fields = unit_fields(part, scene, True, ("bending", "tangential", "torsion", "centrifugal"))
-    unit = point_stress(part, np.stack([f.displacement_mm for f in fields]), youngs, poisson).stress_MPa
+    body = elastic(quarter, scene)
+    fields = unit_fields(body, scene, True, ("bending", "tangential", "torsion", "centrifugal"))
+    unit = point_stress(body, np.stack([f.displacement_mm for f in fields]), youngs, poisson).stress_MPa
     model = elastic(whole(quarter, scene.pitch_mm), scene)
-    found = point_stress(model, direct(model, scene, pin_force(part, model, scene))[None], youngs, poisson)
+    found = point_stress(model, direct(model, scene, pin_force(body, model, scene))[None], youngs, poisson)
     factors = np.array([RADIAL_N, TANGENTIAL_N, TORQUE_NMM, SPEED2])
     count = quarter.cells.shape[1]
     for index, flip in enumerate(IMAGES):

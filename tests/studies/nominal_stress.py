@@ -29,10 +29,10 @@ def nominal_amplitude_MPa(scene: Scene) -> float:
     """
     force, torque = half_ranges(scene)
     size, material = default_element_size_mm(scene), scene.material
-    part = mesh_throw(scene, size)
+    meshed = mesh_throw(scene, size)
     youngs = material.E_GPa * MPA_PER_GPA
-    model = assemble(part.mesh, youngs, material.poisson)
-    fields = unit_fields(model, scene, part.mesh.mirrored, ("bending", "torsion"))
+    model = assemble(meshed.mesh, youngs, material.poisson)
+    fields = unit_fields(model, scene, meshed.mesh.mirrored, ("bending", "torsion"))
     found = point_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, material.poisson)
     loads = np.array([force, torque * NMM_PER_NM])
     return max(_web(scene, found, size, loads), _pin(scene, found, size, loads))

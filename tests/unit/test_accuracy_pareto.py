@@ -145,7 +145,7 @@ def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
         "surface": {},
         "seconds": {"total": 12.0},
     }
-    plain, full = (accuracy_section(metrics, ladder, "one") for ladder in (None, front.as_json()))
+    plain, full = (accuracy_section(metrics, studies, "one") for studies in (None, front.as_json()))
     assert {"what": "error estimate, torsion", "value": "1.3 %"} in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == [
         "This run",
@@ -207,8 +207,11 @@ def test_a_study_ends_before_the_level_that_would_not_fit(
     three = [mesh_level(2, 3.0), CranktopoError("no mesh."), mesh_level(0, 16.0)]
     short, lines = run(monkeypatch, mikron, 27.0, [*three])
     assert [found.size_mm for found in short.levels] == [9.0]
-    assert short.failures == ("evaluation, level 1: no mesh.",)
-    assert lines == ["0 of 27 s: evaluation, level 0", "4 of 27 s: evaluation, level 1, about 8 s"]
+    assert short.failures == ("body-fitted evaluation, level 1: no mesh.",)
+    assert lines == [
+        "0 of 27 s: body-fitted evaluation, level 0",
+        "4 of 27 s: body-fitted evaluation, level 1, about 8 s",
+    ]
     full, lines = run(monkeypatch, mikron, 28.0, [*three])
     assert [found.size_mm for found in full.levels] == [9.0, 4.0]
     assert lines[2].endswith("level 2, about 16 s")
@@ -248,11 +251,11 @@ def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: Paret
 
 def test_only_a_study_of_the_same_kind_is_loaded(cache: None, front: ParetoFront, mikron: Scene) -> None:
     """A surface is only evaluated; so is a design whose budget ended before the optimiser's turn."""
-    judged = pareto_front(study(mesh_level(2, 3.0), mesh_level(1, 8.0))).as_json()
-    store_study("web", judged)
+    evaluated = pareto_front(study(mesh_level(2, 3.0), mesh_level(1, 8.0))).as_json()
+    store_study("web", evaluated)
     assert load_study(mikron.name, OPTIMISER) is None
     store_study("by-hand", front.as_json())
-    store_study(mikron.name, judged)
+    store_study(mikron.name, evaluated)
     for wanted in (mikron.name, "another"):
         found = load_study(wanted, OPTIMISER)
         assert found is not None
@@ -364,20 +367,20 @@ def throw_with(scene: Scene, bore_mm: float) -> Scene:
     return scene.model_copy(update={"throw": scene.throw.model_copy(update={"main_journal": journal})})
 
 
-@pytest.mark.parametrize("wish", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
-def test_a_wall_thinner_than_any_cells_is_named(mikron: Scene, wish: tuple[float, float]) -> None:
+@pytest.mark.parametrize("wanted", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+def test_a_wall_thinner_than_any_cells_is_named(mikron: Scene, wanted: tuple[float, float]) -> None:
     words = r"resolution_mm = 1\.5: too coarse: the thinnest journal wall is 0\.25 mm.*at most 0\.125 mm"
     with pytest.raises(CranktopoError, match=words):
-        choose_cells(throw_with(mikron, 41.5), *wish)
+        choose_cells(throw_with(mikron, 41.5), *wanted)
 
 
-@pytest.mark.parametrize("wish", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+@pytest.mark.parametrize("wanted", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
 def test_a_memory_too_small_for_any_cells_is_named(
-    mikron: Scene, wish: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+    mikron: Scene, wanted: tuple[float, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("cranktopo.accuracy.cell_choice.available_memory_MiB", lambda: 901.0)
     with pytest.raises(CranktopoError, match=r"resolution_mm = 3\.77.*: too fine: .* GiB available"):
-        choose_cells(mikron, *wish)
+        choose_cells(mikron, *wanted)
 
 
 def test_the_optimisers_study_ends_where_walls_end_it(mikron: Scene) -> None:

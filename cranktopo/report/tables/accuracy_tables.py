@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from cranktopo.accuracy.level import TITLES
 from cranktopo.report.quantities import BENDING, TORSION
 from cranktopo.report.tables.result_table import Cell, Column, ResultTable, tabulate
 
@@ -59,12 +60,11 @@ _COLUMNS: dict[str, tuple[Column[Level], ...]] = {
         _UNCERTAINTY,
     ),
 }
-_NAMES = {"judge": "body-fitted evaluation"}
 
 
 def study_name(study: str) -> str:
     """The name of a study as it is printed."""
-    return _NAMES.get(study, study)
+    return TITLES.get(study, study)
 
 
 def level_tables(result: Mapping[str, Any]) -> list[tuple[str, ResultTable]]:
