@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import os
+import shlex
 import shutil
-from collections.abc import Mapping, Sequence
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from difflib import get_close_matches
@@ -32,6 +36,7 @@ from cranktopo.store.manifest import (
 )
 
 RUNS = Path("runs")
+_UNFINISHED = ".unfinished-"
 _MANIFEST, _DESIGN, _LOG = "manifest.json", "design.toml", "run.log"
 _HISTORY, _METRICS, _CHECKPOINT = "history.csv", "metrics.json", "checkpoint/state.npz"
 
@@ -181,11 +186,11 @@ def create_run(
         options=options,
         inputs=inputs or {},
     )
-    run = RunStore(_fresh(root, stem) if out is None else _own(out))
-    write_text(run.path / _DESIGN, design_toml)
-    write_json(run.path / _MANIFEST, {**manifest, "run": run.name})
-    run.log(f"started: {' '.join(command)}")
-    return run
+    with _unfinished(root if out is None else out.parent) as folder:
+        write_text(folder / _DESIGN, design_toml)
+        write_json(folder / _MANIFEST, manifest)
+        RunStore(folder).log(f"started: {shlex.join(command)}")
+        return RunStore(_published(folder, root / stem) if out is None else _moved(folder, out))
 
 
 def open_run(reference: str, root: Path = RUNS) -> RunStore:
@@ -224,7 +229,8 @@ def runs_named(reference: str, root: Path = RUNS) -> list[str]:
 
 def list_runs(root: Path = RUNS) -> list[RunStore]:
     """The runs under `root`, oldest first; directories without a manifest are left out."""
-    return [RunStore(path.parent) for path in sorted(root.glob(f"*/{_MANIFEST}"))]
+    found = sorted(root.glob(f"*/{_MANIFEST}"))
+    return [RunStore(path.parent) for path in found if not path.parent.name.startswith(".")]
 
 
 def remove_run(run: RunStore) -> None:
@@ -254,27 +260,51 @@ def _check_empty(out: Path) -> None:
         )
 
 
-def _fresh(root: Path, stem: str) -> Path:
-    """A directory that did not exist: the stem, with a number behind it when the stem is taken."""
+@contextmanager
+def _unfinished(parent: Path) -> Iterator[Path]:
+    """A hidden folder that becomes a run when it is renamed: a kill before that leaves no half-made run."""
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=parent))
+        folder.chmod(0o755)
+    except OSError as error:
+        raise unwritable(parent, error) from None
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _published(folder: Path, wanted: Path) -> Path:
+    """The folder under the wanted name, with a number behind it where that is taken."""
     number = 1
     while True:
-        path = root / (stem if number == 1 else f"{stem}-{number}")
-        try:
-            path.mkdir(parents=True)
-        except FileExistsError:
-            number += 1
-        except OSError as error:
-            raise unwritable(path, error) from None
-        else:
-            return path
+        path = wanted if number == 1 else wanted.with_name(f"{wanted.name}-{number}")
+        manifest = read_json(folder / _MANIFEST)
+        write_json(folder / _MANIFEST, {**manifest, "run": path.name})
+        if not path.exists():
+            try:
+                return _moved(folder, path)
+            except CranktopoError:
+                if not path.exists():
+                    raise
+        number += 1
 
 
-def _own(out: Path) -> Path:
+def _moved(folder: Path, path: Path) -> Path:
+    """The folder renamed to a path; an empty folder there keeps its place and gets the files, manifest first.
+
+    With the manifest it is a run that resumes, whatever else a kill keeps back.
+    """
     try:
-        out.mkdir(parents=True, exist_ok=True)
+        if path.is_dir():
+            for name in (_MANIFEST, _DESIGN, _LOG):
+                os.replace(folder / name, path / name)
+        else:
+            os.rename(folder, path)
     except OSError as error:
-        raise unwritable(out, error) from None
-    return out
+        raise unwritable(path, error) from None
+    return path
 
 
 def _by_name(reference: str, root: Path) -> Path:
