@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.parameters import Choice
+from cranktopo.cli.parameters import Choice, Number
 from cranktopo.formats import PARTS, SOLIDS, SolidPart
 
 
@@ -15,9 +15,7 @@ from cranktopo.formats import PARTS, SOLIDS, SolidPart
 @click.argument("design", shell_complete=designs)
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("--part", type=Choice(PARTS), default="throw", show_default=True, help="What to write.")
-@click.option(
-    "--facet-mm", type=click.FloatRange(min=0.1), default=1.0, show_default=True, help="STL facets."
-)
+@click.option("--facet-mm", type=Number(0.1, 100), default=1.0, show_default=True, help="STL facets.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 def command(design: str, file: Path, part: SolidPart, facet_mm: float, force: bool) -> None:
     """Write the exact solid of DESIGN to FILE (.step or .stl), mm.

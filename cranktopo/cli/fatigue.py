@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @click.option("--baseline", metavar="TARGET", help="The target that the others are compared with.")
 @click.option(
     "--fillet-fraction",
-    type=Number("--fillet-fraction", 0.0, 0.5),
+    type=Number(0.01, 0.5),
     help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
 )
 @click.option(

@@ -11,7 +11,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, rule_options
-from cranktopo.cli.parameters import Choice, Number
+from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 
 
@@ -20,12 +20,10 @@ from cranktopo.cli.verbosity import info, verbosity_options
 @click.option("--steps", type=click.IntRange(1, 50), default=6, show_default=True, help="Number of removals.")
 @click.option(
     "--volume-fraction",
-    type=Number("volume fraction", above=0.0, below=1.0),
+    type=VOLUME_FRACTION,
     help="Share of the design space that the last step leaves; default: the design's.",
 )
-@click.option(
-    "--resolution-mm", type=Number("resolution", above=0.0), help="Largest cell edge of the optimiser."
-)
+@click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge of the optimiser.")
 @click.option(
     "--process",
     type=Choice(["free", "forged", "cast"]),
@@ -33,11 +31,11 @@ from cranktopo.cli.verbosity import info, verbosity_options
 )
 @click.option(
     "--least-transition-mm",
-    type=Number("least transition", above=0.0),
+    type=CELL_MM,
     help="End when the web beside a journal is thinner; default: 40 % of the web's thickness.",
 )
 @rule_options
-@click.option("--element-size-mm", type=Number("element size", above=0.0), help="Of the evaluation.")
+@click.option("--element-size-mm", type=CELL_MM, help="Of the evaluation.")
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print the steps as one JSON object.")

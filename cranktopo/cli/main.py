@@ -9,8 +9,9 @@ from typing import Any
 import click
 
 from cranktopo.cli.group import LazyGroup
+from cranktopo.cli.streams import discard, finish_stdout, prepare_streams
 from cranktopo.cli.verbosity import coloured
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.errors import CranktopoError, ExitCode, shown
 
 # Command -> module that holds a click command of the same name. Modules load only when called for, so
 # that `--help` stays fast.
@@ -64,15 +65,19 @@ def main(args: list[str] | None = None) -> int:
     Args:
         args: arguments without the program name; the process's own by default.
     """
-    arguments = sys.argv[1:] if args is None else args
-    code = _run(arguments)
-    if args is None:
-        sys.exit(code)
-    return code
+    if args is not None:
+        return _run(args)
+    prepare_streams()
+    code = _run(sys.argv[1:])
+    unwritten = finish_stdout()
+    if unwritten is not None and not isinstance(unwritten, BrokenPipeError) and code == ExitCode.DONE:
+        code = _report(_system_error(unwritten), [])
+    sys.exit(code)
 
 
 def _run(arguments: list[str]) -> int:
     try:
+        _check_words(arguments)
         result: Any = cli.main(arguments, prog_name="cranktopo", standalone_mode=False)
         return int(result) if isinstance(result, int) else ExitCode.DONE
     except CranktopoError as error:
@@ -85,15 +90,43 @@ def _run(arguments: list[str]) -> int:
         return _report(CranktopoError(error.format_message(), code=ExitCode.USAGE), arguments)
     except (click.Abort, KeyboardInterrupt):
         return _report(CranktopoError("interrupted.", code=ExitCode.INTERRUPTED), arguments)
-    except BrokenPipeError:
+    except (BrokenPipeError, SystemExit):  # click turns the first into the second
         return ExitCode.DONE
+    except OSError as error:  # a file or stream that the system refuses in the middle of the work
+        return _report(_system_error(error), arguments)
+    except MemoryError:
+        hint = "Take larger cells or elements."
+        return _report(CranktopoError("not enough memory.", hint=hint, code=ExitCode.SOLVER), arguments)
     except Exception as error:
         return _internal(error, arguments)
 
 
+def _check_words(arguments: list[str]) -> None:
+    """No word of a command line may be empty: it is a variable that was never set, no wish for defaults."""
+    for before, word in zip(["", *arguments], arguments, strict=False):
+        option, equals, value = word.partition("=")
+        if not word.strip() or (equals and option.startswith("--") and not value.strip()):
+            name = option if equals else before
+            where = f"{name} is empty" if name.startswith("-") else "an argument is empty"
+            raise click.UsageError(f"{where}.")
+        if "\0" in word:
+            raise click.UsageError(f"{shown(word)} holds a NUL character.")
+
+
+def _system_error(error: OSError) -> CranktopoError:
+    where = f"'{error.filename}'" if error.filename else "output"
+    return CranktopoError(
+        f"{where}: cannot be used: {error.strerror or error}.",
+        hint="Check its folder, rights and free space.",
+    )
+
+
 def _report(error: CranktopoError, arguments: list[str]) -> int:
     if "--json" in arguments:
-        click.echo(json.dumps(error.as_json()))
+        try:
+            click.echo(json.dumps(error.as_json()))
+        except OSError:
+            discard(1)
     click.echo(f"{coloured('error:', 'red', err=True)} {error}", err=True)
     return int(error.code)
 

@@ -12,7 +12,7 @@ import click
 
 from cranktopo.cli.completion import designs, runs
 from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
-from cranktopo.cli.parameters import Choice, Number
+from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
 from cranktopo.errors import ExitCode
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 @click.argument("design", required=False, shell_complete=designs)
 @click.option(
     "--volume-fraction",
-    type=Number("volume fraction", above=0.0, below=1.0),
+    type=VOLUME_FRACTION,
     help="Share of the design space that becomes solid, 0 to 1; default: the design's.",
 )
 @click.option(
     "--resolution-mm",
-    type=Number("resolution", above=0.0),
+    type=CELL_MM,
     help="Largest cell edge, mm; default: the design's.",
 )
 @click.option(

@@ -7,6 +7,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from cranktopo.cli.parameters import CELL_MM, Number
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 
 DEFAULT_DESIGN = "mikron-iiic"
@@ -70,7 +71,7 @@ def mesh_options(function: Any) -> Any:
         ),
         click.option(
             "--element-size-mm",
-            type=click.FloatRange(min=0, min_open=True),
+            type=CELL_MM,
             help="General element size; by default a tenth of the thinner journal's diameter.",
         ),
     ):
@@ -86,16 +87,16 @@ def rule_options(function: Any) -> Any:
     for names, bounds, text in (
         (
             ("--cell-mm",),
-            click.FloatRange(min=0.25, max=4),
+            Number(0.25, 4),
             "Cells of the final fit: half the size is nearer to the body and eight times dearer.",
         ),
         (
             ("--draft-deg", "min_draft_deg"),
-            click.FloatRange(min=0, max=30),
+            Number(0, 30),
             "Least draft of a side pocket's walls.",
         ),
-        (("--min-radius-mm",), click.FloatRange(min=0.5), "Least radius of curvature of the outline."),
-        (("--min-wall-mm",), click.FloatRange(min=0.5), "Least wall."),
+        (("--min-radius-mm",), Number(0.5, 1000), "Least radius of curvature of the outline."),
+        (("--min-wall-mm",), Number(0.5, 1000), "Least wall."),
     ):
         field = names[-1].removeprefix("--").replace("-", "_")
         default = getattr(ManufacturingLimits, field)

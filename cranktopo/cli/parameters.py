@@ -3,43 +3,36 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import click
 
-from cranktopo.errors import suggest
+from cranktopo.errors import shown, suggest
 
 
-class Number(click.ParamType[float]):
-    """A finite number inside an open range.
+class Number(click.FloatRange):
+    """A finite number in a closed range, which help shows."""
 
-    Args:
-        what: name for the message.
-        above: the value must be greater.
-        below: the value must be smaller, if given.
-    """
-
-    name = "number"
-
-    def __init__(self, what: str, above: float, below: float = math.inf) -> None:
-        self._what, self._above, self._below = what, above, below
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The value as a float; fails with the allowed range.
 
         Args:
             value: what the user wrote, or the default.
             param, ctx: as click gives them, for the message.
         """
-        allowed = f"must be a number > {self._above:g}"
-        if math.isfinite(self._below):
-            allowed += f" and < {self._below:g}"
         try:
             number = float(str(value))
         except ValueError:
-            self.fail(f"{self._what} = {value!r}: {allowed}.", param, ctx)
-        if not (self._above < number < self._below):  # false for nan as well
-            self.fail(f"{self._what} = {value}: {allowed}.", param, ctx)
+            number = math.nan
+        if not (self.min is not None and self.max is not None and self.min <= number <= self.max):
+            allowed = f"must be a number >= {self.min:g} and <= {self.max:g}"
+            self.fail(f"{shown(str(value))}: {allowed}.", param, ctx)
         return number
+
+
+CELL_MM = Number(1e-3, 1000)
+"""Cells of the optimiser, elements, and other small lengths; memory sets the true limit."""
+VOLUME_FRACTION = Number(0.01, 0.99)
 
 
 class Choice(click.Choice[str]):
@@ -54,7 +47,7 @@ class Choice(click.Choice[str]):
         """
         words = [str(choice) for choice in self.choices]
         if value not in words:
-            allowed = f"{value!r} is none of {', '.join(words)}."
-            near = suggest(str(value), words)
+            allowed = f"{shown(value)} is none of {', '.join(words)}."
+            near = suggest(str(value)[:100], words)
             self.fail(f"{allowed} {near}" if near.startswith("Did") else allowed, param, ctx)
         return super().convert(value, param, ctx)

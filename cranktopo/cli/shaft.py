@@ -9,7 +9,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN
-from cranktopo.cli.parameters import Choice
+from cranktopo.cli.parameters import CELL_MM, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Radial support of every mid-journal section; all of them let it tilt.",
 )
-@click.option("--element-size-mm", type=click.FloatRange(min=0, min_open=True), help="General element size.")
+@click.option("--element-size-mm", type=CELL_MM, help="General element size.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
 @verbosity_options
 def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:

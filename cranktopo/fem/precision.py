@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from weakref import WeakSet
 
+from cranktopo.errors import CranktopoError, ExitCode, shown
 from cranktopo.store import user_cache
 
 # Compilations that take less are not worth a file.
@@ -31,8 +32,27 @@ def double_precision() -> Iterator[None]:
     """
     import jax
 
+    check_device()
     with jax.enable_x64(True), _stored_compilations():
         yield
+
+
+@cache
+def check_device() -> None:
+    """Check that JAX has something to compute on; raises CranktopoError where it has not."""
+    import jax
+
+    try:
+        jax.devices()
+    except Exception as error:  # JAX raises whatever its plugins raise, an empty AssertionError among it
+        wanted = os.environ.get("JAX_PLATFORMS")
+        asked = f" (JAX_PLATFORMS = {shown(wanted)})" if wanted else ""
+        reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
+        raise CranktopoError(
+            f"JAX finds no device to compute on{asked}: {reason}.",
+            hint="Unset JAX_PLATFORMS, or install JAX for that device: see `cranktopo doctor`.",
+            code=ExitCode.MISSING_TOOL,
+        ) from None
 
 
 @contextmanager

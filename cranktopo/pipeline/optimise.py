@@ -12,7 +12,7 @@ from cranktopo.accuracy.cell_choice import choose_cells
 from cranktopo.accuracy.level import OPTIMISER
 from cranktopo.accuracy.stored_studies import load_study
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.fem.precision import CompileClock, double_precision
+from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
@@ -82,6 +82,7 @@ def optimise_design(
     """
     began = time.perf_counter() if began is None else began
     check_destination(out)
+    check_device()
     prepared = prepare(scene)
     info(describe(prepared))
     run = create_run(

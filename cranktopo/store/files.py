@@ -85,7 +85,9 @@ def write_text(path: Path, content: str) -> None:
     Raises:
         CranktopoError: it cannot be written.
     """
-    write_bytes(path, content.encode("utf-8"))
+    write_bytes(
+        path, content.encode("utf-8", "backslashreplace")
+    )  # a file name that is not UTF-8 is no reason
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:

@@ -34,14 +34,14 @@ def fails(capsys: pytest.CaptureFixture[str], code: int, *arguments: str) -> str
 @pytest.mark.parametrize("value", ["0", "1", "1.5", "-0.1", "nan", "inf", "a third"])
 def test_volume_fraction(capsys: pytest.CaptureFixture[str], value: str) -> None:
     line = fails(capsys, 2, "--volume-fraction", value)
-    assert "volume fraction" in line
+    assert "--volume-fraction" in line
     assert value in line
-    assert "> 0 and < 1" in line
+    assert "must be a number >= 0.01 and <= 0.99" in line
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "nan", "fine"])
 def test_resolution(capsys: pytest.CaptureFixture[str], value: str) -> None:
-    assert "must be a number > 0" in fails(capsys, 2, "--resolution-mm", value)
+    assert "must be a number >= 0.001" in fails(capsys, 2, "--resolution-mm", value)
 
 
 def test_resolution_too_coarse_names_the_wall(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,131 @@
+"""The process around a command: streams that are closed or full, no home, other locales, no device."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cranktopo.cli.main import main
+from cranktopo.scene.loading import designs_folder
+from cranktopo.store import user_cache
+
+PROGRAM = f"{sys.executable} -c 'from cranktopo.cli.main import main; main()'"
+
+
+def shell(line: str, folder: Path, **settings: str) -> subprocess.CompletedProcess[bytes]:
+    line = line.replace("cranktopo", PROGRAM, 1)
+    return subprocess.run(
+        ["bash", "-c", line],
+        cwd=folder,
+        env={**os.environ, **settings},
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "message"),
+    [
+        ("cranktopo designs list >&-", 0, ""),
+        ("cranktopo designs list 2>&-", 0, ""),
+        ("cranktopo plan nothing <&- >&- 2>&-", 3, ""),
+        ("cranktopo plan nothing --json >&-", 3, "no such file"),
+        ("cranktopo designs list > /dev/full", 3, "error: output: cannot be used: No space left on device."),
+        ("cranktopo plan nothing 2> /dev/full", 3, ""),
+        ("cranktopo plan nothing --json > /dev/full", 3, "no such file"),
+        ("set -o pipefail; cranktopo designs list | true", 0, ""),
+    ],
+)
+def test_streams(line: str, code: int, message: str, tmp_path: Path) -> None:
+    result = shell(line, tmp_path)
+    assert result.returncode == code, result.stderr
+    lines = result.stderr.decode().splitlines()
+    assert len(lines) == (1 if message else 0), lines
+    assert message in result.stderr.decode()
+
+
+def test_a_closed_stdout_does_not_hand_its_number_to_a_file(tmp_path: Path) -> None:
+    """Else what libraries print ends up in the file that is opened next."""
+    result = shell("cranktopo designs copy mikron-iiic new.toml >&- <&-", tmp_path)
+    assert result.returncode == 0
+    assert (tmp_path / "new.toml").read_text().startswith("#")
+
+
+@pytest.mark.parametrize(
+    "locale",
+    [
+        {"LC_ALL": "C"},
+        {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+        {"PYTHONIOENCODING": "latin-1"},
+    ],
+    ids=str,
+)
+def test_names_beyond_ascii_in_any_locale(locale: dict[str, str], tmp_path: Path) -> None:
+    name = "Kröpfung µ.toml"
+    shutil.copy(designs_folder() / "mikron-iiic.toml", tmp_path / name)
+    assert shell(f"cranktopo designs copy '{name}' new.toml", tmp_path, **locale).returncode == 0
+    missing = shell("cranktopo loads $'nicht\\xff da ä.toml'", tmp_path, **locale)
+    assert missing.returncode == 3
+    assert missing.stderr.startswith(b"error: design 'nicht")
+
+
+def test_without_a_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def nobody() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    for value in ("", "relative"):
+        monkeypatch.setenv("XDG_CACHE_HOME", value)
+        monkeypatch.setenv("HOME", str(tmp_path))
+        assert user_cache() == tmp_path / ".cache" / "cranktopo"
+    monkeypatch.setattr(Path, "home", nobody)
+    assert user_cache().is_absolute()
+    assert user_cache().name == f"cranktopo-{os.getuid()}"
+
+
+@pytest.mark.parametrize("platform", ["cuda"])
+def test_a_device_that_is_not_there(platform: str, tmp_path: Path) -> None:
+    result = shell("cranktopo optimise --resolution-mm 4.5", tmp_path, JAX_PLATFORMS=platform)
+    assert result.returncode == 7
+    (line,) = result.stderr.decode().splitlines()
+    assert f"JAX finds no device to compute on (JAX_PLATFORMS = '{platform}')" in line
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["optimise", ""], "an argument is empty"),
+        (["optimise", "--resume", ""], "--resume is empty"),
+        (["optimise", "--out", " "], "--out is empty"),
+        (["optimise", "--out="], "--out is empty"),
+        (["evaluate", "mikron-iiic", ""], "an argument is empty"),
+        (["loads", "a\0b"], r"'a\x00b' holds a NUL character"),
+    ],
+    ids=str,
+)
+def test_empty_words(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "-1", "1e999", "", "1,5", "0x10"])
+def test_every_numeric_option_refuses(value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Also options that are added later: every option of every command that takes a number."""
+    from tests.cli.test_command_line import commands
+
+    tried = 0
+    for path, command in commands().items():
+        for option in command.params:
+            if "float" not in option.type.name or not option.opts[0].startswith("--"):
+                continue
+            tried += 1
+            needed = ["x" for p in command.params if p.param_type_name == "argument" and p.required]
+            assert main([*path.split(), *needed, option.opts[0], value]) == 2, (path, option.opts)
+            assert option.opts[0] in capsys.readouterr().err
+    assert tried > 15
