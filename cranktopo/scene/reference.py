@@ -32,7 +32,7 @@ class KeyReference:
     Attributes:
         kind: what the value is, such as `number` or `one of "a", "b"`.
         unit: unit of the value, from the key's name; empty where it has none.
-        allowed: range of the value, such as `> 0`; empty where everything is allowed.
+        allowed: range of the value, such as `0.05 to 20000`; empty where everything is allowed.
         required: whether the table needs it, `unless` what this says.
         default: value when the key is left out; None where there is none.
         example: a value that fits the examples of the other keys.
@@ -175,11 +175,9 @@ def _kind(node: dict[str, Any]) -> str:
 
 
 def _allowed(node: dict[str, Any]) -> str:
-    low = [
-        f"{sign} {node[key]:g}" for key, sign in (("exclusiveMinimum", ">"), ("minimum", "≥")) if key in node
-    ]
-    high = [
-        f"{sign} {node[key]:g}" for key, sign in (("exclusiveMaximum", "<"), ("maximum", "≤")) if key in node
-    ]
+    if "minimum" in node and "maximum" in node:
+        return f"{node['minimum']:g} to {node['maximum']:g}"
+    signs = (("exclusiveMinimum", ">"), ("minimum", "≥"), ("exclusiveMaximum", "<"), ("maximum", "≤"))
+    found = [f"{sign} {node[key]:g}" for key, sign in signs if key in node]
     count = [f"at least {node['minItems']} values"] if "minItems" in node and node["type"] == "array" else []
-    return ", ".join(low + high + count)
+    return ", ".join(found + count)
