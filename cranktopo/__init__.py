@@ -3,10 +3,13 @@
 The stages, in the order in which data flows through them; each takes what the one before returned:
 
     load_scene -> plan -> load_cases -> prepare -> optimise_density -> checked_surface
-    -> fit_web -> evaluate -> compare
+    -> fit_web -> evaluate_target -> compare
 
-`evaluate` is `cranktopo.evaluate.evaluation.evaluate`: its name is taken here by the package it lives in. A
-name loads its module when it is first used, so that importing the package costs nothing.
+What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
+`remodel_run`, `start_loop`, `continue_loop`, `evaluate_targets`, `compare_targets`, `assess_fatigue`,
+`study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `report_run`, `report_comparison`, `export_solid`,
+`summarise_runs`, `clean_runs`, `check_machine`. A name loads its module when it is first used, so that
+importing the package costs nothing.
 """
 
 from __future__ import annotations
@@ -18,11 +21,26 @@ if TYPE_CHECKING:
     from cranktopo.cad.solid_files import export_solid
     from cranktopo.effects import EffectPlan, plan
     from cranktopo.errors import CranktopoError
-    from cranktopo.evaluate.targets import Target, resolve_target
+    from cranktopo.evaluate.evaluation import Evaluation
+    from cranktopo.evaluate.shaft import evaluate_shaft
+    from cranktopo.evaluate.targets import Target, resolve_target, resolve_targets
     from cranktopo.fem.precision import double_precision
     from cranktopo.loads import LoadCase, load_cases
     from cranktopo.optimise.stage import Optimum, Prepared, optimise_density, prepare
+    from cranktopo.pipeline.accuracy import study_accuracy
+    from cranktopo.pipeline.compare import compare_targets, report_comparison
+    from cranktopo.pipeline.doctor import check_machine
+    from cranktopo.pipeline.evaluate import MeshRequest, evaluate_target, evaluate_targets
+    from cranktopo.pipeline.extract import extract_surface
+    from cranktopo.pipeline.fatigue import assess_fatigue
+    from cranktopo.pipeline.iterate import continue_loop, loop_scene, loop_settings, start_loop
+    from cranktopo.pipeline.loads import loads_at_speeds, plot_load_curves, write_load_curves
+    from cranktopo.pipeline.optimise import optimise_design, resume_optimisation, with_cells_for
+    from cranktopo.pipeline.remodel import remodel_run
+    from cranktopo.pipeline.run_record import report_run
+    from cranktopo.pipeline.runs import clean_runs, summarise_runs
     from cranktopo.remodel.fit import FittedWeb, fit_web
+    from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.comparison import Comparison, Entry, compare
     from cranktopo.scene import Scene, load_scene
     from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
@@ -46,12 +64,39 @@ _HOMES = {
     "write_stl": "triangles.surface_files",
     "FittedWeb": "remodel.fit",
     "fit_web": "remodel.fit",
+    "ManufacturingLimits": "remodel.manufacturing_limits",
     "export_solid": "cad.solid_files",
     "Target": "evaluate.targets",
     "resolve_target": "evaluate.targets",
+    "resolve_targets": "evaluate.targets",
+    "Evaluation": "evaluate.evaluation",
+    "evaluate_shaft": "evaluate.shaft",
     "Comparison": "report.comparison",
     "Entry": "report.comparison",
     "compare": "report.comparison",
+    "MeshRequest": "pipeline.evaluate",
+    "evaluate_target": "pipeline.evaluate",
+    "evaluate_targets": "pipeline.evaluate",
+    "compare_targets": "pipeline.compare",
+    "report_comparison": "pipeline.compare",
+    "assess_fatigue": "pipeline.fatigue",
+    "study_accuracy": "pipeline.accuracy",
+    "optimise_design": "pipeline.optimise",
+    "resume_optimisation": "pipeline.optimise",
+    "with_cells_for": "pipeline.optimise",
+    "report_run": "pipeline.run_record",
+    "extract_surface": "pipeline.extract",
+    "remodel_run": "pipeline.remodel",
+    "loop_scene": "pipeline.iterate",
+    "loop_settings": "pipeline.iterate",
+    "start_loop": "pipeline.iterate",
+    "continue_loop": "pipeline.iterate",
+    "loads_at_speeds": "pipeline.loads",
+    "write_load_curves": "pipeline.loads",
+    "plot_load_curves": "pipeline.loads",
+    "summarise_runs": "pipeline.runs",
+    "clean_runs": "pipeline.runs",
+    "check_machine": "pipeline.doctor",
 }
 
 __all__ = [
@@ -60,23 +105,50 @@ __all__ = [
     "CranktopoError",
     "EffectPlan",
     "Entry",
+    "Evaluation",
     "FittedWeb",
     "LoadCase",
+    "ManufacturingLimits",
+    "MeshRequest",
     "Optimum",
     "Prepared",
     "Scene",
     "Target",
+    "assess_fatigue",
+    "check_machine",
     "checked_surface",
+    "clean_runs",
     "compare",
+    "compare_targets",
+    "continue_loop",
     "double_precision",
+    "evaluate_shaft",
+    "evaluate_target",
+    "evaluate_targets",
     "export_solid",
+    "extract_surface",
     "fit_web",
     "load_cases",
     "load_scene",
+    "loads_at_speeds",
+    "loop_scene",
+    "loop_settings",
     "optimise_density",
+    "optimise_design",
     "plan",
+    "plot_load_curves",
     "prepare",
+    "remodel_run",
+    "report_comparison",
+    "report_run",
     "resolve_target",
+    "resolve_targets",
+    "resume_optimisation",
+    "start_loop",
+    "study_accuracy",
+    "summarise_runs",
+    "with_cells_for",
+    "write_load_curves",
     "write_stl",
 ]
 

@@ -11,7 +11,7 @@ from cranktopo.cli.verbosity import coloured
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
-    from cranktopo.cli.doctor_checks import Check
+    from cranktopo.pipeline.doctor import Check
 
 _COLOURS = {"ok": "green", "missing": "red", "absent": "yellow"}
 
@@ -26,9 +26,9 @@ def command(as_json: bool) -> int:
 
     Example: cranktopo doctor
     """
-    from cranktopo.cli.doctor_checks import all_checks
+    from cranktopo.pipeline.doctor import check_machine
 
-    checks = all_checks()
+    checks = check_machine()
     missing = [check.name for check in checks if check.state == "missing"]
     if as_json:
         entries = [check.as_json() for check in checks]

@@ -28,7 +28,10 @@ if TYPE_CHECKING:
 def command(
     run: str, iteration: int | None, form: SurfaceFormat | None, out: Path | None, force: bool, as_json: bool
 ) -> None:
-    """Extract the watertight surface of a design of RUN: binary STL or 3MF in mm, or GLB for viewers.
+    """Extract the watertight surface of a design of RUN: binary STL or 3MF in mm, or GLB in metres.
+
+    STL and 3MF are for CAD, printing and meshing. GLB is for showing it: browsers, phones and PowerPoint open
+    it without any CAD program.
 
     Journals, pins and bores are exact cylinders, the volume is that of the density. Nothing is written
     unless the surface is closed, oriented, one body and within 0.5 % of its volume.
@@ -36,19 +39,10 @@ def command(
     Example: cranktopo extract 20250101-120000_mikron-iiic_0123abcd --iteration 12 --format 3mf
     """
     chosen = _format(form, out, force)
-    from cranktopo.fem.precision import double_precision
-    from cranktopo.pipeline.extract import extract_run
-    from cranktopo.store import open_run
-    from cranktopo.triangles.surface_files import write_surface
+    from cranktopo.pipeline.extract import extract_surface
 
-    store = open_run(run)
-    detail(f"{store.name}: extracting the surface")
-    with double_precision():
-        found = extract_run(store, iteration)
-    path = out or store.path / "surface" / f"iteration-{found.iteration:04d}.{chosen}"
-    if out is None:
-        path.parent.mkdir(exist_ok=True)
-    write_surface(path, found.surface.half_throw, chosen)
+    detail(f"{run}: extracting the surface")
+    found, path = extract_surface(run, iteration, out, chosen)
     if as_json:
         click.echo(json.dumps({"schema_version": 1, **found.as_json(), "files": {chosen: str(path)}}))
     else:

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN
 from cranktopo.errors import invalid
-
-if TYPE_CHECKING:
-    from cranktopo.scene import Scene
 
 MOST_SPEEDS = 1000
 
@@ -34,14 +30,16 @@ def command(
 
     Example: cranktopo loads mikron-iiic --speed 1000:2800:200 --plot loads.png
     """
+    from cranktopo.pipeline.loads import loads_at_speeds, plot_load_curves, write_load_curves
     from cranktopo.scene import load_scene
 
-    scenes = _at_speeds(load_scene(design), speed)
-    results = [_result(scene) for scene in scenes]
+    scene = load_scene(design)
+    speeds = None if speed is None else parse_speeds(speed)
+    results = loads_at_speeds(scene, speeds)
     if plot_path is not None:
-        _plot(scenes[-1], plot_path)
+        plot_load_curves(scene, plot_path, None if speeds is None else speeds[-1])
     if csv_path is not None:
-        _write_csv(scenes, csv_path)
+        write_load_curves(scene, csv_path, speeds)
     if as_json:
         click.echo(json.dumps(results[0] | ({"sweep": results} if len(results) > 1 else {}), indent=2))
         return
@@ -69,42 +67,3 @@ def parse_speeds(text: str) -> list[float]:
     raise invalid(
         "--speed", text, f"must be RPM or FROM:TO:STEP with 0 <= FROM <= TO and at most {MOST_SPEEDS} steps"
     )
-
-
-def _at_speeds(scene: Scene, speed: str | None) -> list[Scene]:
-    from cranktopo.loads import at_speed
-
-    if speed is None:
-        return [scene]
-    return [at_speed(scene, rpm) for rpm in parse_speeds(speed)]
-
-
-def _result(scene: Scene) -> dict[str, Any]:
-    from cranktopo.effects import plan
-    from cranktopo.loads.summary import loads_json
-
-    effects = plan(scene)
-    return {**loads_json(scene, effects.enabled), "effects": effects.as_json()}
-
-
-def _write_csv(scenes: list[Scene], path: Path) -> None:
-    import numpy as np
-
-    from cranktopo.loads import analyse
-    from cranktopo.loads.summary import curve_columns
-    from cranktopo.store.files import replacing
-
-    tables = [curve_columns(analyse(scene)) for scene in scenes]
-    if not tables[0]:
-        raise invalid("engine.gas", None, "must be given for curves over the cycle")
-    values = np.concatenate([np.column_stack(list(table.values())) for table in tables])
-    with replacing(path) as temporary:
-        np.savetxt(temporary, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
-
-
-def _plot(scene: Scene, path: Path) -> None:
-    from cranktopo.loads import analyse
-    from cranktopo.report.figures.loads_plot import plot_loads
-
-    analysis = analyse(scene)
-    plot_loads(analysis, f"{scene.name}, {analysis.engine.speed_rpm:g} rpm", path)

@@ -17,13 +17,14 @@ from cranktopo.cli.verbosity import info, verbosity_options
 @click.argument("run", shell_complete=runs)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to; RUN/remodel by default.")
 @rule_options
-@click.option("--no-judge", is_flag=True, help="Leave out the stiffness comparison.")
+@click.option("--no-evaluation", is_flag=True, help="Leave out the stiffness comparison.")
+@click.option("--no-judge", "no_evaluation", is_flag=True, hidden=True)
 @click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")
 @verbosity_options
 def command(
     run: str,
     out: Path | None,
-    no_judge: bool,
+    no_evaluation: bool,
     as_json: bool,
     **rules: Any,
 ) -> None:
@@ -34,9 +35,9 @@ def command(
 
     Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
     """
-    from cranktopo.pipeline.remodel import remodel
+    from cranktopo.pipeline.remodel import remodel_run
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.tables.remodel_text import remodel_text
 
-    data = remodel(run, out, ManufacturingLimits(**rules), not no_judge, info)
+    data = remodel_run(run, out, ManufacturingLimits(**rules), not no_evaluation, info)
     click.echo(json.dumps(data) if as_json else remodel_text(data))

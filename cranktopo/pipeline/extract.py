@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,16 +11,19 @@ import numpy as np
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
+from cranktopo.fem.precision import double_precision
+from cranktopo.formats import SurfaceFormat
 from cranktopo.optimise.loop import Design, build_chain, design_of
 from cranktopo.optimise.state import from_checkpoint
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
-from cranktopo.store import RunStore, load_checkpoint, load_iteration, require_kind, resume_command
+from cranktopo.store import RunStore, load_checkpoint, load_iteration, open_run, require_kind, resume_command
 from cranktopo.surface.checked_surface import checked_surface
 from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
 from cranktopo.surface.half_throw import WebSurface
 from cranktopo.surface.surface_checks import SurfaceReport, surface_json
 from cranktopo.surface.undercuts import Undercuts
+from cranktopo.triangles.surface_files import write_surface
 from cranktopo.units import density_kg_per_mm3
 
 LEAST_MEMBER_CELLS = 2.0
@@ -86,37 +90,51 @@ class Extraction:
         }
 
 
-def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
-    """Surface of a design of an optimise run; call inside `double_precision()`.
-
-    Args:
-        run: the run, finished or not.
-        iteration: number of the design; by default the last one, exactly as it was optimised.
-
-    Returns:
-        A surface that passed every gate.
+def extract_surface(
+    reference: str,
+    iteration: int | None = None,
+    out: Path | None = None,
+    form: SurfaceFormat = "stl",
+) -> tuple[Extraction, Path]:
+    """Extract the surface of a design of a run and write it; by default into `surface` of the run.
 
     Raises:
-        CranktopoError: a loop, no density of that iteration, or a surface that fails a gate.
+        CranktopoError: as `extract_run`, or the file cannot be written.
+    """
+    run = open_run(reference)
+    with double_precision():
+        found = extract_run(run, iteration)
+    path = out or run.path / "surface" / f"iteration-{found.iteration:04d}.{form}"
+    if out is None:
+        path.parent.mkdir(exist_ok=True)
+    write_surface(path, found.surface.half_throw, form)
+    return found, path
+
+
+def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
+    """Surface of a design of an optimise run, by default the last one; call inside `double_precision()`.
+
+    Raises:
+        CranktopoError: a loop, no density of that iteration, or a surface that fails a check.
     """
     require_kind(run, "optimise")
     scene = planned_scene(scene_of_run(run))
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
-    skin = checked_surface(scene, domain, design)
-    surface = skin.surface
-    distances = iso_distance_mm(surface, skin.grid, scene, skin.usable, skin.smooth)
+    checked = checked_surface(scene, domain, design)
+    surface = checked.surface
+    distances = iso_distance_mm(surface, checked.grid, scene, checked.usable, checked.smooth)
     return Extraction(
         run=run.name,
         scene=scene,
         iteration=number,
         surface=surface,
-        gates=skin.gates,
+        gates=checked.gates,
         mean_distance_mm=float(distances.mean()),
         max_distance_mm=float(distances.max()),
-        minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, skin.cell_mm / 2),
-        undercuts=skin.undercuts(scene),
-        cell_mm=skin.cell_mm,
+        minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, checked.cell_mm / 2),
+        undercuts=checked.undercuts(scene),
+        cell_mm=checked.cell_mm,
     )
 
 

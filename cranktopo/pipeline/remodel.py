@@ -28,17 +28,13 @@ from cranktopo.units import density_kg_per_mm3
 
 SCHEMA_VERSION = 1
 _FACET_MM = 1.0
-Progress = Callable[[str], None]
+Info = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class RemodelEvaluations:
-    """Evaluations by the judge.
-
-    Attributes:
-        body: the extracted body, which has no fillets.
-        sharp: the fitted web without its fillets, for a like comparison.
-        fitted: the fitted web as it is.
+    """Evaluations of the extracted body (which has no fillets), of the fitted web without its fillets, for a
+    like comparison, and of the fitted web as it is.
     """
 
     body: Evaluation
@@ -46,28 +42,26 @@ class RemodelEvaluations:
     fitted: Evaluation
 
 
-def remodel(
+def remodel_run(
     reference: str,
-    out: Path | None,
-    rules: ManufacturingLimits,
-    judged: bool,
-    progress: Progress = lambda _: None,
+    out: Path | None = None,
+    limits: ManufacturingLimits | None = None,
+    evaluated: bool = True,
+    info: Info = lambda _: None,
 ) -> dict[str, Any]:
-    """Re-model the web of a finished run and write every file.
+    """Re-model the web of a finished run and write every file; returns what is in remodel.json.
 
     Args:
         reference: path or name of the run.
         out: folder to write to, by default `remodel` in the run; it must not hold files.
-        rules: bounds of the web.
-        judged: whether the judge compares stiffnesses, which takes three evaluations.
-        progress: called with one line per step.
-
-    Returns:
-        What is in remodel.json.
+        limits: manufacturing limits of the web.
+        evaluated: whether stiffnesses are compared, which takes three evaluations.
+        info: called with one line per step.
 
     Raises:
-        CranktopoError: not a finished run, a surface that is not sound, or no web that keeps the rules.
+        CranktopoError: not a finished run, a surface that is not sound, or no web within the limits.
     """
+    limits = limits or ManufacturingLimits()
     began = time.perf_counter()
     run = open_run(reference)
     target = resolve_target(str(run.path))
@@ -75,32 +69,24 @@ def remodel(
     check_destination(folder)
     scene = scene_of_run(run)
     surface = _surface(target, scene)
-    progress(f"{run.name}: fitting a parametric web")
-    fitted = fit_web(surface, scene, rules)
+    info(f"{run.name}: fitting a parametric web")
+    fitted = fit_web(surface, scene, limits)
     near = shape_error(without(fitted.scene, "fillets"), surface)
     folder.mkdir(parents=True, exist_ok=True)
-    files = write_remodel(fitted, near, surface, folder, progress)
-    stiffness = _judge(target, fitted.scene, progress) if judged else None
-    data = _as_json(run.name, fitted, near, rules, stiffness, files)
+    files = write_remodel(fitted, near, surface, folder, info)
+    stiffness = _evaluated(target, fitted.scene, info) if evaluated else None
+    data = _as_json(run.name, fitted, near, limits, stiffness, files)
     data["seconds"] = {"total": time.perf_counter() - began}
     write_json(folder / files["json"], data)
     return {**data, "folder": str(folder)}
 
 
 def write_remodel(
-    fitted: FittedWeb, near: ShapeError, surface: SurfaceMesh, folder: Path, progress: Progress
+    fitted: FittedWeb, near: ShapeError, surface: SurfaceMesh, folder: Path, info: Info
 ) -> dict[str, str]:
     """Write the scene, STEP and STL of the half throw and the drawing of a fitted web.
 
-    Args:
-        fitted: the web.
-        near: how near it is to the body.
-        surface: the body, drawn as dashed lines.
-        folder: an existing folder.
-        progress: called with one line per step.
-
-    Returns:
-        Names of the files by kind.
+    The body is drawn as dashed lines; `folder` exists. Returns the names of the files by kind.
 
     Raises:
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
@@ -108,7 +94,7 @@ def write_remodel(
     scene = fitted.scene
     files = {"design": f"{scene.name}.toml", "step": "half_throw.step", "stl": "half_throw.stl"}
     files |= {"drawing": "drawing.png", "drawing_svg": "drawing.svg", "json": "remodel.json"}
-    progress(f"{scene.name}: writing the solid and the drawing")
+    info(f"{scene.name}: writing the solid and the drawing")
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files["design"], toml_text(scene, heading))
     export_solid(scene, "half", folder / files["step"])
@@ -119,12 +105,7 @@ def write_remodel(
 
 
 def drawing_notes(fitted: FittedWeb, near: ShapeError) -> list[str]:
-    """Lines of the drawing's title block: material, mass, how well it fits, what the stations gained.
-
-    Args:
-        fitted: the fitted web and what was tried.
-        near: how close it came to the extracted body.
-    """
+    """Lines of the drawing's title block: material, mass, how well it fits, what each step gained."""
     scene = fitted.scene
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     lines = [
@@ -148,11 +129,9 @@ def _surface(target: Target, scene: Scene) -> SurfaceMesh:
     return read_half_throw(target.file, scene)
 
 
-def _judge(target: Target, scene: Scene, progress: Progress) -> RemodelEvaluations:
+def _evaluated(target: Target, scene: Scene, info: Info) -> RemodelEvaluations:
     sharp = Target(f"{scene.name}, no fillets", without(scene, "fillets"))
-    body, bare, whole = (
-        evaluate(what, None, progress) for what in (target, sharp, Target(scene.name, scene))
-    )
+    body, bare, whole = (evaluate(what, None, info) for what in (target, sharp, Target(scene.name, scene)))
     return RemodelEvaluations(body, bare, whole)
 
 
@@ -160,7 +139,7 @@ def _as_json(
     run: str,
     fitted: FittedWeb,
     near: ShapeError,
-    rules: ManufacturingLimits,
+    limits: ManufacturingLimits,
     stiffness: RemodelEvaluations | None,
     files: dict[str, str],
 ) -> dict[str, Any]:
@@ -191,21 +170,21 @@ def _as_json(
         "trials": [asdict(trial) for trial in fitted.trials],
         "overlap_by_start": list(fitted.overlaps),
         "not_represented": [
-            {**asdict(leftover), "share_percent": 100 * leftover.volume_mm3 / near.body_web_volume_mm3}
-            for leftover in fitted.residual_regions
+            {**asdict(region), "share_percent": 100 * region.volume_mm3 / near.body_web_volume_mm3}
+            for region in fitted.residual_regions
         ],
-        "rules": asdict(rules),
+        "rules": asdict(limits),
         "files": files,
     }
 
 
-def _stiffness_json(judged: RemodelEvaluations) -> dict[str, Any]:
+def _stiffness_json(found: RemodelEvaluations) -> dict[str, Any]:
     """Evaluations, and the difference of the fitted web without fillets from the body, %."""
-    body, sharp = judged.body, judged.sharp
+    body, sharp = found.body, found.sharp
     return {
         "body": body.as_json(),
         "fitted_without_fillets": sharp.as_json(),
-        "fitted": judged.fitted.as_json(),
+        "fitted": found.fitted.as_json(),
         "difference_percent": {
             "torsion": 100 * (sharp.torsion_Nm_per_rad / body.torsion_Nm_per_rad - 1),
             "bending": 100 * (sharp.bending_N_per_mm / body.bending_N_per_mm - 1),

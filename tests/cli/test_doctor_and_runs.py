@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli import doctor_checks as checks
 from cranktopo.cli.main import main
+from cranktopo.pipeline import doctor as checks
 from cranktopo.store import RunStore, create_run, locked
 
 

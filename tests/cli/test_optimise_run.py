@@ -199,16 +199,16 @@ def test_damaged_checkpoint_says_so(run: Path, tmp_path: Path, capsys: pytest.Ca
     assert "corrupted" in capsys.readouterr().err
 
 
-def test_the_judge_takes_the_run(
+def test_the_evaluation_takes_the_run(
     run: Path, metrics: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The surface of the optimised web on body-fitted tetrahedra; cells of 4.5 mm are some 10 % too stiff."""
     capsys.readouterr()
     assert main(["evaluate", str(run), "--element-size-mm", "12", "--json"]) == 0
-    judged = json.loads(capsys.readouterr().out)["evaluations"][0]
-    assert judged["mass_kg"]["throw"] == pytest.approx(metrics["mass_kg"]["throw"], rel=5e-3)
+    evaluated = json.loads(capsys.readouterr().out)["evaluations"][0]
+    assert evaluated["mass_kg"]["throw"] == pytest.approx(metrics["mass_kg"]["throw"], rel=5e-3)
     for name, support, unit in (("torsion", "free", "Nm_per_rad"), ("bending", "pinned", "N_per_mm")):
-        ratio = judged[name][f"{support}_{unit}"] / metrics["load_cases"][name][f"stiffness_{unit}"]
+        ratio = evaluated[name][f"{support}_{unit}"] / metrics["load_cases"][name][f"stiffness_{unit}"]
         assert 0.85 < ratio < 1.02, name
 
 

@@ -136,7 +136,7 @@ def test_checkpoint_says_what_is_missing(tmp_path: Path) -> None:
         load_checkpoint(path)
     save_checkpoint(path, {"density": np.zeros(2)}, {})
     np.savez(path, density=np.zeros(2))
-    with pytest.raises(CranktopoError, match="incomplete, __state__, __sha256__ missing"):
+    with pytest.raises(CranktopoError, match="incomplete, __state__ missing"):
         load_checkpoint(path)
 
 
@@ -146,7 +146,7 @@ def test_every_flipped_byte_is_noticed(tmp_path: Path) -> None:
     good = path.read_bytes()
     reference = load_checkpoint(path)
     noticed = 0
-    for place in range(0, len(good), 7):
+    for place in range(0, len(good), 5):
         path.write_bytes(good[:place] + bytes([good[place] ^ 0x10]) + good[place + 1 :])
         try:
             loaded = load_checkpoint(path)
@@ -155,7 +155,7 @@ def test_every_flipped_byte_is_noticed(tmp_path: Path) -> None:
         else:  # bytes of the container that carry nothing (dates, attributes)
             assert loaded.state == reference.state
             np.testing.assert_array_equal(loaded.arrays["density"], reference.arrays["density"])
-    assert noticed > 0.5 * len(good) / 7
+    assert noticed > 0.5 * len(good) / 5
 
 
 @pytest.mark.parametrize("keep", [0, 1, 100, 0.5, 0.99])
@@ -165,17 +165,6 @@ def test_truncated_checkpoint_is_refused(tmp_path: Path, keep: float) -> None:
     content = path.read_bytes()
     path.write_bytes(content[: int(keep * len(content)) if keep < 1 else int(keep)])
     with pytest.raises(CranktopoError, match="corrupted"):
-        load_checkpoint(path)
-
-
-def test_content_exchanged_behind_the_checksum_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "c.npz"
-    save_checkpoint(path, {"density": np.zeros(5)}, {})
-    with np.load(path) as file:
-        content = dict(file)
-    content["density"] = np.ones(5)
-    np.savez(path, **content)
-    with pytest.raises(CranktopoError, match="checksum"):
         load_checkpoint(path)
 
 
