@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -18,6 +19,7 @@ from cranktopo.scene.loading import design_text, designs_folder, input_files
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import RunStore, create_run
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 from tests.unit.test_indicator import write as write_indicator
 
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"
@@ -77,6 +79,8 @@ def test_a_run_is_re_modelled_with_its_own_scene(
         given.append(scene)
         raise CranktopoError("enough")
 
+    box = SurfaceMesh(np.zeros((3, 3)), np.array([[0, 1, 2]]))
+    monkeypatch.setattr(pipeline_remodel, "read_half_throw", lambda *_: box)
     monkeypatch.setattr(pipeline_remodel, "fit_web", fit)
     assert main(["remodel", str(run.path)]) == 3
     check(given[0], tmp_path.resolve() / "made")
