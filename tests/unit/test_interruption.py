@@ -18,21 +18,27 @@ def swallowed_interrupt() -> None:
         signal.raise_signal(signal.SIGINT)
 
 
-def test_interrupt_is_raised_at_once() -> None:
-    with pytest.raises(KeyboardInterrupt), interruptible():
-        signal.raise_signal(signal.SIGINT)
-        pytest.fail("went on")
-
-
-def test_swallowed_interrupt_is_raised_between_two_steps() -> None:
-    done = []
-    with pytest.raises(KeyboardInterrupt), interruptible() as check:
+def work(interrupted: Callable[[], None], done: list[int]) -> None:
+    """Three steps with a check after each; Ctrl-C comes in the second."""
+    with interruptible() as check:
         for step in range(3):
             done.append(step)
             if step == 1:
-                swallowed_interrupt()
+                interrupted()
+                done.append(-step)
             check()
-    assert done == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("interrupted", "expected"),
+    [(lambda: signal.raise_signal(signal.SIGINT), [0, 1]), (swallowed_interrupt, [0, 1, -1])],
+    ids=["at once", "swallowed"],
+)
+def test_work_ends_at_once_or_with_its_step(interrupted: Callable[[], None], expected: list[int]) -> None:
+    done: list[int] = []
+    with pytest.raises(KeyboardInterrupt):
+        work(interrupted, done)
+    assert done == expected
 
 
 def test_swallowed_interrupt_is_raised_at_the_end() -> None:
@@ -40,14 +46,19 @@ def test_swallowed_interrupt_is_raised_at_the_end() -> None:
         swallowed_interrupt()
 
 
-def test_inner_and_outer_work_both_learn_of_it() -> None:
-    found = []
-    with pytest.raises(KeyboardInterrupt), interruptible() as outer:
+def nested(found: list[str]) -> None:
+    with interruptible() as outer:
         with contextlib.suppress(KeyboardInterrupt), interruptible():
             swallowed_interrupt()
         found.append("inner ended")
         outer()
         found.append("outer went on")
+
+
+def test_inner_and_outer_work_both_learn_of_it() -> None:
+    found: list[str] = []
+    with pytest.raises(KeyboardInterrupt):
+        nested(found)
     assert found == ["inner ended"]
 
 
@@ -73,11 +84,11 @@ def test_ignored_signal_stays_ignored() -> None:
 def test_other_threads_work_without_a_handler() -> None:
     found: list[Callable[[], None]] = []
 
-    def work() -> None:
+    def elsewhere() -> None:
         with interruptible() as check:
             found.append(check)
 
-    thread = threading.Thread(target=work)
+    thread = threading.Thread(target=elsewhere)
     thread.start()
     thread.join()
     assert len(found) == 1
