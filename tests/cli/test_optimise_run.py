@@ -218,10 +218,13 @@ def test_a_solver_fallback_is_announced(
     first, *rest = equilibrium.METHODS
     monkeypatch.setattr(equilibrium, "METHODS", (replace(first, cap=1), *rest))
     out = tmp_path / "run"
-    assert main(["optimise", *COARSE, "--max-iterations", "3", "--out", str(out)]) == 5
+    arguments = ["--process", "forged", "--max-iterations", "3", "--out", str(out)]
+    assert main(["optimise", *COARSE, *arguments]) == 5
     line = "iteration 1: multigrid CG stopped at relative residual"
     assert line in capsys.readouterr().err
     assert line in (out / "run.log").read_text(encoding="utf-8")
+    effects = json.loads((out / "metrics.json").read_text())["effects"]
+    assert {effect["name"]: effect["state"] for effect in effects}["manufacturing_constraint"] == "on"
 
 
 def test_a_design_without_a_surface_is_saved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

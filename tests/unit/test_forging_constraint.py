@@ -1,39 +1,26 @@
-"""Draw direction: monotone densities, exact derivatives, releasable surfaces counted by rays."""
+"""Forging constraint: monotone densities, exact derivatives, undercuts counted by rays."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-import trimesh
 from manifold3d import Manifold
 
-from cranktopo.cli.main import main
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.effects import plan, simulated_scene
-from cranktopo.fem.model import build_model
-from cranktopo.fem.response import compliance_gradients, compliances, solve
 from cranktopo.optimise.forging_constraint import SHARPNESS, open_cells, parting_index, without_undercuts
 from cranktopo.optimise.loop import build_chain
-from cranktopo.optimise.material import Interpolation, physical_density, relative_moduli, smooth_density
-from cranktopo.optimise.optimality_criteria import design_gradients
+from cranktopo.optimise.material import Interpolation, physical_density, smooth_density
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import OutlineEnvelope
 from cranktopo.surface.undercuts import undercuts
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
-from tests.physics.throw_cases import BENDING, TORSION
+from tests.physics.throw_cases import forged
 from tests.unit.surface_cases import scene_with
-
-
-def forged(scene: Scene) -> Scene:
-    scene = scene.model_copy(update={"optimise": scene.optimise.model_copy(update={"process": "forged"})})
-    return simulated_scene(scene, plan(scene))
 
 
 def chain_of(scene: Scene, **grid: Any) -> tuple[Domain, Interpolation]:
@@ -91,28 +78,6 @@ def test_quarter_is_the_half(float64: None, mikron: Scene) -> None:
     np.testing.assert_allclose(np.asarray(both)[11:22][inside], expected[inside], rtol=1e-10)
 
 
-def test_derivatives_of_the_chain(float64: None, mikron: Scene) -> None:
-    """Compliance through filter, die, projection and penalty, against a fourth-order difference."""
-    scene = forged(mikron)
-    domain, chain = chain_of(scene)
-    model = build_model(scene, domain, (BENDING, TORSION))
-    x = 0.3 + 0.5 * noise(chain, 1)
-    direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * chain.design
-
-    def moduli(x: jax.Array) -> jax.Array:
-        return relative_moduli(chain, physical_density(chain, x, 2.0))
-
-    def work(x: jax.Array) -> float:
-        return float(compliances(model, solve(model, moduli(x), tolerance=1e-11).displacements)[1])
-
-    u = solve(model, moduli(x), tolerance=1e-11).displacements
-    by_x, _ = design_gradients(chain, x, jnp.asarray(2.0), compliance_gradients(model, u)[1])
-    step = 1e-3
-    f = [work(x + k * step * direction) for k in (-2, -1, 1, 2)]
-    expected = (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step)
-    assert float(jnp.sum(by_x * direction)) == pytest.approx(expected, rel=1e-5)
-
-
 def test_derivatives_on_both_sides(chain: Interpolation) -> None:
     """Any weighting of the density, in the quarter and in the half with its two sides."""
     x, direction = 0.2 + 0.6 * noise(chain, 1), noise(chain, 3) - 0.5
@@ -142,11 +107,11 @@ def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> N
     horned = mikron.model_copy(update={"envelope": envelope})
     domain, chain = chain_of(forged(horned))
     legs = domain.grid.y_mm[:-1] > 80
-    slab = domain.design[:, :, slice(*domain.web_layers)]
-    assert slab[:, legs].sum() > 0
+    web = domain.design[:, :, slice(*domain.web_layers)]
+    assert web[:, legs].sum() > 0
     assert float(chain.design[:, legs].sum()) == 0.0
     np.testing.assert_array_equal(
-        np.asarray(chain.design)[:, domain.grid.y_mm[1:] < 78], slab[:, domain.grid.y_mm[1:] < 78]
+        np.asarray(chain.design)[:, domain.grid.y_mm[1:] < 78], web[:, domain.grid.y_mm[1:] < 78]
     )
 
 
@@ -205,59 +170,3 @@ def test_no_undercut(void: Manifold) -> None:
     found = undercuts(block(void), scene_with(), 0.5)
     assert (found.caught, found.deepest_mm) == (0, 0.0)
     assert found.released
-
-
-def trapped_mm3(path: Path, scene: Scene, step: float = 0.7) -> float:
-    """Void between x = 0 and solid further out at x > 0, rays of trimesh, bores filled."""
-    bores = [Manifold.cylinder(21, 12, 12, 128).translate((0, y, 19)) for y in (0.0, scene.throw.radius_mm)]
-    mesh = trimesh.load_mesh(path)
-    solid = sum(bores, Manifold()) + _slab(mesh)
-    body = mesh_of(solid)
-    y, z = np.meshgrid(np.arange(-34.03, 82, step), np.arange(20.11, 39, step), indexing="ij")
-    origin = np.stack([np.full(y.size, 1e-3), y.ravel(), z.ravel()], axis=1)
-    surface = trimesh.Trimesh(body.vertices_mm, body.faces, process=False)
-    points, rays, _ = surface.ray.intersects_location(origin, np.tile([1.0, 0.0, 0.0], (len(origin), 1)))
-    total = 0.0
-    for ray in np.unique(rays):
-        cuts = np.unique(points[rays == ray, 0].round(5))
-        starts = np.concatenate([[0.0], cuts]) if len(cuts) % 2 else cuts  # odd: it begins inside
-        total += starts.max() - np.diff(starts.reshape(-1, 2)).sum()
-    return total * step**2
-
-
-def _slab(mesh: trimesh.Trimesh) -> Manifold:
-    from cranktopo.triangles.surface_mesh import solid_of
-
-    body = solid_of(SurfaceMesh(mesh.vertices, mesh.faces), "half throw")
-    return body.trim_by_plane((0.0, 0.0, 1.0), 20.0).trim_by_plane((0.0, 0.0, -1.0), -39.0)
-
-
-@pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    folder = tmp_path_factory.mktemp("die")
-    for process in ("free", "forged"):
-        arguments = ["--process", process, "--resolution-mm", "4.5", "--volume-fraction", "0.2"]
-        arguments += ["--out", str(folder / process)]
-        assert main(["optimise", *arguments]) == 0
-    return lambda process: folder / process
-
-
-def test_a_die_releases_the_forged_web_and_not_the_free_one(
-    runs: Callable[[str], Path], mikron: Scene
-) -> None:
-    metrics = {p: json.loads((runs(p) / "metrics.json").read_text()) for p in ("free", "forged")}
-    trapped = {p: trapped_mm3(runs(p) / "web.stl", mikron) for p in metrics}
-    web = metrics["forged"]["surface"]["web_volume_mm3"]
-    assert trapped["free"] > 0.02 * web
-    assert trapped["forged"] < 1e-4 * web
-    for process, found in metrics.items():
-        own = found["surface"]["undercuts"]
-        assert own["released"] == (process == "forged")
-        assert own["volume_mm3"] == pytest.approx(2 * trapped[process], rel=0.1, abs=1e-4 * web)
-    assert metrics["forged"]["surface"]["cavities"] == 0
-    states = {e["name"]: e["state"] for e in metrics["forged"]["effects"]}
-    assert states["manufacturing_constraint"] == "on"
-    # What the die costs so coarsely and so light: a tenth of the torsional stiffness at the same mass.
-    for name, key in (("bending", "stiffness_N_per_mm"), ("torsion", "stiffness_Nm_per_rad")):
-        ratio = metrics["forged"]["load_cases"][name][key] / metrics["free"]["load_cases"][name][key]
-        assert 0.85 < ratio < 1.1
