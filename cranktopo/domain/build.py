@@ -30,7 +30,7 @@ from cranktopo.scene.polygons import Coordinates, Shape
 from cranktopo.scene.schema import Scene
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
-Target = Literal["envelope", "web"]
+GridContent = Literal["envelope", "web"]
 Array = NDArray[np.float64]
 SAMPLES = 32
 
@@ -97,7 +97,7 @@ class _Layer:
     web: Shape | None
 
 
-def laterally_symmetric(scene: Scene, target: Target) -> bool:
+def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
     """Whether the geometry is its own mirror image in x and the scene allows the mirror.
 
     Args:
@@ -110,7 +110,7 @@ def laterally_symmetric(scene: Scene, target: Target) -> bool:
 def build_domain(
     scene: Scene,
     resolution_mm: float,
-    target: Target = "envelope",
+    target: GridContent = "envelope",
     extent: Extent | None = None,
     grid: Grid | None = None,
 ) -> Domain:
@@ -144,7 +144,7 @@ def build_domain(
     return domain
 
 
-def _layers(scene: Scene, target: Target) -> list[_Layer]:
+def _layers(scene: Scene, target: GridContent) -> list[_Layer]:
     """The half throw as slabs along z: main journal, web (cut where its section changes), crankpin."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
@@ -213,7 +213,7 @@ def _envelope(scene: Scene) -> Envelope:
     return scene.envelope
 
 
-def throw_ranges_mm(scene: Scene, target: Target) -> tuple[tuple[float, float], tuple[float, float]]:
+def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, float], tuple[float, float]]:
     """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm.
 
     Args:
@@ -230,7 +230,7 @@ def throw_ranges_mm(scene: Scene, target: Target) -> tuple[tuple[float, float], 
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
 
 
-def _grid(scene: Scene, resolution_mm: float, target: Target, extent: Extent) -> Grid:
+def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> Grid:
     x_range, y_range = throw_ranges_mm(scene, target)
     planes = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
     return plan_grid(x_range, y_range, planes, resolution_mm, extent)

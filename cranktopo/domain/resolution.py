@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cranktopo.domain.build import Target, throw_ranges_mm
+from cranktopo.domain.build import GridContent, throw_ranges_mm
 from cranktopo.errors import invalid
 from cranktopo.scene.schema import Scene
 
@@ -69,7 +69,9 @@ def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, case
     return BASE_MIB + PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
 
 
-def estimated_cells(scene: Scene, resolution_mm: float, quarter: bool, target: Target = "envelope") -> float:
+def estimated_cells(
+    scene: Scene, resolution_mm: float, quarter: bool, target: GridContent = "envelope"
+) -> float:
     """Number of cells of a grid at a cell size, without padding.
 
     Args:

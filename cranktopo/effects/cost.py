@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from cranktopo.domain.build import Target
+from cranktopo.domain.build import GridContent
 from cranktopo.domain.resolution import estimated_cells
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
@@ -91,7 +91,7 @@ class Costing:
         return cells * self._rates.seconds_per_cell_solve * iterations
 
 
-def _target(scene: Scene) -> Target:
+def _target(scene: Scene) -> GridContent:
     """What the grid holds; a throw whose envelope is absent, or its file gone, is not optimised."""
     envelope = scene.envelope
     gone = envelope is not None and envelope.stl_file is not None and not envelope.stl_file.is_file()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
-from cranktopo.evaluate.linear import solve
+from cranktopo.evaluate.linear import solve_symmetric
 from cranktopo.frames import Parity
 from cranktopo.scene import Scene
 
@@ -85,7 +85,7 @@ def condense(
     matrix = model.stiffness[free][:, free]
     corners = free[free < model.prolongation.shape[1]]
     fields = np.zeros((model.nodes_mm.size, loads.shape[1]))
-    fields[free] = solve(matrix, loads, model.prolongation[free][:, corners])
+    fields[free] = solve_symmetric(matrix, loads, model.prolongation[free][:, corners])
     units = fields[:, : len(motions)]
     units += rigid
     parts = 1 if lateral == "none" else 2

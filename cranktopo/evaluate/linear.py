@@ -31,7 +31,9 @@ _BAND = 10.0
 """Chebyshev smoothing acts on the upper part of the spectrum, lambda_max / band and above."""
 
 
-def solve(matrix: sp.csr_matrix, loads: Array, prolongation: sp.csr_matrix, method: str = "auto") -> Array:
+def solve_symmetric(
+    matrix: sp.csr_matrix, loads: Array, prolongation: sp.csr_matrix, method: str = "auto"
+) -> Array:
     """Solve a symmetric positive definite system for several right-hand sides.
 
     Args:

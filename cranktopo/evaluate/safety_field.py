@@ -144,7 +144,7 @@ def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[L
     return enabled, tuple(k for k in possible if k in enabled)
 
 
-def assess(
+def fatigue_field(
     target: Target,
     method: FieldMethod,
     kind: HistoryKind = "extremes",

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.rule_check import RuleCheck, check_rule
-from cranktopo.evaluate.safety_field import FatigueField, FieldMethod, assess, check_inputs
+from cranktopo.evaluate.safety_field import FatigueField, FieldMethod, check_inputs, fatigue_field
 from cranktopo.evaluate.stress_model import RULE_FRACTION
 from cranktopo.evaluate.targets import Target, resolve_targets
 from cranktopo.loads.histories import HistoryKind
@@ -92,7 +92,7 @@ def assess_fatigue(
     chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
     fields = []
     for target in resolved:
-        field = assess(target, chosen, loads, fillet_fraction, info)
+        field = fatigue_field(target, chosen, loads, fillet_fraction, info)
         fields.append(field)
         _note_quality(field, info)
         if out is not None:

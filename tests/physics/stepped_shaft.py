@@ -12,7 +12,7 @@ from cranktopo.cad.session import cad_session
 from cranktopo.evaluate.condense import section_motions
 from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.equivalent import principal_stresses
-from cranktopo.evaluate.linear import solve
+from cranktopo.evaluate.linear import solve_symmetric
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import outer_surface, surface_stress
 from cranktopo.meshing.solid_mesh import TetMesh, extract_mesh
@@ -96,7 +96,9 @@ def shaft_fields(shaft: Shaft, model: Elasticity, loads: tuple[int, ...]) -> Arr
         units = motions[:, kept].copy()
         corners = free[free < model.prolongation.shape[1]]
         force = -(model.stiffness @ units)[free]
-        units[free] += solve(model.stiffness[free][:, free], force, model.prolongation[free][:, corners])
+        units[free] += solve_symmetric(
+            model.stiffness[free][:, free], force, model.prolongation[free][:, corners]
+        )
         stiffness = 2 * units.T @ (model.stiffness @ units)
         unit = np.array([1.0 if motion == load else 0.0 for motion in kept])
         fields.append(units @ np.linalg.solve(stiffness, unit))

@@ -16,7 +16,7 @@ from skfem import Basis, ElementTetP2, MeshTet
 
 from cranktopo.evaluate.elasticity import Elasticity, assemble
 from cranktopo.evaluate.evaluation import condensed_stiffness
-from cranktopo.evaluate.linear import largest_eigenvalue, solve
+from cranktopo.evaluate.linear import largest_eigenvalue, solve_symmetric
 from cranktopo.meshing.remesh import quadratic
 from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
 from tests.physics.evaluation_cases import mikron_with
@@ -90,7 +90,7 @@ def solved(model: Elasticity, outside: NDArray[np.intp]) -> Array:
     u[free] = 0.0
     matrix, loads = model.stiffness[free][:, free], (force - model.stiffness @ u)[free, None]
     corners = free[free < model.prolongation.shape[1]]
-    u[free] = solve(matrix, loads, model.prolongation[free][:, corners])[:, 0]
+    u[free] = solve_symmetric(matrix, loads, model.prolongation[free][:, corners])[:, 0]
     return u
 
 

@@ -16,7 +16,7 @@ from skfem import Basis, ElementTetP2
 
 from cranktopo.evaluate.condense import RX, RZ, UX, UY, condense, plane_nodes, section_motions
 from cranktopo.evaluate.elasticity import Elasticity
-from cranktopo.evaluate.linear import solve
+from cranktopo.evaluate.linear import solve_symmetric
 from cranktopo.evaluate.shaft_assembly import throw_matrix
 from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
@@ -68,7 +68,9 @@ def full_throw(mesh: TetMesh, scene: Scene) -> FullThrow:
     loads = np.column_stack([-(model.stiffness @ rigid)[free], mean[free]])
     fields = np.zeros((rigid.shape[0], 13))
     corners = free[free < model.prolongation.shape[1]]
-    fields[free] = solve(model.stiffness[free][:, free], loads, model.prolongation[free][:, corners])
+    fields[free] = solve_symmetric(
+        model.stiffness[free][:, free], loads, model.prolongation[free][:, corners]
+    )
     fields[:, :12] += rigid
     units = fields[:, :12]
     return FullThrow(units.T @ (model.stiffness @ units), units.T @ mean, float(mean @ fields[:, 12]))
