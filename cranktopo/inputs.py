@@ -6,7 +6,7 @@ import os
 import stat
 from pathlib import Path
 
-from cranktopo.errors import CranktopoError, shown
+from cranktopo.errors import CranktopoError
 
 MIB = 1024**2
 TEXT_LIMIT_MIB = 16
@@ -22,12 +22,12 @@ _SPECIAL = {
 }
 
 
-def check_input(path: str | Path, what: str, limit_MiB: float, hint: str = "") -> None:
+def check_input(path: str | Path, name: str, limit_MiB: float, hint: str = "") -> None:
     """Check that a file can be read: it exists, is a regular file, and is neither empty nor too large.
 
     Args:
         path: the file.
-        what: the key, option or kind of file that names it, for the message.
+        name: of the file in the message, such as `design 'x.toml'`.
         limit_MiB: the largest size.
         hint: what to do next, where the size is not what is wrong.
 
@@ -37,60 +37,60 @@ def check_input(path: str | Path, what: str, limit_MiB: float, hint: str = "") -
     try:
         found = os.stat(path)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
-        raise _refused(path, what, f"cannot be read: {_reason(error)}", hint) from None
+        raise _refused(name, f"cannot be read: {_reason(error)}", hint) from None
     if not stat.S_ISREG(found.st_mode):
         kind = _SPECIAL.get(stat.S_IFMT(found.st_mode), "is no regular file")
-        raise _refused(path, what, f"{kind}, not a file", hint)
+        raise _refused(name, f"{kind}, not a file", hint)
     if found.st_size > limit_MiB * MIB:
-        raise _too_large(path, what, limit_MiB)
+        raise _too_large(name, limit_MiB)
     if not os.access(path, os.R_OK):
-        raise _refused(path, what, "cannot be read: Permission denied", hint)
+        raise _refused(name, "cannot be read: Permission denied", hint)
 
 
-def read_bytes(path: str | Path, what: str, limit_MiB: float, hint: str = "") -> bytes:
+def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") -> bytes:
     """Content of a file.
 
     Args:
         path: the file.
-        what: the key, option or kind of file that names it, for the message.
+        name: of the file in the message, such as `design 'x.toml'`.
         limit_MiB: the largest size.
         hint: what to do next, where the size is not what is wrong.
 
     Raises:
         CranktopoError: as `check_input`.
     """
-    check_input(path, what, limit_MiB, hint)
+    check_input(path, name, limit_MiB, hint)
     most = int(limit_MiB * MIB)
     try:
         with open(path, "rb") as file:
             content = file.read(most + 1)  # a file of /proc has more than its size says
     except OSError as error:
-        raise _refused(path, what, f"cannot be read: {_reason(error)}", hint) from None
+        raise _refused(name, f"cannot be read: {_reason(error)}", hint) from None
     if len(content) > most:
-        raise _too_large(path, what, limit_MiB)
+        raise _too_large(name, limit_MiB)
     return content
 
 
-def read_text(path: str | Path, what: str, limit_MiB: float = TEXT_LIMIT_MIB, hint: str = "") -> str:
+def read_text(path: str | Path, name: str, limit_MiB: float = TEXT_LIMIT_MIB, hint: str = "") -> str:
     """Text of a UTF-8 file, with or without a byte-order mark.
 
     Args:
         path: the file.
-        what: the key, option or kind of file that names it, for the message.
+        name: of the file in the message, such as `design 'x.toml'`.
         limit_MiB: the largest size.
         hint: what to do next, where neither the size nor the encoding is wrong.
 
     Raises:
         CranktopoError: as `check_input`, or it is not text.
     """
-    content = read_bytes(path, what, limit_MiB, hint)
+    content = read_bytes(path, name, limit_MiB, hint)
     if b"\0" in content:
-        raise _refused(path, what, "is not text in UTF-8: it holds NUL bytes", "Save it as UTF-8.")
+        raise _refused(name, "is not text in UTF-8: it holds NUL bytes", "Save it as UTF-8.")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
-        raise _refused(path, what, f"is not text in UTF-8: line {line}", "Save it as UTF-8.") from None
+        raise _refused(name, f"is not text in UTF-8: line {line}", "Save it as UTF-8.") from None
 
 
 def _reason(error: OSError | ValueError) -> str:
@@ -99,9 +99,9 @@ def _reason(error: OSError | ValueError) -> str:
     return "no file name may hold a NUL character"
 
 
-def _too_large(path: str | Path, what: str, limit_MiB: float) -> CranktopoError:
-    return _refused(path, what, f"is larger than {limit_MiB:g} MiB", "Give a smaller file.")
+def _too_large(name: str, limit_MiB: float) -> CranktopoError:
+    return _refused(name, f"is larger than {limit_MiB:g} MiB", "Give a smaller file.")
 
 
-def _refused(path: str | Path, what: str, why: str, hint: str) -> CranktopoError:
-    return CranktopoError(f"{what} = {shown(str(path), 400)}: {why}.", hint=hint)
+def _refused(name: str, why: str, hint: str) -> CranktopoError:
+    return CranktopoError(f"{name}: {why}.", hint=hint)

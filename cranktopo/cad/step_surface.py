@@ -9,6 +9,7 @@ import numpy as np
 
 from cranktopo.cad.session import cad_session, triangles
 from cranktopo.errors import CranktopoError
+from cranktopo.inputs import GEOMETRY_LIMIT_MIB, check_input
 
 if TYPE_CHECKING:
     from cranktopo.triangles.surface_mesh import SurfaceMesh
@@ -37,8 +38,7 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
     """
     from cranktopo.triangles.surface_mesh import SurfaceMesh
 
-    if not path.is_file():
-        raise CranktopoError(f"{name}: no such file.", hint="Give the path of a STEP file of one solid.")
+    check_step(path, name)
     with cad_session(f"surface of {path}") as gmsh:
         body = _one_solid(gmsh, path, name)
         volume = float(gmsh.model.occ.getMass(*body))
@@ -55,6 +55,19 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
             hint="Repair the solid in CAD, or export it as STL.",
         )
     return mesh
+
+
+def check_step(path: Path, name: str) -> None:
+    """Check that a file can be one of STEP, before the reader is asked, which may not survive others.
+
+    Raises:
+        CranktopoError: it cannot be read, is too large, or of another kind.
+    """
+    check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
+    with path.open("rb") as file:
+        head = file.read(1000)
+    if b"ISO-10303-21" not in head:
+        raise CranktopoError(f"{name}: is no STEP file.", hint="Export one solid again as STEP, mm.")
 
 
 def _one_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:

@@ -24,6 +24,7 @@ from cranktopo.domain.outline import (
     envelope_sections,
 )
 from cranktopo.errors import invalid
+from cranktopo.scene.checks_sizes import check_envelope_reach
 from cranktopo.scene.features import Body, web_bodies, web_contains
 from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.polygons import Coordinates, Shape
@@ -226,6 +227,7 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     bounds += [(*body.x_range_mm, *body.y_range_mm) for body in web_bodies(scene) if body.adds]
     if target == "envelope":
         bounds.append(envelope_bounds_mm(_envelope(scene)))
+        check_envelope_reach(scene, bounds[-1])
     x_low, x_high, y_low, y_high = zip(*bounds, strict=True)
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
 

@@ -55,7 +55,7 @@ def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: flo
 
 def _read_lines(path: str | Path) -> list[tuple[int, str]]:
     hint = "Names are relative to the folder of the design."
-    text = read_text(path, "engine.gas.indicator_csv", hint=hint)
+    text = read_text(path, _name(path), hint=hint)
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1)]
     lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if len(lines) < 3:
@@ -173,4 +173,8 @@ def _check_gaps(path: str | Path, angle: Array, gaps: Array) -> None:
 
 
 def _error(path: str | Path, what: str, hint: str) -> CranktopoError:
-    return CranktopoError(f"engine.gas.indicator_csv = {shown(str(path), 400)}: {what}.", hint=hint)
+    return CranktopoError(f"{_name(path)}: {what}.", hint=hint)
+
+
+def _name(path: str | Path) -> str:
+    return f"engine.gas.indicator_csv = {shown(str(path), 400)}"

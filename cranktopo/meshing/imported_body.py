@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.cad.session import cad_session, triangles
+from cranktopo.cad.step_surface import check_step
 from cranktopo.cad.throw_solid import SolidProperties, solid_properties
 from cranktopo.errors import CranktopoError
 from cranktopo.frames import Z
@@ -52,6 +53,7 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
     """
     if path.suffix.lower() == ".stl":
         return _mesh_stl(path, scene, element_size_mm, align)
+    check_step(path, f"'{path}'")
     with cad_session(f"solid of {path}") as gmsh:
         occ = gmsh.model.occ
         body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]

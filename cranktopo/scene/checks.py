@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_engine import check_engine, check_supports
+from cranktopo.scene.checks_sizes import check_envelope_reach, check_proportions, check_web_extent
 from cranktopo.scene.checks_web import check_solid
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
@@ -17,10 +18,12 @@ def check_scene(scene: Scene) -> None:
     """
     _check_journal("throw.main_journal", scene.throw.main_journal)
     _check_journal("throw.crankpin", scene.throw.crankpin)
+    check_proportions(scene)
     _check_bores_apart(scene)
     check_engine(scene)
     check_supports(scene)
     check_solid(scene)
+    check_web_extent(scene)
     _check_envelope(scene)
 
 
@@ -56,6 +59,8 @@ def _check_envelope(scene: Scene) -> None:
     if envelope is None:
         return
     envelope.check()
+    if envelope.stl_file is None:
+        check_envelope_reach(scene, envelope.bounds_mm)
     clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm
     if clearance >= scene.web.thickness_mm:
         raise invalid(

@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from cranktopo.errors import invalid
 from cranktopo.scene.base import Length, LengthOrZero, Place, SceneTable
-from cranktopo.scene.polygons import Coordinates, polygons
+from cranktopo.scene.polygons import Coordinates, polygons, self_crossing
 
 
 class Journal(SceneTable):
@@ -137,7 +137,7 @@ class OutlineEnvelope(_EnvelopeBase):
 
     shape: Literal["outline"]
     points_mm: tuple[tuple[Place, Place], ...] = Field(
-        min_length=3, examples=[((-40.0, -30.0), (40.0, -30.0), (40.0, 80.0), (-40.0, 80.0))]
+        min_length=3, max_length=2000, examples=[((-40.0, -30.0), (40.0, -30.0), (40.0, 80.0), (-40.0, 80.0))]
     )
     """Corners (x, y) of the polygon, in order."""
 
@@ -150,6 +150,20 @@ class OutlineEnvelope(_EnvelopeBase):
     @override
     def contains(self, x_mm: Coordinates, y_mm: Coordinates) -> NDArray[np.bool_]:
         return polygons([np.array(self.points_mm)])(x_mm, y_mm)
+
+    @override
+    def check(self) -> None:
+        points = np.array(self.points_mm)
+        closed = len(points) > 3 and (points[0] == points[-1]).all()
+        crossing = self_crossing(points[:-1] if closed else points)
+        if crossing is not None:
+            x, y = crossing
+            raise invalid(
+                "envelope.points_mm",
+                self.points_mm,
+                f"the polygon crosses or touches itself at ({x:.6g}, {y:.6g}) mm",
+                "Give its corners in order, each once.",
+            )
 
     @property
     @override

@@ -71,7 +71,7 @@ def design_text(design: str) -> str:
     """
     path = resolve_design(design)
     kind = _GEOMETRY.get(path.suffix.lower())
-    text = "" if kind else read_text(path, "design")
+    text = "" if kind else read_text(path, f"design {shown(str(path), 400)}")
     kind = kind or next((kind for head, kind in _HEADS.items() if text.startswith(head)), None)
     if kind:
         raise CranktopoError(

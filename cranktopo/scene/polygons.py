@@ -1,4 +1,4 @@
-"""Point membership of closed contours."""
+"""Closed contours: which points lie inside, and where one crosses itself."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Coordinates = NDArray[np.float64]
+Indices = NDArray[np.intp]
 Shape = Callable[[Coordinates, Coordinates], NDArray[np.bool_]]
 """Whether points, x and y in mm, lie inside."""
 
@@ -32,3 +33,44 @@ def _crossings(starts: Coordinates, ends: Coordinates, y: float) -> Coordinates:
     crosses = (y1 <= y) != (y2 <= y)
     x1, y1, x2, y2 = (values[crosses] for values in (x1, y1, x2, y2))
     return np.sort(x1 + (y - y1) * (x2 - x1) / (y2 - y1))
+
+
+def self_crossing(points: Coordinates) -> tuple[float, float] | None:
+    """Where a closed polygon (n, 2) crosses, touches or runs back along itself; None if it is simple."""
+    ends = np.roll(points, -1, axis=0)
+    steps = ends - points
+    if (np.abs(steps).max(axis=1) == 0).any():
+        corner = points[np.abs(steps).max(axis=1) == 0][0]
+        return float(corner[0]), float(corner[1])
+    after = np.roll(steps, -1, axis=0)
+    back = (_cross(steps, after) == 0) & ((steps * after).sum(axis=1) < 0)
+    if back.any():
+        return float(ends[back][0, 0]), float(ends[back][0, 1])
+    first, second = np.triu_indices(len(points), 2)
+    apart = (second - first) % len(points) != len(points) - 1  # the last edge ends where the first one starts
+    return _meeting(points, ends, first[apart], second[apart])
+
+
+def _meeting(starts: Coordinates, ends: Coordinates, i: Indices, j: Indices) -> tuple[float, float] | None:
+    """Where the first pair of edges meets that has a point in common."""
+    sides = [
+        np.sign(_cross(ends[a] - starts[a], point - starts[a]))
+        for a, point in ((i, starts[j]), (i, ends[j]), (j, starts[i]), (j, ends[i]))
+    ]
+    boxes = np.ones(len(i), bool)
+    for axis in (0, 1):
+        low, high = np.minimum(starts, ends)[:, axis], np.maximum(starts, ends)[:, axis]
+        boxes &= (low[i] <= high[j]) & (low[j] <= high[i])
+    meet = boxes & (sides[0] * sides[1] <= 0) & (sides[2] * sides[3] <= 0)
+    if not meet.any():
+        return None
+    a, b = i[meet][0], j[meet][0]
+    along, other = ends[a] - starts[a], ends[b] - starts[b]
+    turn = _cross(along, other)
+    share = _cross(starts[b] - starts[a], other) / turn if turn else 0.0
+    x, y = starts[a] + share * along
+    return float(x), float(y)
+
+
+def _cross(a: Coordinates, b: Coordinates) -> Coordinates:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

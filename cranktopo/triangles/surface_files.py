@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, shown
 from cranktopo.formats import SurfaceFormat
+from cranktopo.inputs import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.store.files import write_bytes
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _METRES_PER_MM = 1e-3
+_FARTHEST_MM = 1e6
 _3MF_TYPES = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
@@ -64,14 +66,22 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
     """
     import trimesh
 
+    name = name or f"'{path}'"
+    check_input(path, name, GEOMETRY_LIMIT_MIB, "Give a closed STL in mm.")
     try:
-        mesh = trimesh.load_mesh(path)
-        return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
+        with path.open("rb") as file:
+            mesh = trimesh.load_mesh(file, file_type="stl")
+        surface = SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
     except Exception as error:  # trimesh raises what its parsers raise, all meaning this
-        name = name or f"'{path}'"
         raise CranktopoError(
-            f"{name}: cannot be read as STL: {error}.", hint="Export it again as STL, mm."
+            f"{name}: cannot be read as STL: {shown(str(error))}.", hint="Export it again as STL, mm."
         ) from None
+    if not (np.abs(surface.vertices_mm) <= _FARTHEST_MM).all():  # false for NaN as well
+        raise CranktopoError(
+            f"{name}: holds coordinates that are no numbers or beyond {_FARTHEST_MM:g} mm.",
+            hint="Export it again as STL, mm.",
+        )
+    return surface
 
 
 def _stl(mesh: SurfaceMesh) -> bytes:

@@ -32,7 +32,7 @@ def test_what_is_not_text(tmp_path: Path, content: bytes, message: str) -> None:
     with pytest.raises(CranktopoError) as caught:
         read_text(tmp_path / "x", "design", limit_MiB=1)
     assert message in str(caught.value)
-    assert str(caught.value).startswith(f"design = '{tmp_path / 'x'}': ")
+    assert str(caught.value).startswith("design: ")
 
 
 @pytest.mark.parametrize(
