@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
+from cranktopo.domain.outline import polygons
+from cranktopo.domain.through_holes import through_holes
 from cranktopo.scene import Scene
 
 SHARPNESS = 60.0
@@ -30,10 +32,10 @@ def parting_index(domain: Domain) -> int:
 def open_cells(scene: Scene, domain: Domain) -> NDArray[np.bool_]:
     """Cells of the web slab (nx, ny, nw) that are no obstacle: designable, in a bore, or part of a journal.
 
-    Bores are drilled after forging or casting.
+    Bores and holes through the envelope along the crank axis are drilled after forging or casting.
 
     Args:
-        scene: the bores.
+        scene: the bores, and the envelope's holes.
         domain: the cells.
     """
     first, last = domain.web_layers
@@ -42,7 +44,17 @@ def open_cells(scene: Scene, domain: Domain) -> NDArray[np.bool_]:
     for journal, centre in scene.throw.journals:
         bored |= np.hypot(x[:, None], y[None, :] - centre) < journal.bore_radius_mm
     filled = (domain.design > 0) | (domain.fixed > 0)
-    return filled[:, :, first:last] | bored[:, :, None]
+    z = ((domain.grid.z_mm[1:] + domain.grid.z_mm[:-1]) / 2)[first:last]
+    holes = [polygons(contours)(x[:, None], y[None, :]) for contours in through_holes(scene, z.tolist())]
+    return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
+
+
+def unreachable_share(scene: Scene, domain: Domain) -> float:
+    """Share of the design space that no die half reaches past the voids of the envelope, 0 to 1."""
+    first, last = domain.web_layers
+    design = (domain.design * domain.volume_mm3)[:, :, first:last]
+    kept = design * reachable(open_cells(scene, domain), parting_index(domain))
+    return float(1 - kept.sum() / design.sum())
 
 
 def reachable(open_to_die: NDArray[np.bool_], parting: int) -> NDArray[np.bool_]:

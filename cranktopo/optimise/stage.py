@@ -10,6 +10,7 @@ from cranktopo.domain.resolution import available_memory_MiB, check_resolution
 from cranktopo.effects import EffectPlan, plan, simulated_scene
 from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
+from cranktopo.optimise.notices import notices
 from cranktopo.optimise.state import State
 from cranktopo.scene import Scene
 
@@ -25,12 +26,14 @@ class Prepared:
         plan: the effects.
         cases: load cases of the objective.
         domain: the cells.
+        notices: what a user may not expect, in sentences.
     """
 
     scene: Scene
     plan: EffectPlan
     cases: tuple[LoadCase, ...]
     domain: Domain
+    notices: tuple[str, ...] = ()
 
 
 def prepare(scene: Scene) -> Prepared:
@@ -45,7 +48,8 @@ def prepare(scene: Scene) -> Prepared:
     cases = load_cases(scene, effects.enabled)
     resolution = scene.optimise.resolution_mm
     check_resolution(scene, resolution, quarter, len(cases), available_memory_MiB())
-    return Prepared(scene, effects, cases, build_domain(scene, resolution))
+    domain = build_domain(scene, resolution)
+    return Prepared(scene, effects, cases, domain, notices(scene, domain))
 
 
 @dataclass(frozen=True)

@@ -84,6 +84,7 @@ def optimise_metrics(
         "peak_memory_MiB": peak_memory_MiB(),
         "files": {"metrics": "metrics.json", "manifest": "manifest.json", "log": "run.log"},
         "effects": prepared.plan.as_json(),
+        "notices": list(prepared.notices),
     }
 
 

@@ -84,7 +84,7 @@ def optimise_design(
     check_destination(out)
     check_device()
     prepared = prepare(scene)
-    info(describe(prepared))
+    announce(prepared, info)
     run = create_run(
         design=scene.name,
         design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
@@ -95,6 +95,13 @@ def optimise_design(
         out=out,
     )
     return _optimise(run, prepared, progress, began)
+
+
+def announce(prepared: Prepared, info: Info) -> None:
+    """Say what is going to be solved, and what a user may not expect of it."""
+    info(describe(prepared))
+    for notice in prepared.notices:
+        info(f"note: {notice}.")
 
 
 def with_cells_for(
@@ -128,7 +135,7 @@ def resume_optimisation(
     require_kind(run, "optimise")
     run.require_same_inputs()
     prepared = prepare(scene_of_run(run).with_optimise(max_iterations=max_iterations))
-    info(describe(prepared))
+    announce(prepared, info)
     return _optimise(run, prepared, progress, began, resume=True)
 
 

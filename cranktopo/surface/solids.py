@@ -6,15 +6,18 @@ import math
 from pathlib import Path
 
 import numpy as np
-from manifold3d import CrossSection, FillRule, Manifold
+from manifold3d import CrossSection, FillRule, JoinType, Manifold
 
 from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
+from cranktopo.domain.through_holes import envelope_z_mm, through_holes
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.surface.grid import DensityGrid
 
 CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
+_OVERLAP_MM = 0.2
+_SLICES = 32
 
 
 def segments(radius_mm: float) -> int:
@@ -55,6 +58,20 @@ def web_bores(scene: Scene) -> Manifold:
     return sum(bores, Manifold())
 
 
+def drilled_later(scene: Scene) -> Manifold:
+    """What is drilled after forging or casting: the bores, and holes through the envelope in thin slices."""
+    start, end = envelope_z_mm(scene)
+    edges = np.linspace(start, end, _SLICES + 1)
+    holes = through_holes(scene, ((edges[1:] + edges[:-1]) / 2).tolist())
+    edges[0], edges[-1] = scene.web_z_mm[0] - _BEYOND_MM, scene.web_z_mm[1] + _BEYOND_MM
+    drilled = web_bores(scene)
+    for contours, low, high in zip(holes, edges[:-1], edges[1:], strict=True):
+        if contours:
+            wider = CrossSection(contours, FillRule.NonZero).offset(_OVERLAP_MM, JoinType.Miter)
+            drilled += _prism(wider, float(low), float(high))
+    return drilled
+
+
 def journal_stubs(scene: Scene) -> Manifold:
     """Continuation of both journals through the clearances that the envelope leaves at the web faces."""
     envelope, throw = scene.envelope, scene.throw
@@ -78,10 +95,9 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
         CranktopoError: the envelope's STL is missing or not closed, or an outline crosses itself.
     """
     envelope = scene.envelope
-    start, end = scene.web_z_mm
+    start, end = envelope_z_mm(scene)
     if envelope is None:
         return _prism(_rectangle(grid.origin_mm[:2], grid.upper_mm[:2]), start, end)
-    start, end = start + envelope.bearing_clearance_mm, end - envelope.rod_clearance_mm
     if envelope.shape == "stl":
         slab = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
         return envelope_from_file(Path(envelope.file), envelope.symmetric) ^ slab

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.solids import web_bores, web_region
+from cranktopo.surface.solids import drilled_later, web_region
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 Array = NDArray[np.float64]
@@ -55,14 +55,14 @@ class Undercuts:
 
 
 def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
-    """Undercuts of a web along x on either side of the plane x = 0, both bores filled.
+    """Undercuts of a web along x on either side of the plane x = 0, bores and holes drilled later filled.
 
     Args:
         web: closed surface of the web between its faces.
-        scene: its bores, which are drilled after the die.
+        scene: its bores and the holes of its envelope, which are drilled after the die.
         step_mm: distance between rays.
     """
-    body = solid_of(web, "web") + web_bores(scene)
+    body = solid_of(web, "web") + drilled_later(scene)
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
     ends = low[X] - _BEYOND_MM, high[X] + _BEYOND_MM
     y, z = (_centres(low[axis], high[axis], step_mm) for axis in (Y, Z))

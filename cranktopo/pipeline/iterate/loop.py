@@ -15,10 +15,11 @@ from cranktopo.evaluate.evaluation import Evaluation, evaluate
 from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
+from cranktopo.optimise.notices import baseline_notice
 from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_solids
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.transition import transition_mm
-from cranktopo.pipeline.optimise import optimise_design, resume_optimisation
+from cranktopo.pipeline.optimise import announce, optimise_design, resume_optimisation
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.fit import fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -91,6 +92,7 @@ class Outcome:
         stop_reason: why it ended.
         best: the step that gains most and beats the original web, if one does.
         settings: of the loop.
+        notices: what a user may not expect, in sentences.
     """
 
     folder: Path
@@ -99,6 +101,7 @@ class Outcome:
     stop_reason: str
     best: LoopStep | None
     settings: Settings
+    notices: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The content of iterate.json."""
@@ -109,6 +112,7 @@ class Outcome:
             "stop_reason": self.stop_reason,
             "least_transition_mm": self.settings.least_transition_mm,
             "best_step": None if self.best is None else self.best.number,
+            "notices": list(self.notices),
             "steps": [step.as_json(original) for step in self.steps],
         }
 
@@ -152,7 +156,7 @@ def start_loop(
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
     check_destination(out)
-    stage.prepare(scene)
+    announce(stage.prepare(scene), info)
     settings = settings or loop_settings(scene)
     run = create_run(
         design=scene.name,
@@ -223,7 +227,8 @@ def _outcome(
     run: RunStore, scene: Scene, steps: Sequence[LoopStep], reason: str, settings: Settings
 ) -> Outcome:
     best = best_step(steps, settings.least_transition_mm)
-    return Outcome(run.path, scene.name, tuple(steps), reason, best, settings)
+    notices = tuple(filter(None, [baseline_notice(scene)]))
+    return Outcome(run.path, scene.name, tuple(steps), reason, best, settings, notices)
 
 
 def _write_page(run: RunStore, outcome: Outcome) -> None:

@@ -66,7 +66,8 @@ def _steps(data: Mapping[str, Any]) -> Section:
         "steps",
         "Steps",
         f"Evaluated with fillets on body-fitted meshes; {steps_estimate(data['steps'])}. Every step keeps "
-        "its web as TOML, STEP and STL in a folder beside this page.",
+        "its web as TOML, STEP and STL in a folder beside this page."
+        + "".join(f" Note: {notice}." for notice in data.get("notices", ())),
         (("Every step, the original web first", steps_table(data["steps"])),),
         (Picture("steps", figure, alt),),
     )

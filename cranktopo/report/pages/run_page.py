@@ -80,7 +80,8 @@ def _variants(metrics: Mapping[str, Any]) -> Section:
         "variants",
         "Against the original",
         "Both webs in the optimiser's own model, on the same cells: their ratio is more accurate than "
-        "either value. 'cranktopo evaluate' evaluates the surface on body-fitted elements.",
+        "either value. 'cranktopo evaluate' evaluates the surface on body-fitted elements."
+        + "".join(f" Note: {notice}." for notice in metrics.get("notices", ())),
         (
             ("Values", ResultTable({"design": 0, **{q.column: q.digits for q in before}}, absolute)),
             (

@@ -35,6 +35,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
         f"{seconds['per_iteration_median']:.2f} s per iteration{report}), "
         f"{metrics['peak_memory_MiB']:.0f} MiB",
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
+        *(f"note: {notice}" for notice in metrics.get("notices", ())),
         *_surface_warning(metrics["surface"]),
         *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
     ]
@@ -45,6 +46,7 @@ def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
     """A finished loop; `data` as iterate.json holds it."""
     lines = [terminal(steps_table(data["steps"])), "", steps_estimate(data["steps"])]
     lines += [f"ended: {data['stop_reason']}", best_line(data)]
+    lines += [f"note: {notice}" for notice in data.get("notices", ())]
     if data["best_step"] is not None:
         lines.append(str(folder / f"step-{data['best_step']:02d}" / "web.toml"))
     files = (folder / file for file in LOOP_FILES.values())
