@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from cranktopo.accuracy.level import FILLET_STRESS, STRESS, Level, PlannedLevel
 from cranktopo.accuracy.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.effects import plan
+from cranktopo.evaluate.case_stress import UNIT_LOADS
 from cranktopo.evaluate.equivalent import von_mises
 from cranktopo.evaluate.stress_model import solve_stresses
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import load_cases
 from cranktopo.scene import Scene
-from cranktopo.units import NMM_PER_NM
 
 FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
 """Element sizes in the fillets over their radius; the rule IACS UR M53 asks for 0.25 at most."""
@@ -43,8 +43,7 @@ def _calls_for_stress(target: Target) -> bool:
 def _factors(scene: Scene) -> Mapping[str, float]:
     """Factor of the unit loads (1 N on the pin, 1 N mm) in the load cases of the scene."""
     cases = load_cases(scene, plan(scene).enabled)
-    factors = {case.kind: case.radial_N or case.torque_Nm * NMM_PER_NM for case in cases}
-    return {kind: factor for kind, factor in factors.items() if kind in ("bending", "torsion")}
+    return {case.kind: UNIT_LOADS[case.kind](case) for case in cases if case.kind in ("bending", "torsion")}
 
 
 def _solve(target: Target, fraction: float) -> Level:

@@ -21,13 +21,13 @@ Array = NDArray[np.float64]
 
 _NEIGHBOURS = 4
 _HAIR_MM = 1e-6
-_FACTORS: dict[FieldKind, Callable[[LoadCase], float]] = {
+UNIT_LOADS: dict[FieldKind, Callable[[LoadCase], float]] = {
     "bending": lambda case: case.radial_N,
     "tangential": lambda case: case.tangential_N,
     "torsion": lambda case: case.torque_Nm * NMM_PER_NM,
     "centrifugal": lambda case: angular_speed_rad_s(case.speed_rpm) ** 2,
 }
-"""What a load case holds of each unit field."""
+"""How many unit loads of each field a load case holds."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +85,9 @@ def case_stress(
     meshed = mesh_target(target, size)
     youngs, poisson = target.scene.material.E_GPa * MPA_PER_GPA, target.scene.material.poisson
     model = assemble(meshed.mesh, youngs, poisson)
-    wanted = [kind for kind, factor in _FACTORS.items() if any(factor(case) for case in cases)]
+    wanted = [kind for kind, factor in UNIT_LOADS.items() if any(factor(case) for case in cases)]
     fields = unit_fields(model, target.scene, meshed.mesh.mirrored, wanted)
-    share = np.array([[_FACTORS[kind](case) for kind in (f.kind for f in fields)] for case in cases])
+    share = np.array([[UNIT_LOADS[kind](case) for kind in (f.kind for f in fields)] for case in cases])
     found = nodal_stress(model, share @ np.stack([f.displacement_mm for f in fields]), youngs, poisson)
     stress = von_mises(found.nodal_MPa)
     return CaseStress(tuple(cases), model.nodes_mm.T, stress, meshed.mesh.mirrored, size)

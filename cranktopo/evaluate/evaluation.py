@@ -237,10 +237,10 @@ def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluati
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     return Evaluation(
         target=target.name,
-        throw_kg=2 * density * meshed.half.volume_mm3,
+        throw_kg=throw_mass_kg(meshed, scene),
         web_kg=density * meshed.web_volume_mm3,
-        inertia_kg_mm2=2 * density * meshed.half.inertia_z_mm5,
-        unbalance_kg_mm=2 * density * meshed.half.volume_mm3 * meshed.half.centre_mm[1],
+        inertia_kg_mm2=throw_inertia_kg_mm2(meshed, scene),
+        unbalance_kg_mm=throw_mass_kg(meshed, scene) * meshed.half.centre_mm[1],
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,
@@ -248,6 +248,16 @@ def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluati
         bending_error_percent=bound_percent(coarse.stiffness.bending, fine.stiffness.bending),
         total_seconds=seconds,
     )
+
+
+def throw_mass_kg(meshed: MeshedThrow, scene: Scene) -> float:
+    """Mass of the whole throw, from the exact volume of its half."""
+    return 2 * density_kg_per_mm3(scene.material.density_kg_m3) * meshed.half.volume_mm3
+
+
+def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
+    """Inertia of the whole throw about the crank axis."""
+    return 2 * density_kg_per_mm3(scene.material.density_kg_m3) * meshed.half.inertia_z_mm5
 
 
 def bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float | None]) -> float:

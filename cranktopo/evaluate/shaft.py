@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.evaluation import RATIO, SCHEMA_VERSION, bound_percent, default_element_size_mm
+from cranktopo.evaluate.evaluation import (
+    RATIO,
+    SCHEMA_VERSION,
+    bound_percent,
+    default_element_size_mm,
+    throw_inertia_kg_mm2,
+    throw_mass_kg,
+)
 from cranktopo.evaluate.shaft_assembly import (
     Bearings,
     ShaftStiffness,
@@ -21,7 +28,7 @@ from cranktopo.evaluate.torsional import DiskModel, disk_model
 from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
+from cranktopo.units import MPA_PER_GPA
 
 
 @dataclass(frozen=True)
@@ -71,10 +78,9 @@ def evaluate_shaft(scene: Scene, bearings: Bearings, element_size_mm: float | No
     coarse, stiffness = (
         shaft_stiffness(shaft_matrix(_throw(meshed, scene), angles), bearings, spring) for meshed in meshes
     )
-    half = meshes[-1].half
-    density = 2 * density_kg_per_mm3(scene.material.density_kg_m3)
-    disks = disk_model(scene, density * half.inertia_z_mm5, stiffness.throws_Nm_per_rad)
-    mass = len(angles) * density * half.volume_mm3
+    inertia = throw_inertia_kg_mm2(meshes[-1], scene)
+    disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
+    mass = len(angles) * throw_mass_kg(meshes[-1], scene)
     error = bound_percent(coarse.by_name(), stiffness.by_name())
     return ShaftEvaluation(scene.name, angles, bearings, mass, stiffness, error, disks)
 

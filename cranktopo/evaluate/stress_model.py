@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
-from cranktopo.evaluate.evaluation import default_element_size_mm
+from cranktopo.evaluate.evaluation import default_element_size_mm, throw_mass_kg
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
@@ -20,7 +20,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
+from cranktopo.units import MPA_PER_GPA
 
 Array = NDArray[np.float64]
 
@@ -143,12 +143,11 @@ def solve_stresses(
     surface = outer_surface(model, found.elements, tuple(planes))
     stress = surface_stress(model, surface, found)
     journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
-    density = density_kg_per_mm3(material.density_kg_m3)
     seconds = (began_solving - start, time.perf_counter() - began_solving)
     return StressModel(
         target.name,
         scene,
-        2 * density * meshed.half.volume_mm3,
+        throw_mass_kg(meshed, scene),
         tuple(f.kind for f in fields),
         surface,
         stress,
