@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import os
@@ -19,10 +20,16 @@ import pytest
 import trimesh
 
 from cranktopo.cli.main import main
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem import equilibrium
+from cranktopo.optimise import loop
+from cranktopo.optimise.state import State
+from cranktopo.pipeline.optimise import optimise_design
+from cranktopo.scene import Scene
 from cranktopo.store import load_checkpoint
 
 COARSE = ["--resolution-mm", "4.5"]
+SHORT = ["optimise", "--volume-fraction", "0.3", *COARSE, "--max-iterations", "12"]
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +137,21 @@ def designs(run: Path) -> tuple[bytes, list[Any]]:
     return saved.arrays["evaluated"].tobytes(), rows
 
 
-def test_stopped_run_continues_to_the_same_result(run: Path, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The default run up to its 12th design: what interrupted runs must end with, bit for bit."""
+    out = tmp_path_factory.mktemp("runs") / "short"
+    assert main([*SHORT, "--out", str(out)]) == 5
+    return out
+
+
+def same(run: Path, other: Path) -> bool:
+    return (
+        designs(run) == designs(other) and (run / "web.stl").read_bytes() == (other / "web.stl").read_bytes()
+    )
+
+
+def test_stopped_run_continues_to_the_same_result(short: Path, tmp_path: Path) -> None:
     out = tmp_path / "stopped"
     arguments = ["--volume-fraction", "0.3", *COARSE, "--out", str(out), "--max-iterations", "9"]
     assert main(["optimise", *arguments]) == 5
@@ -138,16 +159,15 @@ def test_stopped_run_continues_to_the_same_result(run: Path, tmp_path: Path) -> 
     assert stopped["status"] == "stopped"
     assert stopped["iterations"] == 9
     assert (out / "web.stl").is_file()
-    assert main(["optimise", "--resume", str(out), "--max-iterations", "150"]) == 0
-    assert designs(out) == designs(run)
-    assert (out / "web.stl").read_bytes() == (run / "web.stl").read_bytes()
+    assert main(["optimise", "--resume", str(out), "--max-iterations", "12"]) == 5
+    assert same(out, short)
 
 
-def start(out: Path, rows: int) -> subprocess.Popen[str]:
-    """A default run in its own process that has done at least `rows` iterations."""
-    command = [sys.executable, "-c", "from cranktopo.cli.main import main; main()"]
+def begun(out: Path, rows: int, *arguments: str) -> subprocess.Popen[str]:
+    """A run in its own process that has done at least `rows` iterations."""
+    command = [sys.executable, "-c", "from cranktopo.cli.main import main; main()", *arguments]
     process = subprocess.Popen(
-        [*command, "optimise", "--volume-fraction", "0.3", *COARSE, "--out", str(out)],
+        command,
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -163,29 +183,59 @@ def start(out: Path, rows: int) -> subprocess.Popen[str]:
     pytest.fail(f"the run ended before it was interrupted: {process.communicate()}")
 
 
-def test_interrupt_saves_and_resumes_bit_for_bit(run: Path, tmp_path: Path) -> None:
-    out = tmp_path / "interrupted"
-    process = start(out, 3)
+def test_killed_and_interrupted_run_resumes_bit_for_bit(short: Path, tmp_path: Path) -> None:
+    """Killed after two designs, resumed, interrupted by Ctrl-C after four, resumed to its end."""
+    out = tmp_path / "run"
+    process = begun(out, 2, *SHORT, "--out", str(out))
+    process.kill()
+    process.communicate(timeout=60)
+    process = begun(out, 4, "optimise", "--resume", str(out))
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert "--resume" in stderr
+    assert f"cranktopo optimise --resume {out}" in stderr
     assert "Traceback" not in stderr
     assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
     assert not (out / "metrics.json").exists()
-    assert main(["optimise", "--resume", str(out)]) == 0
-    assert designs(out) == designs(run)
-    assert (out / "web.stl").read_bytes() == (run / "web.stl").read_bytes()
-
-
-def test_kill_leaves_a_run_that_resumes(run: Path, tmp_path: Path) -> None:
-    out = tmp_path / "killed"
-    process = start(out, 2)
-    process.kill()
-    process.communicate(timeout=60)
-    assert main(["optimise", "--resume", str(out)]) == 0
-    assert designs(out) == designs(run)
+    assert main(["optimise", "--resume", str(out)]) == 5
+    assert same(out, short)
     assert not list(out.rglob(".*.tmp*"))
+
+
+def coarse(mikron: Scene) -> Scene:
+    return mikron.with_optimise(volume_fraction=0.3, resolution_mm=4.5)
+
+
+def test_ctrl_c_that_a_library_swallows_is_not_lost(mikron: Scene, tmp_path: Path) -> None:
+    """The exception disappears, as in a callback of compiled code; the run ends with its iteration."""
+    out, seen = tmp_path / "run", []
+
+    def progress(problem: object, state: State) -> None:
+        seen.append(state.last.iteration)
+        if len(seen) == 2:
+            with contextlib.suppress(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(CranktopoError, match="interrupted") as error:
+        optimise_design(coarse(mikron), out, progress=progress)
+    assert error.value.code == ExitCode.INTERRUPTED
+    assert seen == [1, 2]
+    assert len(load_checkpoint(out / "checkpoint" / "state.npz").state["history"]) == 2
+    assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
+
+
+@pytest.mark.parametrize("stage", ["build_problem", "init"])
+def test_ctrl_c_before_the_first_iteration_is_recorded(
+    stage: str, mikron: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(loop, "build_problem", lambda *_: None)
+    monkeypatch.setattr(loop, stage, interrupted)
+    with pytest.raises(CranktopoError, match="interrupted"):
+        optimise_design(coarse(mikron), tmp_path / "run")
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "interrupted"
 
 
 def test_damaged_checkpoint_says_so(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
