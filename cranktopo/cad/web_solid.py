@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
 from cranktopo.scene import Scene
-from cranktopo.scene.features import web_bodies
+from cranktopo.scene.features import Body, web_bodies
 from cranktopo.scene.features.primitives import (
     Arc,
     Bezier,
@@ -26,15 +27,20 @@ DimTags = list[tuple[int, int]]
 
 
 def add_web(occ: Any, scene: Scene) -> DimTags:
-    """The web between its two faces, bores and features cut out.
+    """The web between its two faces, bores and features cut out, as gmsh (dimension, tag) pairs.
 
     Args:
         occ: `gmsh.model.occ` of the open session.
-
-    Returns:
-        Volumes as gmsh (dimension, tag) pairs.
     """
-    bodies = web_bodies(scene)
+    return add_bodies(occ, web_bodies(scene))
+
+
+def add_bodies(occ: Any, bodies: Sequence[Body]) -> DimTags:
+    """The material that bodies leave, as gmsh (dimension, tag) pairs.
+
+    Args:
+        occ: `gmsh.model.occ` of the open session.
+    """
     web, *more = (add_solid(occ, solid) for body in bodies if body.adds for solid in body.solids())
     material = [web] if not more else list(occ.fuse([web], more)[0])
     tools = [add_solid(occ, solid) for body in bodies if not body.adds for solid in body.solids()]

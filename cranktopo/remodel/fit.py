@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 _SEARCH_CELL_MM = 2.0
 """Cells of the search for features and stations."""
 _SPREAD = 1.0
-"""Standard deviation of the further starts about the first, mm or degrees."""
+"""Standard deviation of the further initial guesses about the first, mm or degrees."""
 _DEFAULT = ManufacturingLimits()
 
 
@@ -108,15 +108,15 @@ def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
     """Fits from the chosen web and from scattered copies of it, best first."""
     random = np.random.default_rng(SEED)
     low, high = bounds(chosen.layout, problem.scene, problem.limits)
-    starts = [chosen.values]
+    guesses = [chosen.values]
     for _ in range(problem.limits.starts - 1):
         scattered = chosen.values + random.normal(0.0, _SPREAD, len(chosen.values))
-        starts.append(np.clip(scattered, low, high))
-    found = [fit_from(problem, chosen.layout, start, "final") for start in starts]
+        guesses.append(np.clip(scattered, low, high))
+    found = [fit_from(problem, chosen.layout, guess, "final") for guess in guesses]
     fits = [candidate for candidate in found if candidate is not None]
     if not fits:
         raise CranktopoError(
-            "remodel: no web keeps the manufacturing rules on the finer cells.",
+            "remodel: no web keeps the manufacturing limits on the finer cells.",
             hint="Lower the least wall or the least radius.",
             code=ExitCode.CRITERION_NOT_MET,
         )

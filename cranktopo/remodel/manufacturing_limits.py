@@ -1,4 +1,4 @@
-"""What a die or a mill can make: the bounds of the re-model, and when one more parameter is worth it."""
+"""What a die or a mill can make: the limits of the re-model, and the settings of its fit."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ class ManufacturingLimits:
         min_radius_mm: least radius of curvature of the outline, on either side of the curve.
         min_draft_deg: least slope of the walls of a side pocket, so that a die releases it sideways.
         max_stations: most stations of the profile, both round ends included; at least 5.
-        least_gain_percent: least gain in overlap (IoU, percentage points) that pays for another station or
-            feature.
+        least_gain_percent: least gain in overlap (IoU, percentage points) that another station or feature
+            must bring.
         cell_mm: cell size at which model and body are compared in the final fit.
-        starts: number of start values for the final fit.
+        starts: number of initial guesses for the final fit.
     """
 
     min_wall_mm: float = 3.0

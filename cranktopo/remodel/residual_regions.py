@@ -1,4 +1,4 @@
-"""What a web of the family leaves over: where and by how much it cannot follow the body."""
+"""Residual regions of a fit: where and by how much a web of the family cannot follow the body."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from cranktopo.remodel.search import FitProblem
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _LEAST_SHARE = 0.002
-"""Least volume of a leftover worth naming, over that of the web."""
+"""Least volume of a residual region that is reported, over that of the web."""
 _DEEPER_CELLS = 1
-"""Layers of cells taken off to tell a leftover from a thin skin along a fitted surface."""
+"""Layers of cells taken off to tell a region from a thin layer along a fitted surface."""
 
 
 @dataclass(frozen=True)
 class ResidualRegion:
-    """A connected region in which model and body differ, thicker than a skin of two cells.
+    """A connected region in which model and body differ, thicker than two cells.
 
     Attributes:
         kind: "window" (open at both web faces), "recess" (open at one face or the side), "hollow" (closed,
@@ -46,7 +46,6 @@ def residual_regions(problem: FitProblem, model: Array) -> list[ResidualRegion]:
     """Regions in which a model differs from the body, largest first.
 
     Args:
-        problem: the fit.
         model: (nx, ny, nz) fill of the cells by the model.
     """
     target = problem.target.filled
@@ -56,11 +55,11 @@ def residual_regions(problem: FitProblem, model: Array) -> list[ResidualRegion]:
             volume = float(2 * excess[region].sum() * np.prod(problem.target.cell_mm))
             if volume >= _LEAST_SHARE * problem.target.volume_mm3:
                 found.append(_describe(problem, region, volume, lacking))
-    return sorted(found, key=lambda leftover: -leftover.volume_mm3)
+    return sorted(found, key=lambda region: -region.volume_mm3)
 
 
 def _regions(mask: Mask) -> list[Mask]:
-    """Connected parts of a mask that survive taking off its skin, each with that skin put back."""
+    """Connected parts of a mask that remain when its outer layer is taken off, each with that layer put back."""
     from scipy import ndimage
 
     # The mirror plane and the web faces are no surfaces of a region.

@@ -164,7 +164,7 @@ class Fit:
 
 
 def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
-    """Fit the parameters from one start, with ever sharper steps.
+    """Fit the parameters from one initial guess, with ever sharper steps.
 
     Args:
         fit: the functions.

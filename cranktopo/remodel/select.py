@@ -61,22 +61,19 @@ class Trial:
 
 
 def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
-    """The web that pays for each of its parameters.
+    """The web in which every parameter gains enough overlap, and all trials in their order.
 
     Args:
-        problem: the fit, on cells coarse enough for many searches.
-
-    Returns:
-        The web, and all trials in their order.
+        problem: on cells coarse enough for many searches.
 
     Raises:
-        CranktopoError: not even the plain outline keeps the rules.
+        CranktopoError: not even the plain outline keeps the limits.
     """
     layout = Layout(_FIRST_STATIONS)
     best = fit_from(problem, layout, outline_guess(problem, _FIRST_STATIONS), "outline")
     if best is None:
         raise CranktopoError(
-            "remodel: no outline keeps the manufacturing rules.",
+            "remodel: no outline keeps the manufacturing limits.",
             hint="Lower the least wall or the least radius.",
             code=ExitCode.CRITERION_NOT_MET,
         )
@@ -86,18 +83,16 @@ def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
     return best, tuple(trials)
 
 
-def fit_from(problem: FitProblem, layout: Layout, start: Array, step: str) -> Candidate | None:
-    """One search from one start; None when it finds nothing that keeps the rules.
+def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Candidate | None:
+    """One search from one initial guess; None when it finds nothing that keeps the limits.
 
     Args:
-        problem: what to match and what to keep.
-        layout: which parameters there are.
-        start: (n,) start values, mm or degrees.
+        guess: (n,) initial values, mm or degrees.
         step: what is tried, for the table.
     """
     cell = float(problem.target.cell_mm[0])
     fit = Fit(problem, layout)
-    values, error = search(fit, start, (2 * cell, cell, cell / 2))
+    values, error = search(fit, guess, (2 * cell, cell, cell / 2))
     if not np.isfinite(error):
         return None
     return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)
@@ -121,11 +116,11 @@ def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Cand
 def _try(
     problem: FitProblem, best: Candidate, choices: Sequence[tuple[FittedFeature, Array]], trials: list[Trial]
 ) -> Candidate:
-    """The web with the best one of several parts, if that one pays for itself."""
+    """The web with the best one of several features, if it gains enough overlap."""
     found = []
-    for part, start in choices:
+    for part, guess in choices:
         layout = replace(best.layout, parts=(*best.layout.parts, part))
-        fitted = fit_from(problem, layout, np.concatenate([best.values, start]), part.label)
+        fitted = fit_from(problem, layout, np.concatenate([best.values, guess]), part.label)
         found += [] if fitted is None else [fitted]
     chosen = max([best, *found], key=lambda candidate: candidate.overlap)
     if 100 * (chosen.overlap - best.overlap) < problem.limits.least_gain_percent:
@@ -173,12 +168,7 @@ def _least(problem: FitProblem) -> float:
 
 
 def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
-    """Fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1].
-
-    Args:
-        problem: gives the cells and the bores.
-        candidate: the web.
-    """
+    """Fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1]."""
     sharp = _SHARP * float(problem.target.cell_mm[0])
     return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 

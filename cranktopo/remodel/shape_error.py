@@ -1,4 +1,4 @@
-"""How near two bodies are: overlap of their volumes, distances between their surfaces."""
+"""Shape error between two bodies: overlap of their volumes, distances between their surfaces."""
 
 from __future__ import annotations
 
@@ -47,7 +47,6 @@ def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
     """Compare the exact solid of a scene with an extracted body.
 
     Args:
-        scene: the design with the fitted web.
         surface: closed surface of the extracted half throw, mm.
     """
     body = solid_of(surface, "surface to be re-modelled")
@@ -66,11 +65,7 @@ def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
 
 
 def overlap(one: Manifold, other: Manifold) -> float:
-    """Intersection over union of two solids, 0 to 1.
-
-    Args:
-        one, other: the solids, in one frame and unit.
-    """
+    """Intersection over union of two solids, 0 to 1."""
     both = (one ^ other).volume()
     return float(both / (one.volume() + other.volume() - both))
 
@@ -78,14 +73,7 @@ def overlap(one: Manifold, other: Manifold) -> float:
 def surface_distance_mm(
     one: SurfaceMesh, other: SurfaceMesh
 ) -> tuple[float, float, tuple[float, float, float]]:
-    """Mean and largest distance between two surfaces, each way from evenly spread samples.
-
-    Args:
-        one, other: the surfaces.
-
-    Returns:
-        Mean, largest, and the point of the largest, mm.
-    """
+    """Mean and largest distance between two surfaces, each way from evenly spread samples, and where it is largest, mm."""
     random = np.random.default_rng(SEED)
     points, others = (_samples(mesh, random) for mesh in (one, other))
     places = np.vstack([points, others])

@@ -1,4 +1,4 @@
-"""How full each cell of the web slab is, by an extracted body: what the re-model is fitted to."""
+"""Voxel fill: the share of each cell of the web that an extracted body fills; what the re-model is fitted to."""
 
 from __future__ import annotations
 
@@ -50,8 +50,7 @@ def voxel_fill(body: Manifold, scene: Scene, cell_mm: float) -> VoxelFill:
 
     Args:
         body: solid of the half throw or of its web.
-        scene: where the web lies.
-        cell_mm: largest cell edge.
+        cell_mm: largest edge of a cell.
 
     Raises:
         CranktopoError: nothing of the body lies between the web faces.

@@ -59,10 +59,14 @@ class Moments:
 @lru_cache(maxsize=16)
 def web_moments(scene: Scene) -> Moments:
     """Moments of one whole web, bores and features taken out."""
-    bodies = web_bodies(scene)
+    return moments(web_bodies(scene))
+
+
+def moments(bodies: Sequence[Body]) -> Moments:
+    """Moments of the material that bodies leave."""
 
     def slices(y: Array) -> Array:
-        heights, weights = _heights(scene, bodies, y)
+        heights, weights = _heights(bodies, y)
         values = _moments_at(bodies, y[:, None], heights)
         return np.asarray((values * weights[..., None]).sum(axis=1))
 
@@ -72,8 +76,8 @@ def web_moments(scene: Scene) -> Moments:
 def section_moments(scene: Scene, z_mm: float) -> Moments:
     """Moments of the web's cross-section at a height over the mid-main-journal plane, per mm of height."""
     bodies = web_bodies(scene)
-    moments = _integrate(lambda y: _moments_at(bodies, y, np.full_like(y, z_mm)), _breaks(bodies))
-    return Moments(*moments.tolist())
+    found = _integrate(lambda y: _moments_at(bodies, y, np.full_like(y, z_mm)), _breaks(bodies))
+    return Moments(*found.tolist())
 
 
 def _breaks(bodies: Sequence[Body]) -> Array:
@@ -83,12 +87,13 @@ def _breaks(bodies: Sequence[Body]) -> Array:
     return places[(places >= min(ends)) & (places <= max(ends))]
 
 
-def _heights(scene: Scene, bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
+def _heights(bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
     """Heights of the quadrature at each place along the throw, and their weights, (y, heights)."""
-    half = scene.web.half_width_mm(scene.throw.radius_mm, y)
+    material = [body for body in bodies if body.adds]
+    low, high = min(body.z_mm[0] for body in material), max(body.z_mm[1] for body in material)
+    middle = np.asarray((low + high) / 2)
+    half = np.max([right for body in material for _, right in body.spans(y, middle)], axis=0)
     breaks = np.stack([z for body in bodies for z in body.z_breaks_mm(y, half)], axis=1)
-    low = min(body.z_mm[0] for body in bodies if body.adds)
-    high = max(body.z_mm[1] for body in bodies if body.adds)
     breaks = np.sort(np.clip(breaks, low, high), axis=1)
     share, weights = _rule(_HEIGHTS)
     size = np.diff(breaks, axis=1)[..., None]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold
@@ -11,7 +10,7 @@ from manifold3d import CrossSection, FillRule, JoinType, Manifold
 from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.domain.through_holes import envelope_z_mm, through_holes
 from cranktopo.scene import Scene
-from cranktopo.scene.geometry import Journal
+from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
 from cranktopo.surface.grid import DensityGrid
 
 CHORD_ERROR_MM = 0.002
@@ -98,17 +97,17 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     start, end = envelope_z_mm(scene)
     if envelope is None:
         return _prism(_rectangle(grid.origin_mm[:2], grid.upper_mm[:2]), start, end)
-    if envelope.shape == "stl":
-        slab = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
-        return envelope_from_file(Path(envelope.file), envelope.symmetric) ^ slab
-    if envelope.shape == "cylinder":
-        return cylinder(envelope.radius_mm, 0.0, (start, end))
-    if envelope.shape == "box":
-        half = envelope.half_width_mm
-        corners = np.array([[-half, envelope.y_min_mm], [half, envelope.y_max_mm]])
-        return _prism(_rectangle(*corners), start, end)
-    outline = np.array(envelope.points_mm)
-    return _prism(CrossSection([outline], FillRule.EvenOdd), start, end)
+    match envelope:
+        case StlEnvelope(symmetric=symmetric):
+            slab = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
+            return envelope_from_file(envelope.stl_file, symmetric) ^ slab
+        case CylinderEnvelope(radius_mm=radius):
+            return cylinder(radius, 0.0, (start, end))
+        case BoxEnvelope(half_width_mm=half):
+            corners = np.array([[-half, envelope.y_min_mm], [half, envelope.y_max_mm]])
+            return _prism(_rectangle(*corners), start, end)
+        case OutlineEnvelope(points_mm=points):
+            return _prism(CrossSection([np.array(points)], FillRule.EvenOdd), start, end)
 
 
 def web_region(solid: Manifold, scene: Scene) -> Manifold:
