@@ -59,7 +59,7 @@ def residual_regions(problem: FitProblem, model: Array) -> list[ResidualRegion]:
 
 
 def _regions(mask: Mask) -> list[Mask]:
-    """Connected parts of a mask that remain when its outer layer is taken off, each with that layer put back."""
+    """Connected parts of a mask that remain without its outer layer, each with that layer put back."""
     from scipy import ndimage
 
     # The mirror plane and the web faces are no surfaces of a region.

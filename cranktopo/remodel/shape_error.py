@@ -73,7 +73,7 @@ def overlap(one: Manifold, other: Manifold) -> float:
 def surface_distance_mm(
     one: SurfaceMesh, other: SurfaceMesh
 ) -> tuple[float, float, tuple[float, float, float]]:
-    """Mean and largest distance between two surfaces, each way from evenly spread samples, and where it is largest, mm."""
+    """Mean and largest distance of two surfaces, both ways from even samples, and the farthest point, mm."""
     random = np.random.default_rng(SEED)
     points, others = (_samples(mesh, random) for mesh in (one, other))
     places = np.vstack([points, others])

@@ -1,4 +1,4 @@
-"""Voxel fill: the share of each cell of the web that an extracted body fills; what the re-model is fitted to."""
+"""Voxel fill: the share of each cell of the web that an extracted body fills; the re-model is fitted to it."""
 
 from __future__ import annotations
 

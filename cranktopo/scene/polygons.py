@@ -24,8 +24,9 @@ def polygons(contours: list[Coordinates]) -> Shape:
         crossings = x1 + (y.ravel()[row] - y1) * (x2 - x1) / (y2 - y1)
         # A point is inside if the ray towards -x crosses the boundary an odd number of times.
         first = np.searchsorted(x.ravel(), crossings, side="right")
-        counts = np.bincount(first * y.size + row, minlength=(x.size + 1) * y.size)
-        return np.asarray(counts.reshape(-1, y.size)[:-1].cumsum(axis=0) % 2 == 1)
+        turns = np.zeros((x.size + 1, y.size), dtype=bool)
+        np.logical_xor.at(turns, (first, row), True)
+        return np.logical_xor.accumulate(turns, axis=0)[:-1]
 
     return inside
 

@@ -1,7 +1,7 @@
 """How well a known web comes back from its exact solid: python -m tests.benchmarks.remodel_recovery [MM...].
 
-Starts are scattered by 1 mm (or degree) about the known parameters. One row per parameter, one column per
-cell size: the difference in percent, the absolute one in brackets.
+Initial guesses are scattered by 1 mm (or degree) about the known parameters. One row per parameter, one
+column per cell size: the difference in percent, the absolute one in brackets.
 """
 
 from __future__ import annotations
@@ -10,26 +10,7 @@ import sys
 
 import numpy as np
 
-from cranktopo.remodel.family import bounds
-from cranktopo.remodel.fit import fit_problem
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.select import fit_from
-from cranktopo.scene import load_scene
-from tests.unit.remodel_cases import WHOLE, body_of, known_scene, values_of
-
-FACET_MM = 0.3
-
-
-def recovered(cell_mm: float) -> np.ndarray:
-    """Parameters fitted to the known web on cells of one size, from a start scattered by 1 mm or degree."""
-    scene, true = load_scene("mikron-iiic"), values_of(WHOLE)
-    body = body_of(known_scene(scene, WHOLE), FACET_MM)
-    start = true + np.random.default_rng(1).normal(0, 1.0, len(true))
-    limits = ManufacturingLimits()
-    problem = fit_problem(body, scene, limits, cell_mm)
-    found = fit_from(problem, WHOLE, np.clip(start, *bounds(WHOLE, scene, limits)), "known web")
-    assert found is not None
-    return found.values
+from tests.unit.remodel_cases import WHOLE, recovered, values_of
 
 
 def main(cells_mm: list[float]) -> None:

@@ -1,4 +1,4 @@
-"""Where the time of a re-model goes: python -m tests.benchmarks.remodel_time RUN [--judge].
+"""Where the time of a re-model goes: python -m tests.benchmarks.remodel_time RUN [--evaluate].
 
 One line per search (what was tried, parameters, overlap, seconds), then one per stage.
 """
@@ -37,32 +37,32 @@ def searches_shown() -> Iterator[None]:
     """Context in which every search of the fit prints one line."""
     search = select.fit_from
 
-    def shown(problem: Any, layout: Any, start: Any, step: str) -> Any:
+    def shown(problem: Any, layout: Any, guess: Any, step: str) -> Any:
         began = time.perf_counter()
-        found = search(problem, layout, start, step)
+        found = search(problem, layout, guess, step)
         overlap = float("nan") if found is None else 100 * found.overlap
         seconds = time.perf_counter() - began
-        print(f"  {step:22} {len(start):3d} parameters {overlap:6.2f} % {seconds:7.1f} s", flush=True)
+        print(f"  {step:22} {len(guess):3d} parameters {overlap:6.2f} % {seconds:7.1f} s", flush=True)
         return found
 
     with patch.object(select, "fit_from", shown), patch.object(fit, "fit_from", shown):
         yield
 
 
-def main(run: Path, judged: bool) -> None:
-    """Fit, compare and, if asked, judge the web of a run."""
+def main(run: Path, evaluated: bool) -> None:
+    """Fit, compare and, if asked, evaluate the web of a run."""
     scene = scene_of_run(open_run(str(run)))
     surface = read_half_throw(run / "web.stl", scene)
     with searches_shown():
         fitted = timed("fit", lambda: fit.fit_web(surface, scene, ManufacturingLimits()))
     sharp = without(fitted.scene, "fillets")
-    near = timed("closeness", lambda: shape_error(sharp, surface))
+    near = timed("shape error", lambda: shape_error(sharp, surface))
     print(f"overlap (IoU): web {100 * near.web_iou:.1f} %, half throw {100 * near.iou:.1f} %")
-    if judged:
+    if evaluated:
         for name, target in (("body", run / "web.stl"), ("fitted, no fillets", None), ("fitted", None)):
             what = Target(name, fitted.scene if name == "fitted" else sharp, target)
-            timed(f"judge: {name}", lambda what=what: evaluate(what))
+            timed(f"evaluation: {name}", lambda what=what: evaluate(what))
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), "--judge" in sys.argv[2:])
+    main(Path(sys.argv[1]), "--evaluate" in sys.argv[2:])

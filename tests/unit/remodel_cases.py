@@ -8,14 +8,17 @@ import numpy as np
 from manifold3d import Manifold
 
 from cranktopo.cad.solid_files import surface_of
-from cranktopo.remodel.family import Layout, web_of
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.scene import Scene
+from cranktopo.remodel.family import Layout, bounds, web_of
+from cranktopo.remodel.fit import fit_problem, scene_with_web
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.select import fit_from
+from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.cylinder_pocket import FittedCylinder
 from cranktopo.scene.features.side_pocket import FittedSlot
 from cranktopo.triangles.surface_mesh import solid_of
 
+FINE_FACET_MM = 0.3
 OUTLINE = {
     "y_low": -26.0,
     "y_high": 75.0,
@@ -52,6 +55,18 @@ def body_of(scene: Scene, facet_mm: float = 1.0) -> Manifold:
     """The half throw as a solid of the boolean engine."""
     mesh = surface_of(scene, "half", facet_mm)
     return solid_of(mesh, "known body")
+
+
+def recovered(cell_mm: float) -> np.ndarray:
+    """Parameters fitted to the known web on cells of one size, from a guess scattered by 1 mm or degree."""
+    scene, true = load_scene("mikron-iiic"), values_of(WHOLE)
+    body = body_of(known_scene(scene, WHOLE), FINE_FACET_MM)
+    guess = true + np.random.default_rng(1).normal(0, 1.0, len(true))
+    limits = ManufacturingLimits()
+    problem = fit_problem(body, scene, limits, cell_mm)
+    found = fit_from(problem, WHOLE, np.clip(guess, *bounds(WHOLE, scene, limits)), "known web")
+    assert found is not None
+    return found.values
 
 
 def table(**changes: Any) -> dict[str, Any]:

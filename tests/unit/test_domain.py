@@ -96,7 +96,7 @@ def test_envelope_shapes(mikron: Scene, tmp_path: Path) -> None:
     cone.apply_translation((0.0, 20.0, 10.0))
     cone.export(tmp_path / "space.stl")
     file = str(tmp_path / "space.stl")
-    stl = build_domain(changed(mikron, envelope={"shape": "stl", "file": file}), 2.0)
+    stl = build_domain(changed(mikron, envelope={"shape": "stl", "file": file}), 4.0)
     radii = np.array([100.0 - 20.0, 100.0 - 39.0])  # at the web faces z = 20 and 39
     frustum = math.pi * 19 / 3 * (radii[0] ** 2 + radii.prod() + radii[1] ** 2)
     assert volume(stl, stl.design) == pytest.approx(2 * (frustum - 19 * holes), rel=2e-3)
