@@ -1,4 +1,4 @@
-"""Voxel fill: the share of each cell of the web that an extracted body fills; the re-model is fitted to it."""
+"""Voxel fill: the share of each cell of the web that an extracted body fills; the re-model fits it."""
 
 from __future__ import annotations
 
