@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import reduce
-from pathlib import Path
 
 import numpy as np
 from manifold3d import CrossSection, FillRule
@@ -44,9 +43,9 @@ def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[Contou
 def _holes(scene: Scene, z_mm: float) -> list[Contour]:
     """Inner contours of the envelope's cross-section; none where its file is gone."""
     envelope = scene.envelope
-    if envelope is None or envelope.shape != "stl" or not Path(envelope.file).is_file():
+    if envelope is None or envelope.stl_file is None or not envelope.stl_file.is_file():
         return []
-    contours = section(Path(envelope.file), z_mm, envelope.symmetric)
+    contours = section(envelope.stl_file, z_mm, not envelope.asymmetry)
     return [contour for contour in contours if _area(contour) < 0]
 
 

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
-from cranktopo.domain.outline import polygons
 from cranktopo.domain.through_holes import through_holes
 from cranktopo.scene import Scene
+from cranktopo.scene.polygons import polygons
 
 SHARPNESS = 60.0
 
