@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from cranktopo.cad.solid_files import export_solid
+from cranktopo.cad.solid_files import export_solid, surface_of
 from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import Evaluation, evaluate
@@ -17,7 +17,7 @@ from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.remodel.fit import FittedWeb, fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
-from cranktopo.report.drawing import write_drawing
+from cranktopo.report.figures.drawing import write_drawing
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
@@ -100,7 +100,7 @@ def write_remodel(
     export_solid(scene, "half", folder / files["step"])
     export_solid(scene, "half", folder / files["stl"], _FACET_MM)
     drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
-    write_drawing(scene, surface, drawing_notes(fitted, near), drawings)
+    write_drawing(scene, surface_of(scene, "half"), surface, drawing_notes(fitted, near), drawings)
     return files
 
 

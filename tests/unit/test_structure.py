@@ -91,6 +91,14 @@ def test_the_evaluation_never_imports_the_optimiser() -> None:
     assert not {room_of(file) for file in found} & {"fem", "optimise"}
 
 
+def test_reports_only_show() -> None:
+    """Pages, figures and tables are functions of finished results: nothing is solved, meshed or extracted."""
+    files = (PACKAGE / "report").rglob("*.py")
+    assert not {"fem", "optimise", "cad", "meshing", "remodel"} & {
+        room for file in files for room in imported_rooms(file)
+    }
+
+
 def test_help_loads_nothing_heavy() -> None:
     code = (
         "import sys; from cranktopo.cli.main import main; main(['--help']); "

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
+from cranktopo.report.figures.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
 from cranktopo.scene import Scene
 from cranktopo.scene.features import ProfileWeb
 from cranktopo.scene.features.primitives import Circle, Dimension, FeatureDrawing, Polyline

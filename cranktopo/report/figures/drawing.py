@@ -5,22 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.cad.solid_files import surface_of
 from cranktopo.errors import invalid
-from cranktopo.report.drafting import GHOST, INK
-from cranktopo.report.drawing_views import Sheet, cross_section, front_view, lengthwise_section
+from cranktopo.report.figures.drafting import GHOST, INK
+from cranktopo.report.figures.drawing_views import Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.scene import Scene
 
 if TYPE_CHECKING:
     from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 
-def write_drawing(scene: Scene, surface: SurfaceMesh, notes: list[str], paths: list[Path]) -> None:
+def write_drawing(
+    scene: Scene, fitted: SurfaceMesh, body: SurfaceMesh, notes: list[str], paths: list[Path]
+) -> None:
     """Draw a profile web with its dimensions over the outline of the body it was fitted to.
 
     Args:
         scene: a design with a profile web.
-        surface: closed surface of the extracted half throw, drawn as dashed lines.
+        fitted: closed surface of its half throw.
+        body: closed surface of the extracted half throw, drawn as dashed lines.
         notes: lines of the title block.
         paths: files to write; each ending gives its format.
 
@@ -33,12 +35,11 @@ def write_drawing(scene: Scene, surface: SurfaceMesh, notes: list[str], paths: l
 
     if scene.web.outline != "profile":
         raise invalid("web.outline", scene.web.outline, "only a profile web has a drawing")
-    exact = surface_of(scene, "half")
     sheet = Sheet(
         scene,
         scene.web,
-        solid_of(exact, "fitted half throw"),
-        solid_of(surface, "surface to be re-modelled"),
+        solid_of(fitted, "fitted half throw"),
+        solid_of(body, "surface to be re-modelled"),
     )
     figure = Figure(figsize=(16.5, 11.7))
     grid = figure.add_gridspec(
