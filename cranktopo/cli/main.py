@@ -29,7 +29,7 @@ COMMANDS = {
     "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, shape error.",
     "iterate": "The whole loop: remove a little, extract, re-model, judge, again inside the new solid.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
-    "designs": "List the built-in designs, or copy one to edit.",
+    "designs": "List the built-in designs, copy one to edit, or begin a new one with every key.",
     "runs": "List, show or clean up runs.",
     "doctor": "Check this machine: Python, JAX, gmsh, memory, optional tools, and how to install them.",
     "completion": "Print the line that makes a shell complete commands, options and designs.",
