@@ -74,7 +74,7 @@ def test_gain_below_the_error_estimate_is_no_gain(tmp_path: Path) -> None:
     assert main(["compare", *NAMES, "--baseline", NAMES[1], "--report", str(path), "--quiet"]) == 0
     text = path.read_text(encoding="utf-8")
     assert "+0.0 % of the baseline, less than the error estimate" in text
-    leader = "opposed-piston is the stiffest in torsion per kilogram, opposed-piston-casting within the error"
+    leader = "opposed-piston is the stiffest in torsion per kilogram (opposed-piston-casting within the error"
     assert leader in text
 
 

@@ -20,6 +20,7 @@ from cranktopo.report.pages.markdown_page import write_markdown
 from cranktopo.report.pages.page import Fact, Page, Section
 from cranktopo.report.pages.verdict import fatigue_fact, headline, release_fact
 from cranktopo.report.tables.result_table import ResultTable
+from cranktopo.report.verdict_sentence import run_changes_percent, worse_line
 from cranktopo.report.viewer.scene3d import MOST_FACES, Body, DesignSnapshot, Scene3D, packed
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh
@@ -29,18 +30,38 @@ def mesh_of(body: trimesh.Trimesh) -> SurfaceMesh:
     return SurfaceMesh(np.asarray(body.vertices, np.float64), np.asarray(body.faces, np.int64))
 
 
-def metrics(throw_kg: float, torsion: float, bending: float) -> dict[str, Any]:
-    gains = {"bending": bending, "torsion": torsion}
-    original = {"mass_kg": {"throw": 2.0}, "gain_of_stiffness_per_mass_percent": gains}
-    return {"mass_kg": {"throw": throw_kg}, "original_web": original}
+def metrics(mass: float, torsion: float, bending: float) -> dict[str, Any]:
+    """What a run holds after changes in percent of a web of 1 kg, 1 N m/rad and 1 N/mm."""
+
+    def web(mass: float, torsion: float, bending: float) -> dict[str, Any]:
+        cases = {
+            "torsion": {"stiffness_Nm_per_rad": 1e5 * torsion},
+            "bending": {"stiffness_N_per_mm": 2e5 * bending},
+        }
+        return {"mass_kg": {"throw": 2.0 * mass}, "load_cases": cases}
+
+    return {**web(*(1 + change / 100 for change in (mass, torsion, bending))), "original_web": web(1, 1, 1)}
 
 
-def test_headline_says_which_way() -> None:
-    assert headline(metrics(1.8, 12.0, -3.0)) == (
-        "The optimised throw is 10.0 % lighter, 3.0 % softer in bending per kilogram and 12.0 % stiffer in "
-        "torsion per kilogram than the original."
+def test_headline_says_first_what_got_worse() -> None:
+    assert headline(metrics(-45.0, -21.0, -9.9)) == (
+        "The optimised throw is 21.0 % softer in torsion and 9.9 % softer in bending than the original; it "
+        "is 45.0 % lighter."
     )
-    assert "5.0 % heavier" in headline(metrics(2.1, 1.0, 1.0))
+    assert headline(metrics(5.0, 0.0, 3.0)) == (
+        "The optimised throw is 5.0 % heavier than the original; it is 3.0 % stiffer in bending."
+    )
+    assert headline(metrics(-7.3, 13.0, 3.4)) == (
+        "The optimised throw is 7.3 % lighter, 13.0 % stiffer in torsion and 3.4 % stiffer in bending than "
+        "the original."
+    )
+    assert headline(metrics(0.0, 0.01, -0.01)) == "The optimised throw is like the original."
+
+
+def test_terminal_names_what_got_worse() -> None:
+    changes = run_changes_percent(metrics(-45.0, -21.0, 5.0))
+    assert worse_line(changes, "the original web") == "worse than the original web: 21.0 % softer in torsion"
+    assert worse_line(run_changes_percent(metrics(-1.0, 1.0, 1.0)), "it") == ""
 
 
 @pytest.mark.parametrize(

@@ -21,10 +21,19 @@ from cranktopo.report.pages.sections import (
 )
 from cranktopo.report.pages.stress_section import stress_section
 from cranktopo.report.pages.verdict import fatigue_fact
-from cranktopo.report.quantities import BENDING_PER_MASS, MASS, SAFETY, TORSION_PER_MASS, Quantity
+from cranktopo.report.quantities import (
+    BENDING,
+    BENDING_PER_MASS,
+    MASS,
+    SAFETY,
+    TORSION,
+    TORSION_PER_MASS,
+    Quantity,
+)
 from cranktopo.report.tables.comparison_tables import percent_table, published_table, value_table
 from cranktopo.report.tables.result_table import Column, tabulate
 from cranktopo.report.tables.undercuts import DieRelease, undercut_table
+from cranktopo.report.verdict_sentence import comparison_sentence
 from cranktopo.report.viewer.scene3d import Body, Scene3D
 from cranktopo.report.viewer.stress_scale import stress_scales
 
@@ -108,11 +117,13 @@ def _headline(comparison: Comparison) -> str:
         return f"None is stiffer in torsion per kilogram than {baseline}."
     level = comparison.level(TORSION_PER_MASS)
     names = " and ".join(comparison.entries[other].name for other in level)
-    doubt = f", {names} within the error estimate" if level else ""
+    doubt = f" ({names} within the error estimate)" if level else ""
+    changes = {q: comparison.percent(row, q) - 100 for q in (MASS, TORSION, BENDING)}
+    best = comparison.entries[row].name
     return (
-        f"{comparison.entries[row].name} is the stiffest in torsion per kilogram{doubt}: "
-        f"{_change(comparison, row, TORSION_PER_MASS)} against {baseline}, bending per kilogram "
-        f"{_change(comparison, row, BENDING_PER_MASS)}, mass {_change(comparison, row, MASS)}."
+        f"{best} is the stiffest in torsion per kilogram{doubt}: "
+        f"{_change(comparison, row, TORSION_PER_MASS)} against {baseline}. "
+        + comparison_sentence("It", changes, baseline)
     )
 
 

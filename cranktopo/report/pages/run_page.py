@@ -25,6 +25,7 @@ from cranktopo.report.pages.verdict import facts, headline
 from cranktopo.report.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.report.run_record import RunRecord
 from cranktopo.report.tables.result_table import ResultTable, Row
+from cranktopo.report.verdict_sentence import stiffness_of
 from cranktopo.report.viewer.scene3d import Body, Scene3D
 from cranktopo.report.viewer.stress_scale import stress_scales
 
@@ -108,8 +109,7 @@ def _values(web: Mapping[str, Any], stiffnesses: Sequence[Quantity]) -> dict[Qua
 
 def _stiffness(row: Mapping[str, Any], kind: str) -> float:
     """Stiffness of a load case in kN m/rad or kN/mm."""
-    case = row["load_cases"][kind]
-    return float(next(value for key, value in case.items() if key.startswith("stiffness_"))) / 1000
+    return stiffness_of(row["load_cases"][kind]) / 1000
 
 
 def _convergence(record: RunRecord) -> Section:

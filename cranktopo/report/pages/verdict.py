@@ -1,4 +1,4 @@
-"""The verdict on a run: mass, stiffness per mass, fatigue, whether it can be made."""
+"""The verdict on a run: mass, stiffness, fatigue, whether it can be made."""
 
 from __future__ import annotations
 
@@ -6,11 +6,17 @@ from collections.abc import Mapping
 from typing import Any
 
 from cranktopo.report.pages.page import Fact, Status
+from cranktopo.report.quantities import MASS, TORSION
 from cranktopo.report.run_record import RunRecord
 from cranktopo.report.tables.undercuts import obstacles
+from cranktopo.report.verdict_sentence import (
+    NOTICEABLE_PERCENT,
+    comparison_sentence,
+    percent_change,
+    run_changes_percent,
+    stiffness_of,
+)
 
-_NOTICEABLE_PERCENT = 0.05
-_ADJECTIVES = {"torsion": "Torsional"}
 _NO_FILLETS = (
     "a density result has no fillets: 'cranktopo remodel {run}' gives it some, then "
     "'cranktopo fatigue' with the re-modelled design and '--out' this run"
@@ -18,14 +24,8 @@ _NO_FILLETS = (
 
 
 def headline(metrics: Mapping[str, Any]) -> str:
-    """The verdict in one sentence, against the original web in the same model."""
-    original = metrics["original_web"]
-    mass = _percent(metrics["mass_kg"]["throw"], original["mass_kg"]["throw"])
-    parts = [f"{abs(mass):.1f} % {'lighter' if mass < 0 else 'heavier'}"]
-    for name, gain in original["gain_of_stiffness_per_mass_percent"].items():
-        parts.append(f"{abs(gain):.1f} % {'stiffer' if gain > 0 else 'softer'} in {name} per kilogram")
-    text = f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else parts[0]
-    return f"The optimised throw is {text} than the original."
+    """The verdict in one sentence, against the original web in the same model; what got worse comes first."""
+    return comparison_sentence("The optimised throw", run_changes_percent(metrics), "the original")
 
 
 def facts(record: RunRecord) -> tuple[Fact, ...]:
@@ -76,21 +76,26 @@ def release_fact(metrics: Mapping[str, Any]) -> Fact:
 
 def _mass(metrics: Mapping[str, Any]) -> Fact:
     now, before = (m["mass_kg"]["throw"] for m in (metrics, metrics["original_web"]))
-    change = _percent(now, before)
+    change = percent_change(now, before)
     note = f"{change:+.1f} % against the original's {before:.3f} kg"
     return Fact("Mass of the throw", f"{now:.3f} kg", note, _status(-change))
 
 
 def _stiffness(metrics: Mapping[str, Any]) -> list[Fact]:
+    """Absolute stiffnesses; per mass only in the note, since a softer web may look good by it."""
     found = []
     gains = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
-    for key, value in metrics["stiffness_per_mass"].items():
-        name = next(name for name in gains if key.startswith(name))
-        unit = "kN m/rad per kg" if key.endswith("rad_kg") else "kN/mm per kg"
-        before = metrics["original_web"]["stiffness_per_mass"][key]
-        note = f"{gains[name]:+.1f} % against the original's {before / 1000:.1f}"
-        label = f"{_ADJECTIVES.get(name, name.capitalize())} stiffness per mass"
-        found.append(Fact(label, f"{value / 1000:.1f} {unit}", note, _status(gains[name])))
+    for quantity, change in run_changes_percent(metrics).items():
+        if quantity is MASS:
+            continue
+        now, before = (
+            stiffness_of(web["load_cases"][quantity.key]) / 1000 for web in (metrics, metrics["original_web"])
+        )
+        note = f"{change:+.1f} % against the original's {before:.1f}"
+        if quantity.key in gains:
+            note += f"; per mass {gains[quantity.key]:+.1f} %"
+        unit = "kN m/rad" if quantity is TORSION else "kN/mm"
+        found.append(Fact(quantity.label.capitalize(), f"{now:.1f} {unit}", note, _status(change)))
     return found
 
 
@@ -103,10 +108,6 @@ def _end(metrics: Mapping[str, Any]) -> Fact:
 
 
 def _status(gain_percent: float) -> Status:
-    if abs(gain_percent) < _NOTICEABLE_PERCENT:
+    if abs(gain_percent) < NOTICEABLE_PERCENT:
         return "neutral"
     return "good" if gain_percent > 0 else "bad"
-
-
-def _percent(now: float, before: float) -> float:
-    return 100 * (now / before - 1)

@@ -9,6 +9,7 @@ from typing import Any
 from cranktopo.report.tables.result_table import terminal
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
 from cranktopo.report.tables.undercuts import obstacles
+from cranktopo.report.verdict_sentence import percent_change, run_changes_percent, worse_line
 
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
@@ -20,12 +21,14 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
     original = metrics["original_web"]
     lines = [
         f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
+        *filter(None, [worse_line(run_changes_percent(metrics), "the original web")]),
         "",
-        f"{'':24}{'optimised':>14}{'original web':>14}{'estimate':>12}{'gain per kg':>14}",
+        f"{'':24}{'optimised':>14}{'original web':>14}{'change':>12}{'estimate':>12}{'gain per kg':>14}",
         *(_case_line(name, metrics) for name in original["gain_of_stiffness_per_mass_percent"]),
     ]
     for part in ("throw", "web"):
-        masses = f"{metrics['mass_kg'][part]:14.3f}{original['mass_kg'][part]:14.3f}"
+        now, before = metrics["mass_kg"][part], original["mass_kg"][part]
+        masses = f"{now:14.3f}{before:14.3f}{percent_change(now, before):+10.1f} %"
         lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
     seconds = metrics["seconds"]
     report = f", report {seconds['report']:.1f} s" if "report" in seconds else ""
@@ -58,7 +61,8 @@ def _case_line(name: str, metrics: Mapping[str, Any]) -> str:
     original, case = metrics["original_web"], metrics["load_cases"][name]
     key = next(key for key in case if key.startswith("stiffness_"))
     unit = "kN m/rad" if key.endswith("rad") else "kN/mm"
-    values = f"{case[key] / 1000:14.1f}{original['load_cases'][name][key] / 1000:14.1f}"
+    now, before = case[key], original["load_cases"][name][key]
+    values = f"{now / 1000:14.1f}{before / 1000:14.1f}{percent_change(now, before):+10.1f} %"
     estimate = f"+-{case['error_estimate_percent']:.2g} %" if "error_estimate_percent" in case else ""
     gain = original["gain_of_stiffness_per_mass_percent"][name]
     return f"{name + ', ' + unit:24}{values}{estimate:>12}{gain:+12.1f} %"
