@@ -88,7 +88,7 @@ class _EnvelopeBase(SceneTable):
 
 
 class BoxEnvelope(_EnvelopeBase):
-    """Design space: the web slab inside a box, symmetric in x."""
+    """Design space: the web region inside a box, symmetric in x."""
 
     shape: Literal["box"]
     half_width_mm: Length = Field(examples=[48.0])
@@ -116,7 +116,7 @@ class BoxEnvelope(_EnvelopeBase):
 
 
 class CylinderEnvelope(_EnvelopeBase):
-    """Design space: the web slab inside a cylinder around the crank axis."""
+    """Design space: the web region inside a cylinder around the crank axis."""
 
     shape: Literal["cylinder"]
     radius_mm: Length = Field(examples=[82.0])
@@ -133,7 +133,7 @@ class CylinderEnvelope(_EnvelopeBase):
 
 
 class OutlineEnvelope(_EnvelopeBase):
-    """Design space: the web slab inside a closed polygon of (x, y) points."""
+    """Design space: the web region inside a closed polygon of (x, y) points."""
 
     shape: Literal["outline"]
     points_mm: tuple[tuple[Place, Place], ...] = Field(
@@ -173,7 +173,7 @@ class OutlineEnvelope(_EnvelopeBase):
 
 
 class StlEnvelope(_EnvelopeBase):
-    """Design space: the web slab inside a closed body from a file, in the frame of `cranktopo.frames`.
+    """Design space: the web region inside a closed body from a file, in the frame of `cranktopo.frames`.
 
     With `symmetric` the body is its own mirror image in x = 0, which is checked, and half of it is enough.
     """
