@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import io
 import json
 import re
+import shutil
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -135,6 +138,10 @@ def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene)
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    return with_stand_ins(monkeypatch)
+
+
+def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The loop's own course with stand-ins for its long stages; the list records what was called."""
     calls: list[str] = []
 
@@ -166,11 +173,26 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         )
 
     monkeypatch.setattr(solids, "FACET_MM", 6.0)
+    monkeypatch.setattr(loop, "write_solids", solids_once)
     monkeypatch.setattr(loop, "_optimised", optimised)
     monkeypatch.setattr(loop, "fit_web", fit)
     monkeypatch.setattr(loop, "shape_error", lambda *_: SimpleNamespace(web_iou=0.95))
     monkeypatch.setattr(loop, "evaluate", evaluate)
     return calls
+
+
+SOLIDS: dict[str, Path] = {}
+"""Folders that hold the solids of a web, by the web."""
+
+
+def solids_once(scene: Scene, folder: Path) -> None:
+    """The solids of a step, copied where an earlier loop has built the same web."""
+    before = SOLIDS.setdefault(scene.web.model_dump_json(), folder)
+    if before == folder:
+        write_solids(scene, folder)
+    else:
+        for name in ("web.step", "web.stl", solids.WEB):
+            shutil.copy(before / name, folder)
 
 
 def _obround(width: float) -> ObroundWeb:
@@ -188,12 +210,30 @@ def _web_inside(scene: Scene) -> ObroundWeb:
 ARGUMENTS = ["iterate", "--steps", "3", "--resolution-mm", "4.5", "--volume-fraction", "0.45"]
 
 
-def test_steps_files_and_table(quick: list[str], tmp_path: Path, capsys: Capture) -> None:
-    out = tmp_path / "loop"
-    assert main([*ARGUMENTS, "--out", str(out), "--json"]) == 0
-    data = json.loads(capsys.readouterr().out)
-    assert quick[1::2] == ["inside box", "inside stl", "inside stl"]
-    assert all(call.endswith("forged") for call in quick[::2])
+@dataclass(frozen=True)
+class Whole:
+    """A loop in a single go: its directory, what it printed, what its stages were asked."""
+
+    out: Path
+    data: dict[str, Any]
+    calls: list[str]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Whole:
+    out = tmp_path_factory.mktemp("loops") / "whole"
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        calls = with_stand_ins(monkeypatch)
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            assert main([*ARGUMENTS, "--out", str(out), "--json"]) == 0
+    return Whole(out, json.loads(printed.getvalue()), calls)
+
+
+def test_steps_files_and_table(whole: Whole) -> None:
+    out, data = whole.out, whole.data
+    assert whole.calls[1::2] == ["inside box", "inside stl", "inside stl"]
+    assert all(call.endswith("forged") for call in whole.calls[::2])
     numbers = [row["number"] for row in data["steps"]]
     assert numbers == list(range(len(numbers)))
     masses = [row["throw_kg"] for row in data["steps"][1:]]
@@ -226,18 +266,15 @@ def page_holds(data: dict[str, Any], text: str) -> None:
 
 
 def test_interrupted_loop_goes_on_where_it_was(
-    quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    whole: Whole, quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    whole, out = tmp_path / "whole", tmp_path / "loop"
-    assert main([*ARGUMENTS, "--out", str(whole)]) == 0
-    everything = list(quick)
-    quick.clear()
-    judge = loop.evaluate
+    out = tmp_path / "loop"
+    finished = loop.evaluate
 
     def interrupted(target: Any, size: float | None) -> Any:
         if target.name.endswith("step-2"):
             raise KeyboardInterrupt
-        return judge(target, size)
+        return finished(target, size)
 
     monkeypatch.setattr(loop, "evaluate", interrupted)
     capsys.readouterr()
@@ -245,15 +282,15 @@ def test_interrupted_loop_goes_on_where_it_was(
     assert f"cranktopo iterate --resume {out}" in capsys.readouterr().err
     assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
     assert not (out / "step-02" / "step.json").exists()
-    monkeypatch.setattr(loop, "evaluate", judge)
+    monkeypatch.setattr(loop, "evaluate", finished)
     before = (out / "step-01" / "step.json").read_bytes()
     assert "step 1 of 3 done" in (out / "report.html").read_text(encoding="utf-8")
     done = len(quick)
     assert main(["iterate", "--resume", str(out)]) == 0
     assert "\nstiffnesses +-0.1 % in torsion, +-0.2 % in bending at most\n" in capsys.readouterr().out
     assert (out / "step-01" / "step.json").read_bytes() == before
-    assert quick[done:] == everything[2:]  # step 2 and what follows, not step 1
-    first, second = (json.loads((p / "iterate.json").read_text()) for p in (whole, out))
+    assert quick[done:] == whole.calls[2:]  # step 2 and what follows, not step 1
+    first, second = (json.loads((p / "iterate.json").read_text()) for p in (whole.out, out))
     for one, other in zip(first["steps"], second["steps"], strict=True):
         assert {**one, "seconds": 0} == {**other, "seconds": 0}
 
