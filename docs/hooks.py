@@ -16,6 +16,8 @@ from mkdocs.structure.pages import Page
 import cranktopo
 from cranktopo.cli.main import COMMANDS, cli
 from cranktopo.scene.reference import KeyReference, TableReference, scene_reference
+from cranktopo.scene.schema import material_library
+from cranktopo.scene.supports import bearing_library
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ("designs/mikron-iiic.png",)
@@ -137,8 +139,21 @@ def public_names() -> str:
     return "\n\n".join(f"::: cranktopo.{name}" for name in order)
 
 
+def libraries() -> str:
+    """The materials and bearings that a name stands for, with their sources."""
+    head = "| `name` | source |\n|---|---|"
+    tables = [
+        "\n".join(
+            [head, *(f"| `{name}` | {_line(str(entry['source']))} |" for name, entry in library.items())]
+        )
+        for library in (material_library(), bearing_library())
+    ]
+    return f"### Materials\n\n{tables[0]}\n\n### Roller bearings\n\n{tables[1]}"
+
+
 GENERATED: dict[str, Any] = {
     "scene": scene_tables,
+    "libraries": libraries,
     "commands": command_pages,
     "exit_codes": exit_codes,
     "api": public_names,
