@@ -21,6 +21,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop, stage
 from cranktopo.optimise.assess import Assessment, assess
+from cranktopo.optimise.problem import SolverSettings
 from cranktopo.scene import Scene
 from cranktopo.surface.checked_surface import checked_surface
 from cranktopo.triangles.surface_files import write_stl
@@ -34,7 +35,7 @@ class OptimiserModel:
 
     cell_mm: float
     label: str = ""
-    solving: loop.Solving = field(default_factory=loop.Solving)
+    solving: SolverSettings = field(default_factory=SolverSettings)
     max_iterations: int | None = None
 
     @property
@@ -71,14 +72,14 @@ def cell_sizes(scene: Scene) -> list[float]:
 
 def _settings(cell_mm: float) -> tuple[OptimiserModel, ...]:
     """One model for each setting beside the cell size."""
-    tight = loop.Solving(tolerance_early=1e-8, tolerance=1e-8)
+    tight = SolverSettings(tolerance_early=1e-8, tolerance=1e-8)
     double = replace(tight, precision="float64")
     return (
         OptimiserModel(cell_mm, "10 iterations", max_iterations=10),
-        OptimiserModel(cell_mm, "tolerance 1e-2", loop.Solving(tolerance=1e-2)),
+        OptimiserModel(cell_mm, "tolerance 1e-2", SolverSettings(tolerance=1e-2)),
         OptimiserModel(cell_mm, "tolerance 1e-8", tight),
         OptimiserModel(cell_mm, "tolerance 1e-8, float64", double),
-        OptimiserModel(cell_mm, "plain hexahedra", loop.Solving(plain=True)),
+        OptimiserModel(cell_mm, "plain hexahedra", SolverSettings(plain=True)),
     )
 
 
@@ -120,7 +121,7 @@ def optimise_once(scene: Scene, model: OptimiserModel, folder: Path) -> Optimise
         return Optimised(target, own, unknowns, nx * ny * nz, cases, iterations, clock.compile_s)
 
 
-def _surface(ready: stage.Prepared, design: loop.Design, folder: Path) -> Target | None:
+def _surface(ready: stage.Prepared, design: loop.WebDensities, folder: Path) -> Target | None:
     try:
         checked = checked_surface(ready.scene, ready.domain, design)
     except CranktopoError as error:

@@ -63,18 +63,18 @@ def _text(found: Extraction, path: Path) -> str:
     from cranktopo.pipeline.extract import LEAST_MEMBER_CELLS
     from cranktopo.report.tables.undercuts import undercut_text
 
-    surface, gates = found.surface, found.gates
+    surface, report = found.surface, found.report
     cells = found.minimum_member_mm / found.cell_mm
     lines = [
         f"{found.run}, iteration {found.iteration}",
         f"web volume       {surface.volume_mm3:.0f} mm3, "
-        f"{gates.web_volume_error_percent:+.3f} % from the density's",
+        f"{report.web_volume_error_percent:+.3f} % from the density's",
         f"mass             throw {found.throw_kg:.3f} kg, web {found.web_kg:.3f} kg",
         f"iso-value        {surface.iso_value:.4f}; distance of its surface {found.mean_distance_mm:.3f} mm "
         f"in the mean, {found.max_distance_mm:.3f} mm at most",
         f"thinnest member  {found.minimum_member_mm:.1f} mm, {cells:.1f} cells",
         f"undercuts        {undercut_text(found.undercuts)}",
-        f"surface          {gates.faces} faces, closed, 1 body, {gates.cavities} closed hollows, "
+        f"surface          {report.faces} faces, closed, 1 body, {report.cavities} closed hollows, "
         f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
     ]
     if cells < LEAST_MEMBER_CELLS:

@@ -17,7 +17,7 @@ from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosit
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
-    from cranktopo.optimise.loop import DensityProblem
+    from cranktopo.optimise.problem import DensityProblem
     from cranktopo.optimise.state import State
 
 
@@ -120,7 +120,7 @@ class _Bar:
         self._bar.close()
 
     def __call__(self, problem: DensityProblem, state: State) -> None:
-        from cranktopo.optimise.loop import iterations_left
+        from cranktopo.optimise.continuation import iterations_left
 
         row = state.last
         done = len(state.history)

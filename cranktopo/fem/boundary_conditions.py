@@ -79,10 +79,8 @@ def build_supports(
     """Arrays of the supports, and the nodal forces that carry the loads on section motions.
 
     Args:
-        lattice: the grid.
         origin_mm: x and y of the grid's first node relative to the crank axis, mm.
         levels: number of halvings between the finest and the coarsest grid.
-        cases: supports per load case.
 
     Returns:
         BoundaryConditions, and section forces (cases, 3, nodes...).
@@ -105,13 +103,7 @@ def build_supports(
 
 
 def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dtype: jnp.dtype) -> jax.Array:
-    """Mask (cases, 3, nodes...): 1 where a component moves on its own, 0 on mirrors and rigid sections.
-
-    Args:
-        supports: supports of all cases.
-        nodes: node counts of the grid, any level.
-        dtype: of the result.
-    """
+    """Mask (cases, 3, nodes...): 1 where a component moves on its own, 0 on mirrors and rigid sections."""
     along_x = jnp.ones((*supports.free_x0.shape, nodes[0])).at[:, :, 0].set(supports.free_x0)
     along_z = jnp.ones((*supports.free_x0.shape, nodes[2])).at[:, :, 0].set(0.0)
     along_z = along_z.at[:, :, -1].set(supports.free_z_end)
@@ -120,24 +112,13 @@ def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dty
 
 
 def section_coordinates(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
-    """Inner products (cases, m) of the section motions with a field's end planes.
-
-    Args:
-        supports: supports of all cases.
-        field: (cases, 3, nodes...) on the finest grid.
-    """
+    """Inner products (cases, m) of the section motions with a field's end planes."""
     ends = jnp.stack([field[..., 0], field[..., -1]], axis=1)
     return jnp.einsum("bmpcxy,bpcxy->bm", supports.basis.astype(field.dtype), ends)
 
 
 def add_section(supports: BoundaryConditions, field: jax.Array, coordinates: jax.Array) -> jax.Array:
-    """The field plus section motions on the end planes.
-
-    Args:
-        supports: supports of all cases.
-        field: (cases, 3, nodes...) on the finest grid.
-        coordinates: amplitudes (cases, m) of the section motions.
-    """
+    """The field plus section motions on the end planes."""
     ends = jnp.einsum("bmpcxy,bm->bpcxy", supports.basis.astype(field.dtype), coordinates)
     return field.at[..., 0].add(ends[:, 0]).at[..., -1].add(ends[:, 1])
 

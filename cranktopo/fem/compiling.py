@@ -10,19 +10,14 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
-from cranktopo.fem.multigrid import Precision, Tables, build_hierarchy
+from cranktopo.fem.multigrid import GridTables, Precision, build_hierarchy
 from cranktopo.fem.precision import sized_for
 
 
-def compile_multigrid(tables: Tables, system: System, precision: Precision) -> None:
+def compile_multigrid(tables: GridTables, system: System, precision: Precision) -> None:
     """Compile hierarchy and iteration at once; calls on arrays of these shapes find the programs.
 
     Half of a compilation is serial: one after the other they take a third longer on two cores.
-
-    Args:
-        tables: constants of the grid.
-        system: the equations; only shapes count.
-        precision: of the cycle.
     """
     leaves, structure = jax.tree.flatten((tables, system))
     _compile(structure, tuple(jax.ShapeDtypeStruct(leaf.shape, leaf.dtype) for leaf in leaves), precision)

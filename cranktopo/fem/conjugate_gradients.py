@@ -1,4 +1,7 @@
-"""Conjugate gradients in float64, all cases at once, preconditioned by the multigrid cycle or by Jacobi."""
+"""Conjugate gradients in float64, all cases at once, preconditioned by the multigrid cycle or by Jacobi.
+
+Fields have shape (cases, 3, nodes...). The relative residual that all cases must reach is `tolerance`.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,6 @@ class System(NamedTuple):
 
     Attributes:
         blocks: reflection blocks (8, 3, 3, nz) of the layers.
-        supports: supports of all cases.
         moduli: modulus per cell, float64.
         forces: (cases, 3, nodes...), float64.
     """
@@ -35,7 +37,7 @@ class System(NamedTuple):
     forces: jax.Array
 
 
-class Result(NamedTuple):
+class CgResult(NamedTuple):
     """What an iteration arrived at.
 
     Attributes:
@@ -49,7 +51,7 @@ class Result(NamedTuple):
     iterations: jax.Array
 
 
-class _State(NamedTuple):
+class _CgState(NamedTuple):
     u: jax.Array
     r: jax.Array
     p: jax.Array
@@ -65,10 +67,6 @@ def stiffness_product(system: System, u: jax.Array) -> jax.Array:
     """K u with the springs of the rigid sections, as far as admissible displacements feel it.
 
     The reactions are projected out: far larger than a residual, they would drown it in float32.
-
-    Args:
-        system: the equations; its forces are not used.
-        u: displacements (cases, 3, nodes...), mm.
     """
     supports = system.supports
     springs = jnp.einsum("bmn,bn->bm", supports.springs, section_coordinates(supports, u))
@@ -84,19 +82,15 @@ def multigrid_cg(
     guess: jax.Array,
     tolerance: jax.Array,
     max_iterations: jax.Array,
-) -> Result:
+) -> CgResult:
     """Conjugate gradients with the multigrid cycle.
 
     Args:
-        system: the equations.
         hierarchy: built from the system's moduli or from similar ones.
         degree: smoothing steps before and after each coarse correction.
-        guess: start values (cases, 3, nodes...), e.g. the last solution or zeros.
-        tolerance: relative residual at which all cases must arrive.
-        max_iterations: cap.
 
     Returns:
-        Result; the tolerance is missed where the cap is reached, where the preconditioner or the matrix is
+        CgResult; the tolerance is missed where the cap is reached, where the preconditioner or the matrix is
         not positive definite in floating point, and where rounding stops all progress.
     """
     precondition = partial(apply_cycle, hierarchy, system.supports, degree)
@@ -104,15 +98,8 @@ def multigrid_cg(
 
 
 @jax.jit
-def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterations: jax.Array) -> Result:
-    """Conjugate gradients with the inverse diagonal; result as of `multigrid_cg`.
-
-    Args:
-        system: the equations.
-        guess: start values (cases, 3, nodes...).
-        tolerance: relative residual at which all cases must arrive.
-        max_iterations: cap.
-    """
+def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterations: jax.Array) -> CgResult:
+    """Conjugate gradients with the inverse diagonal; result as of `multigrid_cg`."""
     diagonal = stiffness_diagonal(system.blocks, system.moduli)
     inverse = jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1.0), 0.0)
 
@@ -128,7 +115,7 @@ def _iterate(
     guess: jax.Array,
     tolerance: jax.Array,
     max_iterations: jax.Array,
-) -> Result:
+) -> CgResult:
     """The iteration as one loop of two kinds of steps, so that the product is compiled only once.
 
     A measuring step scales u per case to the least energy of its error and computes the true residual: it
@@ -139,15 +126,15 @@ def _iterate(
     load = _norm(forces)
     load = jnp.where(load > 0, load, 1.0)
 
-    def measured(s: _State) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    def measured(s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
         return s.u, jnp.zeros_like(s.u), forces, dot(forces, s.u)
 
-    def conjugate(s: _State) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    def conjugate(s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
         z = precondition(s.r)
         rz = dot(s.r, z)
         return z + _wide(_ratio(rz, s.rz)) * s.p, s.u, s.r, rz
 
-    def step(s: _State) -> _State:
+    def step(s: _CgState) -> _CgState:
         direction, u, r, slope = jax.lax.cond(s.measure, measured, conjugate, s)
         image = stiffness_product(system, direction)
         curvature = dot(direction, image)
@@ -159,7 +146,7 @@ def _iterate(
         checked = s.measure & (s.done > 0)
         settled = jnp.all(error <= tolerance)
         stuck = checked & ~(jnp.max(error) <= 0.5 * jnp.max(s.true_error))  # also when not a number
-        return _State(
+        return _CgState(
             u=u,
             r=r,
             p=direction,
@@ -173,12 +160,12 @@ def _iterate(
 
     first = _before_measuring(project(system.supports, guess), forces)
     final = jax.lax.while_loop(lambda s: ~s.stop, step, first)
-    return Result(final.u, final.true_error, final.done)
+    return CgResult(final.u, final.true_error, final.done)
 
 
-def _before_measuring(u: jax.Array, forces: jax.Array) -> _State:
+def _before_measuring(u: jax.Array, forces: jax.Array) -> _CgState:
     none = jnp.zeros(forces.shape[0], forces.dtype)
-    return _State(
+    return _CgState(
         u=u,
         r=forces,
         p=jnp.zeros_like(forces),
@@ -192,11 +179,7 @@ def _before_measuring(u: jax.Array, forces: jax.Array) -> _State:
 
 
 def dot(a: jax.Array, b: jax.Array) -> jax.Array:
-    """Scalar product of two fields, per case.
-
-    Args:
-        a, b: the fields (cases, 3, nodes...).
-    """
+    """Scalar product of two fields, per case."""
     return jnp.sum(a * b, axis=(1, 2, 3, 4))
 
 

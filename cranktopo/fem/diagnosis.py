@@ -29,10 +29,6 @@ def void_energy_share(system: System, u: jax.Array) -> Array:
     It is the relative change of the compliance with the stiffness of the void: near 0 where material carries
     the load, near 1 where parts move through void as rigid bodies or mechanisms.
 
-    Args:
-        system: the equations.
-        u: displacements (cases, 3, nodes...) that nearly solve them.
-
     Returns:
         Array (cases,), 0 for a case without work.
     """
@@ -58,7 +54,6 @@ def unsupported_load(system: System, threshold: float, across: Across = "corners
     """The first load case of which some load does not reach a support through the material.
 
     Args:
-        system: the equations.
         threshold: cells count as material above this share of the largest modulus.
         across: what cells must share to be joined; one that shares only an edge or a corner is a hinge.
 

@@ -40,7 +40,6 @@ def hexahedron_stiffness(
 
     Args:
         size_mm: edge lengths (x, y, z), mm.
-        poisson: Poisson's ratio.
         plain: leave the bubbles out, to show what they are worth.
 
     Returns:
@@ -69,9 +68,6 @@ def reflection_blocks(stiffness: Array) -> Array:
     its corners leaves one 3 x 3 block per parity class. Wave w = (wx, wy, wz) in {0, 1}^3 is a difference
     (1) or sum (0) per axis; component c of class p belongs to wave p xor e_c.
 
-    Args:
-        stiffness: (24, 24) matrix of a box.
-
     Returns:
         Array (8, 3, 3); class index 4 px + 2 py + pz. With it K = H^T B H for the unnormalised transform H.
     """
@@ -83,12 +79,7 @@ def reflection_blocks(stiffness: Array) -> Array:
 
 
 def wave_of(parity_class: int, component: int) -> int:
-    """Wave index (4 wx + 2 wy + wz) that a displacement component of a parity class lives on.
-
-    Args:
-        parity_class: class index 4 px + 2 py + pz.
-        component: 0, 1 or 2 for x, y or z.
-    """
+    """Wave index (4 wx + 2 wy + wz) that a displacement component of a parity class lives on."""
     return parity_class ^ (4 >> component)
 
 

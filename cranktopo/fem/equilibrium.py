@@ -14,9 +14,9 @@ import jax.numpy as jnp
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.compiling import compile_multigrid
-from cranktopo.fem.conjugate_gradients import Result, System, jacobi_cg, multigrid_cg
+from cranktopo.fem.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
 from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
-from cranktopo.fem.multigrid import Precision, Tables, build_hierarchy
+from cranktopo.fem.multigrid import GridTables, Precision, build_hierarchy
 from cranktopo.fem.precision import sized_for
 
 # An answer of which void decides more than this share is refused.
@@ -29,7 +29,6 @@ class Solution(NamedTuple):
     """Displacements and how well they satisfy equilibrium.
 
     Attributes:
-        displacements: (cases, 3, nodes...).
         relative_residual: (cases,) norm of the true residual over that of the load.
         iterations: number of iterations, shared by all cases, of all methods together.
         method: what reached the tolerance.
@@ -44,7 +43,7 @@ class Solution(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Method:
+class Method:
     """A way to solve; `degree` 0 is Jacobi without a hierarchy."""
 
     name: str
@@ -56,14 +55,14 @@ class _Method:
 # A field that defeats two smoothing steps in float32 is either ill-conditioned or an island in void:
 # float64 helps with the second, deeper smoothing with the first.
 METHODS = (
-    _Method("multigrid CG", "float32", 2, 200),
-    _Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 600),
-    _Method("Jacobi CG", "float64", 0, 5000),
+    Method("multigrid CG", "float32", 2, 200),
+    Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 600),
+    Method("Jacobi CG", "float64", 0, 5000),
 )
 
 
 def solve_system(
-    tables: Tables,
+    tables: GridTables,
     system: System,
     guess: jax.Array,
     tolerance: float,
@@ -73,11 +72,7 @@ def solve_system(
     """Displacements of every case, their true residual at most the tolerance.
 
     Args:
-        tables: constants of the grid.
-        system: the equations.
         guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros.
-        tolerance: relative residual that every case must reach.
-        names: of the cases, for messages.
         precision: of the first method's multigrid cycle.
 
     Raises:
@@ -87,7 +82,7 @@ def solve_system(
     _check_numbers(system, names)
     iterations, tried = 0, ""
     for method in (replace(METHODS[0], precision=precision), *METHODS[1:]):
-        result = _run(method, tables, system, guess, tolerance)
+        result = run_method(method, tables, system, guess, tolerance)
         used, residual = int(result.iterations), _worst(result)
         iterations += used
         _check_meaning(system, result, residual <= tolerance, names)
@@ -101,7 +96,10 @@ def solve_system(
     raise _failure(system, result, tolerance, iterations, names)
 
 
-def _run(method: _Method, tables: Tables, system: System, guess: jax.Array, tolerance: float) -> Result:
+def run_method(
+    method: Method, tables: GridTables, system: System, guess: jax.Array, tolerance: float
+) -> CgResult:
+    """What one method arrives at; the others have not been tried."""
     limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
@@ -111,7 +109,7 @@ def _run(method: _Method, tables: Tables, system: System, guess: jax.Array, tole
         return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
 
 
-def _worst(result: Result) -> float:
+def _worst(result: CgResult) -> float:
     return float(jnp.max(result.relative_residual))
 
 
@@ -139,7 +137,7 @@ def _vital_signs(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, jax.A
     return jnp.min(moduli), jnp.max(moduli), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
 
 
-def _check_meaning(system: System, result: Result, solved: bool, names: tuple[str, ...]) -> None:
+def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[str, ...]) -> None:
     """Refuse an answer that void decides; while it is not reached, only where material has a gap."""
     shares = void_energy_share(system, result.displacements)
     if not shares.max() > _VOID_SHARE:
@@ -178,7 +176,7 @@ def _check_load_path(system: System, names: tuple[str, ...]) -> None:
 
 
 def _failure(
-    system: System, result: Result, tolerance: float, iterations: int, names: tuple[str, ...]
+    system: System, result: CgResult, tolerance: float, iterations: int, names: tuple[str, ...]
 ) -> CranktopoError:
     residual = [float(r) for r in result.relative_residual]
     worst = residual.index(max(residual))

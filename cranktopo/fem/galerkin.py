@@ -32,7 +32,6 @@ class CoarseMap(NamedTuple):
 
     Attributes:
         weights_x: moments over the fine cells along x in a coarse cell (moments, cells).
-        weights_y: likewise along y.
         matrices: per coarse layer, moment (x, y) and fine layer in it, the (8, 3, 8, 3) matrix of P^T K_e P,
             shape (coarse nz, moments, 576).
         bound: bound of the Jacobi-scaled spectrum of the coarse operator, whatever the moduli.
@@ -49,7 +48,6 @@ def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
     """Constants of one coarse grid.
 
     Args:
-        lattice: the fine grid.
         factors: fine cells per coarse cell along (x, y, z).
     """
     stacks = [lattice.dz_mm[k : k + factors[2]] for k in range(0, lattice.cells[2], factors[2])]
@@ -63,12 +61,7 @@ def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
 
 
 def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
-    """Stiffness matrices (8, 3, 8, 3, coarse cells...) of the Galerkin operator P^T K P.
-
-    Args:
-        coarse: constants of the coarse grid.
-        moduli: modulus per fine cell (nx, ny, nz).
-    """
+    """Stiffness matrices (8, 3, 8, 3, coarse cells...) of the Galerkin operator P^T K P."""
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nz = coarse.matrices.shape[0]
     nx, ny = moduli.shape[0] // across, moduli.shape[1] // along
@@ -124,12 +117,7 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """Product of a stencil operator with fields, of their shape.
-
-    Args:
-        stencil: from `assemble_stencil`.
-        field: (cases, 3, nodes...).
-    """
+    """Product of a stencil operator with fields, of their shape."""
     cases, _, nx, ny, nz = field.shape
     size, reach, lead = nx * ny * nz, ny * nz + nz + 1, _LEAD * ny * nz
     # One flat axis: the blocks that would reach beyond the grid are 0. Without the barriers XLA recomputes

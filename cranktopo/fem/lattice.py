@@ -23,11 +23,7 @@ class Lattice:
     """A grid of box cells, uniform in x and y, with one height per layer in z.
 
     Attributes:
-        cells: number of cells (nx, ny, nz).
-        dx_mm: cell edge along x, mm.
-        dy_mm: cell edge along y, mm.
         dz_mm: cell edge along z for each of the nz layers, mm.
-        poisson: Poisson's ratio of every cell.
         plain: hexahedra without incompatible modes.
     """
 
@@ -70,12 +66,7 @@ class Lattice:
 
 @lru_cache(maxsize=64)
 def layer_stiffness(lattice: Lattice, layer: int) -> Array:
-    """Stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa.
-
-    Args:
-        lattice: the grid.
-        layer: index of the z layer.
-    """
+    """Stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa."""
     size = lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[layer]
     return hexahedron_stiffness(size, lattice.poisson, plain=lattice.plain)
 

@@ -31,12 +31,8 @@ class ThrowModel:
     """Grid, supports and loads of a throw, ready to be solved for any field of relative moduli.
 
     Attributes:
-        lattice: the grid.
-        levels: halvings of the multigrid hierarchy.
-        supports: supports of all cases, springs divided by the material's modulus.
+        supports: springs divided by the material's modulus.
         forces: nodal forces divided by the material's modulus (cases, 3, nodes...), mm2.
-        cases: the load cases, in order.
-        modulus_MPa: Young's modulus of the solid.
         share: share of the full throw in the model.
         spin: mass density times squared angular speed over the modulus per case, 1/mm2; 0: no body force.
         arms_mm: distance (x, y) of the nodes from the crank axis, two arrays that broadcast to the nodes.
@@ -71,10 +67,7 @@ def build_model(
     Call inside `double_precision()`.
 
     Args:
-        scene: material and supports.
-        domain: the cells.
         cases: load cases; forces are those of the full throw.
-        plain: hexahedra without incompatible modes.
     """
     dx, dy, dz = domain.grid.steps_mm
     lattice = Lattice(
@@ -110,10 +103,6 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
     Bending and centrifugal loads are symmetric about the mid-pin plane and in x; the tangential force is
     symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
 
-    Args:
-        scene: kinds of support, and the bearing's spring.
-        domain: which mirrors the model has.
-        case: the load case; its torque acts on the section motions.
     """
     torsion = case.kind == "torsion"
     odd_in_x = case.kind in ("torsion", "tangential")
@@ -138,10 +127,6 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
 
 def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
     """Nodal forces of every case over the modulus, with the centrifugal force of the solid itself.
-
-    Args:
-        model: the discrete throw.
-        solid: solid fraction of every cell (nx, ny, nz).
 
     Returns:
         Forces (cases, 3, nodes...), mm2; differentiable by the solid fraction.

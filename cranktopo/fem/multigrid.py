@@ -37,13 +37,12 @@ _POWER_MARGIN = 1.15
 _SHIFT = 1e-13
 
 
-class Tables(NamedTuple):
+class GridTables(NamedTuple):
     """Constants of a lattice; arguments of the compiled functions, so that grids of one size share them.
 
     Attributes:
         blocks: reflection blocks (8, 3, 3, nz) of the layers.
         bound: bound of the Jacobi-scaled spectrum on the finest level.
-        coarse: constants of the coarse grids.
     """
 
     blocks: Array
@@ -71,31 +70,19 @@ class Hierarchy(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def build_tables(lattice: Lattice, levels: int) -> Tables:
-    """Constants of a lattice and of its coarse grids.
-
-    Args:
-        lattice: the finest grid.
-        levels: how often all axes can be halved, at least 1.
-    """
+def build_tables(lattice: Lattice, levels: int) -> GridTables:
+    """Constants of a lattice and of its coarse grids."""
     heights = {lattice.dz_mm.index(h) for h in lattice.dz_mm}
     bound = max(jacobi_bound(layer_stiffness(lattice, layer)) for layer in heights)
     coarse = tuple(coarse_map(lattice, factors) for factors in lattice.coarsenings(levels))
-    return Tables(layer_blocks(lattice), np.asarray(bound), coarse)
+    return GridTables(layer_blocks(lattice), np.asarray(bound), coarse)
 
 
 @partial(jax.jit, static_argnames=("precision",))
 def build_hierarchy(
-    tables: Tables, supports: BoundaryConditions, moduli: jax.Array, precision: Precision = "float32"
+    tables: GridTables, supports: BoundaryConditions, moduli: jax.Array, precision: Precision = "float32"
 ) -> Hierarchy:
-    """Coarse operators and smoothers for one set of moduli.
-
-    Args:
-        tables: constants of the grid.
-        supports: supports of all cases; springs in the unit of `moduli`.
-        moduli: modulus per cell (nx, ny, nz), float64.
-        precision: of the cycle.
-    """
+    """Coarse operators and smoothers for one set of moduli."""
     scale = jnp.max(moduli)
     moduli = moduli / scale
     rounded = moduli.astype(precision)
@@ -119,8 +106,6 @@ def apply_cycle(
     """One V-cycle: an approximate, symmetric positive definite inverse applied to a residual.
 
     Args:
-        hierarchy: from `build_hierarchy`.
-        supports: supports of all cases.
         degree: smoothing steps before and after the coarse correction on the finest level; twice as many on
             the next, and so on.
         residual: projected nodal forces (cases, 3, nodes...), any float type.
@@ -229,7 +214,6 @@ def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
     """Transpose of trilinear interpolation: fine nodal forces to the next coarser grid.
 
     Args:
-        field: (cases, 3, nodes...) on the finer grid.
         nodes: node counts of the coarser grid; an axis with as many as the finer one stays as it is.
     """
     for axis, count in zip((2, 3, 4), nodes, strict=True):
@@ -248,7 +232,6 @@ def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
     """Trilinear interpolation of a coarse field to the next finer grid.
 
     Args:
-        field: (cases, 3, nodes...) on the coarser grid.
         nodes: node counts of the finer grid; an axis with as many as the coarser one stays as it is.
     """
     for axis, count in zip((4, 3, 2), reversed(nodes), strict=True):
@@ -269,10 +252,6 @@ def project(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
     """Orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
 
     For nodal forces it is the part that admissible displacements feel.
-
-    Args:
-        supports: supports of all cases.
-        field: displacements or nodal forces (cases, 3, nodes...).
     """
     nodes = (field.shape[2], field.shape[3], field.shape[4])
     interior = field * interior_mask(supports, nodes, field.dtype)

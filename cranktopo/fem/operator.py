@@ -38,11 +38,6 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
     """v^T K_e u of every cell for unit modulus, summed over cases: the derivative of v^T K u by moduli.
 
-    Args:
-        blocks: as in `apply_stiffness`.
-        left: field v, as in `apply_stiffness`.
-        right: field u.
-
     Returns:
         Array (nx, ny, nz), N mm per MPa.
     """
@@ -57,12 +52,7 @@ def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
 
 @jax.jit
 def strain_energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
-    """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus, N mm per MPa.
-
-    Args:
-        blocks: as in `apply_stiffness`.
-        u: displacements (cases, 3, nodes...), mm.
-    """
+    """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus, N mm per MPa."""
     return jax.lax.map(lambda v: strain_energy_density(blocks, v[None], v[None]), u)
 
 
@@ -78,12 +68,7 @@ def _layer_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
 
 
 def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
-    """Diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1), in units of `moduli` times mm.
-
-    Args:
-        blocks: reflection blocks (8, 3, 3, nz) of the layers, N/mm per MPa.
-        moduli: modulus per cell (nx, ny, nz).
-    """
+    """Diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1), in units of `moduli` times mm."""
     weights = jnp.sum(blocks, axis=0)  # by symmetry every corner has the same diagonal
     diagonal = []
     for c in range(3):

@@ -1,8 +1,9 @@
 """Differentiable responses of the throw: implicit differentiation of the equilibrium by the moduli.
 
-All functions take relative moduli (1 = solid material, shape (nx, ny, nz)) and must be called inside
-`double_precision()`. They are differentiable by `jax.grad` and friends; a solve runs eagerly, so do not
-wrap them in `jax.jit`.
+All functions take relative moduli (1 = solid material, shape (nx, ny, nz)), the solid fraction of every cell
+likewise, nodal forces divided by the modulus and displacements in mm (cases, 3, nodes...), and must be called
+inside `double_precision()`. They are differentiable by `jax.grad` and friends; a solve runs eagerly, so do
+not wrap them in `jax.jit`.
 """
 
 from __future__ import annotations
@@ -30,14 +31,6 @@ def solve(
 ) -> Solution:
     """Displacements of every load case.
 
-    Args:
-        model: the discrete throw.
-        moduli: relative moduli (nx, ny, nz).
-        forces: nodal forces divided by the modulus (cases, 3, nodes...); the model's by default.
-        guess: start values, e.g. the displacements of the previous design.
-        tolerance: relative residual that every case must reach.
-        precision: of the multigrid cycle inside the float64 iteration.
-
     Raises:
         CranktopoError: moduli or loads that make no sense, or the residual is not reached (exit code 4).
     """
@@ -49,13 +42,7 @@ def solve(
 
 
 def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8) -> jax.Array:
-    """Differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve.
-
-    Args:
-        model: the discrete throw.
-        moduli: relative moduli (nx, ny, nz).
-        tolerance: relative residual that every case must reach.
-    """
+    """Differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve."""
 
     @jax.custom_vjp
     def field(moduli: jax.Array) -> jax.Array:
@@ -75,13 +62,7 @@ def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8)
 
 
 def compliances(model: ThrowModel, u: jax.Array, forces: jax.Array | None = None) -> jax.Array:
-    """Work of the loads of the full throw, F . u per case (cases,), N mm.
-
-    Args:
-        model: the discrete throw.
-        u: displacements (cases, 3, nodes...), mm.
-        forces: nodal forces over the modulus; the model's own, without body forces, by default.
-    """
+    """Work of the loads of the full throw, F . u per case (cases,), N mm."""
     load = model.forces if forces is None else forces
     return _works(load, u) * model.modulus_MPa / model.share
 
@@ -90,22 +71,12 @@ def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
     """Derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint.
 
     Body forces stay as they are: `compliance_gradients_by_solid` adds what changes with the mass.
-
-    Args:
-        model: the discrete throw.
-        u: displacements (cases, 3, nodes...), mm.
     """
     return _scaled_energies(layer_blocks(model.lattice), u, -model.modulus_MPa / model.share)
 
 
 def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Array) -> jax.Array:
-    """Derivatives (cases, nx, ny, nz) of the compliances by the solid fraction that carries mass, N mm.
-
-    Args:
-        model: the discrete throw.
-        u: displacements (cases, 3, nodes...), mm.
-        solid: solid fraction of every cell (nx, ny, nz).
-    """
+    """Derivatives (cases, nx, ny, nz) of the compliances by the solid fraction that carries mass, N mm."""
 
     def work(solid: jax.Array) -> jax.Array:
         return jnp.sum(case_forces(model, solid) * u, axis=(1, 2, 3, 4))
@@ -116,39 +87,21 @@ def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Ar
 
 
 def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Relative rotation of the two mid-journal sections under a torsion case, rad.
-
-    Args:
-        model: the discrete throw.
-        u: displacements of all cases (cases, 3, nodes...), mm.
-        case: name of a torsion case.
-    """
+    """Relative rotation of the two mid-journal sections under a torsion case, rad."""
     index = model.case_names.index(case)
     torque = model.cases[index].torque_Nm * NMM_PER_NM
     return compliances(model, u)[index] / torque
 
 
 def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Mean displacement of the crankpin's material along the case's pin force, mm.
-
-    Args:
-        model: the discrete throw.
-        u: displacements of all cases (cases, 3, nodes...), mm.
-        case: name of a case with a pin force.
-    """
+    """Mean displacement of the crankpin's material along the case's pin force, mm."""
     index = model.case_names.index(case)
     force = model.cases[index].radial_N or model.cases[index].tangential_N
     return compliances(model, u)[index] / force
 
 
 def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
-    """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other.
-
-    Args:
-        model: the discrete throw.
-        compliance_N_mm: compliance of the case, full throw.
-        case: name of a case with a torque or a pin force.
-    """
+    """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
     index = model.case_names.index(case)
     load = model.cases[index]
     if load.kind == "torsion":
@@ -158,24 +111,13 @@ def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
 
 
 def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
-    """Mass of the full throw, kg.
-
-    Args:
-        model: the discrete throw.
-        solid: solid fraction of every cell (nx, ny, nz).
-        density_kg_m3: mass density of the material.
-    """
+    """Mass of the full throw, kg."""
     tonne = density_tonne_per_mm3(density_kg_m3) * jnp.sum(solid * cell_volumes_mm3(model.lattice))
     return tonne * KG_PER_TONNE / model.share
 
 
 def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
     """Mass of the full throw times the y of its centre of mass, kg mm.
-
-    Args:
-        model: the discrete throw.
-        solid: solid fraction of every cell (nx, ny, nz).
-        density_kg_m3: mass density of the material.
 
     Raises:
         ValueError: the model does not say where its nodes are.

@@ -44,8 +44,6 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
     Args:
         path: STL or STEP, mm, frame of `cranktopo.frames`, z from 0 to half the pitch. A STEP file may also
             hold the full throw (z to the full pitch).
-        scene: design of its journals.
-        element_size_mm: general element size.
         align: move a body that lies elsewhere to where the journals are.
 
     Raises:
@@ -100,8 +98,6 @@ def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMes
     """The closed surface of the half throw in an STL file, its ends snapped onto their planes.
 
     Args:
-        path: the file, mm.
-        scene: design of its journals.
         align: move a body that lies elsewhere to where the journals are.
 
     Raises:
@@ -131,8 +127,6 @@ def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:
     its plane would lie beside it by the rounding, and carry no support.
 
     Args:
-        points_mm: the points.
-        scene: where the planes are.
         share: what counts as near, over the pitch.
     """
     moved = points_mm.copy()

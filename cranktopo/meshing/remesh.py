@@ -38,9 +38,7 @@ def tetrahedralise(
 
     Args:
         surface: oriented outwards, hollows inwards.
-        element_size_mm: largest element size.
         size_at: element size wanted at points (n, 3).
-        name: of the surface, for messages.
 
     Returns:
         Nodes (3, nodes) in mm and cells (10, elements) in VTK order, edges straight.

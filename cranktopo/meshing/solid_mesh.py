@@ -51,9 +51,7 @@ class MeshedThrow:
     """A meshed part and its exact mass properties.
 
     Attributes:
-        mesh: the half throw, or its half x >= 0.
         half: properties of the half throw (both signs of x).
-        web_volume_mm3: volume of one web between its faces.
     """
 
     mesh: TetMesh
@@ -73,11 +71,8 @@ def mesh_throw(
     """Mesh of the half throw of a scene, as a quarter model where the throw is symmetric in x.
 
     Args:
-        scene: the throw.
         element_size_mm: general element size; fillets and sharp rings get a fixed fraction of it.
         full: mesh the full throw instead (no symmetry; to check the condensation).
-        quarter: use the lateral symmetry where there is one.
-        graded: refine at fillets and rings.
         fillet_fraction: element size on a fillet over its radius; by default what stiffness needs.
 
     Raises:
@@ -102,14 +97,7 @@ def mesh_throw(
 
 
 def mesh_body(gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool) -> TetMesh:
-    """Mesh of whatever body the open session holds.
-
-    Args:
-        gmsh: the open session.
-        scene: where fillets and sharp rings are.
-        element_size_mm: general element size; fillets and sharp rings get a fixed fraction of it.
-        mirrored: whether the body is the half x >= 0 of a symmetric one.
-    """
+    """Mesh of whatever body the open session holds."""
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False)
     return _generate(gmsh, element_size_mm, mirrored)
 
@@ -187,13 +175,7 @@ def _ring_size(finest: float, y: float, radius: float, z: float, fillet: float) 
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Element size at points of the half throw, (n,), mm: finer toward fillets and sharp rings.
-
-    Args:
-        scene: where fillets and sharp rings are.
-        size: general element size, mm.
-        points_mm: (n, 3) the points.
-    """
+    """Element size at points of the half throw, (n,), mm: finer toward fillets and sharp rings."""
     x, y, z = points_mm.T
     result = np.full(len(points_mm), size)
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
@@ -210,12 +192,7 @@ def _finest(size: float, fillet: float, fraction: float | None = None) -> float:
 
 
 def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
-    """The quadratic mesh of the open session, folded elements straightened.
-
-    Args:
-        gmsh: the open session, meshed to second order.
-        mirrored: whether the body is the half x >= 0 of a symmetric one.
-    """
+    """The quadratic mesh of the open session, folded elements straightened."""
     coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
     cells = nodes[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)

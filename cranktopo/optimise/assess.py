@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.fem.model import ThrowModel, case_forces
 from cranktopo.fem.response import compliances, solve, stiffness
-from cranktopo.optimise.loop import DensityProblem
 from cranktopo.optimise.material import relative_moduli
+from cranktopo.optimise.problem import DensityProblem
 from cranktopo.scene.schema import Scene
 from cranktopo.units import density_kg_per_mm3
 
@@ -25,12 +25,7 @@ class CaseResult:
     """Stiffness of the full throw under one load case.
 
     Attributes:
-        name: of the load case.
-        kind: of the load case.
-        compliance_N_mm: work of the load.
         stiffness: N m/rad for torsion, N/mm for a pin force, None for a body force.
-        cg_iterations: iterations of the solve.
-        relative_residual: true relative residual reached.
     """
 
     name: str
@@ -46,9 +41,7 @@ class Assessment:
     """What the optimiser's model says about a body.
 
     Attributes:
-        cases: one result per load case.
         throw_kg: mass between the two mid-main-journal planes, kg.
-        web_kg: mass of one web, kg.
     """
 
     cases: tuple[CaseResult, ...]
@@ -63,12 +56,6 @@ class Assessment:
 def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:
     """Stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
 
-    Args:
-        problem: the optimisation problem.
-        scene: the scene, for the material.
-        domain: the problem's cells.
-        density: physical density of the web's layers (nx, ny, nw).
-
     Raises:
         CranktopoError: the solve failed.
     """
@@ -80,13 +67,7 @@ def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array
 
 
 def assess_original(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
-    """The scene's own web on the same grid, in the same model.
-
-    Args:
-        problem: gives the discrete model.
-        scene: the web, and the cell size.
-        domain: cells that the design was found on.
-    """
+    """The scene's own web on the same grid, in the same model."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
     return _assess(problem.model, scene, domain, original.fixed, original.fixed)
 

@@ -11,12 +11,7 @@ SOLID = 0.5
 
 
 def is_connected(domain: Domain, density: NDArray[np.float64]) -> bool:
-    """Whether one face-connected body of solid cells holds both journals.
-
-    Args:
-        domain: the cells.
-        density: physical density of the web's layers (nx, ny, nw).
-    """
+    """Whether one face-connected body of solid cells holds both journals."""
     from scipy.ndimage import label
 
     first, last = domain.web_layers

@@ -16,10 +16,6 @@ def model_error_percent(scene: Scene, cell_mm: float) -> dict[str, float]:
     A power of the cell over the thickness of the web, fitted from above to the errors of `python -m
     tests.benchmarks.voxel_accuracy --throws` on webs of 14 to 37 mm. That of bending is the order at a sharp
     re-entrant ring, 1.09 (Williams, 1952); torsion is less sensitive to the rings.
-
-    Args:
-        scene: the design.
-        cell_mm: largest cell edge.
     """
     share = cell_mm / scene.web.thickness_mm
     found = {kind: factor * share ** _ORDER[kind] for kind, factor in _FACTOR_PERCENT.items()}

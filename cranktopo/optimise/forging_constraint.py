@@ -1,4 +1,4 @@
-"""Draw direction of a die: density that never grows away from the parting plane x = 0.
+"""Forging or casting constraint: density that never grows away from the die's parting plane x = 0.
 
 The die halves leave along +x and -x. What lies outward of a void would hold them back, so each cell takes a
 smooth minimum over the cells between it and the parting plane. Sums only grow outward: the result is
@@ -30,13 +30,9 @@ def parting_index(domain: Domain) -> int:
 
 
 def open_cells(scene: Scene, domain: Domain) -> NDArray[np.bool_]:
-    """Cells of the web slab (nx, ny, nw) that are no obstacle: designable, in a bore, or part of a journal.
+    """Cells of the web's layers (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
 
     Bores and holes through the envelope along the crank axis are drilled after forging or casting.
-
-    Args:
-        scene: the bores, and the envelope's holes.
-        domain: the cells.
     """
     first, last = domain.web_layers
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
@@ -58,12 +54,7 @@ def unreachable_share(scene: Scene, domain: Domain) -> float:
 
 
 def reachable(open_to_die: NDArray[np.bool_], parting: int) -> NDArray[np.bool_]:
-    """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane.
-
-    Args:
-        open_to_die: (nx, ny, nw) cells that are no obstacle.
-        parting: number of cells on the negative side.
-    """
+    """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane."""
     left, right = open_to_die[:parting][::-1], open_to_die[parting:]
     sides = (np.logical_and.accumulate(left)[::-1], np.logical_and.accumulate(right))
     return np.concatenate(sides)
@@ -71,11 +62,6 @@ def reachable(open_to_die: NDArray[np.bool_], parting: int) -> NDArray[np.bool_]
 
 def without_undercuts(density: jax.Array, free: jax.Array, parting: int) -> jax.Array:
     """Density that never grows away from the parting plane.
-
-    Args:
-        density: (nx, ny, nw) in [0, 1].
-        free: 1 in designable cells; the others stand in nobody's way.
-        parting: number of cells on the negative side.
 
     Returns:
         (nx, ny, nw) in [0, 1], at most `density` where that is designable.

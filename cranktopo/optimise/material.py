@@ -1,7 +1,8 @@
 """From design variables to relative moduli: density filter, projection, SIMP.
 
 The design variables live on the cells of the web. The chain is x -> filtered (for a die, without undercuts)
--> projected density (the physical one) -> modulus; every function is differentiable by JAX.
+-> projected density (the physical one) -> modulus; every function is differentiable by JAX. Design variables
+`x` and the physical `density` have shape (nx, ny, nw) and lie in [0, 1]; `beta`: steepness of the projection.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ class Interpolation:
 
     Attributes:
         fixed: solid fraction that is not designable (nx, ny, nz).
-        design: designable fraction of the web slab's cells (nx, ny, nw).
-        slab: range of z layers that holds the web.
+        design: designable fraction of the cells of the web's layers (nx, ny, nw).
+        web_layers: range of z layers that holds the web.
         kernel: cone weights of the density filter, odd sizes per axis.
         mirrored_x: whether the filter reflects at the first x plane.
         parting: x cells on the negative side of a die's parting plane x = 0; None without a die.
@@ -38,7 +39,7 @@ class Interpolation:
 
     fixed: jax.Array
     design: jax.Array
-    slab: tuple[int, int]
+    web_layers: tuple[int, int]
     kernel: jax.Array
     mirrored_x: bool
     parting: int | None = None
@@ -55,15 +56,14 @@ def build_interpolation(
     """The density-to-modulus chain of a domain; call inside `double_precision()`.
 
     Args:
-        domain: the cells.
         filter_radius_mm: radius of the cone filter, mm; it sets the smallest member.
-        open_to_die: for a web from a die, (nx, ny, nw) cells that are no obstacle, as `draw.open_cells`
-            gives them; what lies behind an obstacle is not designable.
+        open_to_die: for a web from a die, (nx, ny, nw) cells that are no obstacle to it; what lies behind one
+            is not designable.
     """
-    slab = domain.web_layers
+    layers = domain.web_layers
     dx, dy, dz = domain.grid.steps_mm
-    steps = float(dx[0]), float(dy[0]), float(dz[slab[0]])
-    design = domain.design[:, :, slab[0] : slab[1]]
+    steps = float(dx[0]), float(dy[0]), float(dz[layers[0]])
+    design = domain.design[:, :, layers[0] : layers[1]]
     parting = None
     if open_to_die is not None:
         parting = parting_index(domain)
@@ -71,7 +71,7 @@ def build_interpolation(
     return Interpolation(
         fixed=jnp.asarray(domain.fixed),
         design=jnp.asarray(design),
-        slab=slab,
+        web_layers=layers,
         kernel=jnp.asarray(cone_kernel(steps, filter_radius_mm)),
         mirrored_x=domain.mirrored_x,
         parting=parting,
@@ -80,10 +80,6 @@ def build_interpolation(
 
 def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array:
     """Cone-shaped filter weights max(0, radius - distance) on a grid.
-
-    Args:
-        steps_mm: cell edges (x, y, z).
-        radius_mm: distance at which the weight vanishes.
 
     Source: T. E. Bruns, D. A. Tortorelli, CMAME 190, 2001; B. Bourdin, IJNME 50, 2001.
     """
@@ -96,33 +92,19 @@ def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array
 
 
 def filtered(data: Interpolation, x: jax.Array) -> jax.Array:
-    """Filtered densities: weighted mean over the designable neighbours.
-
-    Args:
-        data: the chain.
-        x: design variables (nx, ny, nw) in [0, 1].
-    """
+    """Filtered densities: weighted mean over the designable neighbours."""
     weight = _convolve(data, data.design)
     return _convolve(data, x * data.design) / jnp.where(weight > 0, weight, 1.0)
 
 
 def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
-    """Filtered density, releasable along x where the chain has a die; its iso-surface bounds the web.
-
-    Args:
-        data: the chain.
-        x: design variables (nx, ny, nw) in [0, 1].
-    """
+    """Filtered density, releasable along x where the chain has a die; its iso-surface bounds the web."""
     smooth = filtered(data, x)
     return smooth if data.parting is None else without_undercuts(smooth, data.design > 0, data.parting)
 
 
 def projected(density: jax.Array, beta: float | jax.Array) -> jax.Array:
     """Smoothed Heaviside projection; steeper with beta.
-
-    Args:
-        density: densities in [0, 1], any shape.
-        beta: steepness.
 
     Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011, equation 9.
     """
@@ -132,55 +114,31 @@ def projected(density: jax.Array, beta: float | jax.Array) -> jax.Array:
 
 
 def physical_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """Physical density (nx, ny, nw) of the web slab, 0 outside the design space.
-
-    Args:
-        data: the chain.
-        x: design variables (nx, ny, nw) in [0, 1].
-        beta: projection steepness.
-    """
+    """Physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
     return projected(smooth_density(data, x), beta) * (data.design > 0)
 
 
 def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
     """Relative moduli (nx, ny, nz) of all cells (modified SIMP).
 
-    Args:
-        data: the chain.
-        density: physical density of the web slab (nx, ny, nw).
-
     Source: M. P. Bendsoe, O. Sigmund, Topology Optimization, 2003; O. Sigmund, SMO 33, 2007.
     """
     web = data.design * (CONTRAST + density**PENALTY * (1.0 - CONTRAST))
-    return data.fixed.at[:, :, data.slab[0] : data.slab[1]].add(web)
+    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(web)
 
 
 def solid_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
-    """Solid fraction (nx, ny, nz) of all cells, which carries the mass.
-
-    Args:
-        data: the chain.
-        density: physical density of the web slab (nx, ny, nw).
-    """
-    return data.fixed.at[:, :, data.slab[0] : data.slab[1]].add(data.design * density)
+    """Solid fraction (nx, ny, nz) of all cells, which carries the mass."""
+    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(data.design * density)
 
 
 def volume_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
-    """Share of the designable volume that is solid.
-
-    Args:
-        data: the chain.
-        density: physical density of the web slab (nx, ny, nw).
-    """
+    """Share of the designable volume that is solid."""
     return jnp.sum(data.design * density) / data.total
 
 
 def greyness(data: Interpolation, density: jax.Array) -> jax.Array:
     """Measure of non-discreteness, 0 for a black-and-white design, 1 for density one half everywhere.
-
-    Args:
-        data: the chain.
-        density: physical density of the web slab (nx, ny, nw).
 
     Source: O. Sigmund, Morphology-based black and white filters, SMO 33, 2007.
     """
@@ -197,5 +155,7 @@ def _convolve(data: Interpolation, values: jax.Array) -> jax.Array:
 
 
 jax.tree_util.register_dataclass(
-    Interpolation, data_fields=["fixed", "design", "kernel"], meta_fields=["slab", "mirrored_x", "parting"]
+    Interpolation,
+    data_fields=["fixed", "design", "kernel"],
+    meta_fields=["web_layers", "mirrored_x", "parting"],
 )

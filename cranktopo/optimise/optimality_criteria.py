@@ -1,4 +1,8 @@
-"""Optimality-criteria update of the design variables under a volume constraint."""
+"""Optimality-criteria update of the design variables under a volume constraint.
+
+`x`: design variables (nx, ny, nw) in [0, 1]; `beta`: steepness of the projection; `by_moduli`, `by_solid`:
+derivatives of the objective by the relative moduli and the solid fraction (nx, ny, nz).
+"""
 
 from __future__ import annotations
 
@@ -29,13 +33,6 @@ def design_gradients(
 ) -> tuple[jax.Array, jax.Array]:
     """Derivatives of the objective and of the volume fraction by the design variables.
 
-    Args:
-        data: density-to-modulus chain.
-        x: design variables (nx, ny, nw) in [0, 1].
-        beta: projection steepness.
-        by_moduli: derivative of the objective by the relative moduli (nx, ny, nz).
-        by_solid: derivative of the objective by the solid fraction (nx, ny, nz), for body forces.
-
     Returns:
         Two arrays of the shape of x.
     """
@@ -60,12 +57,7 @@ def update(
     """One optimality-criteria step that meets the volume fraction of the physical density.
 
     Args:
-        data: density-to-modulus chain.
-        x: design variables.
-        beta: projection steepness.
         by_moduli: derivative of the objective by the relative moduli; never positive for compliance.
-        target: volume fraction to meet.
-        move: largest change of a variable.
         by_solid: derivative of the objective by the solid fraction, when a case has a body force; where more
             mass does more harm than good the variable shrinks as fast as the move allows.
 
@@ -94,11 +86,6 @@ def falling_root(function: Callable[[jax.Array], jax.Array], low: jax.Array, hig
 
     Secants and halvings take turns: the bracket always shrinks, and quickly where the function is smooth.
     The ends themselves are not evaluated, so that the function is compiled once.
-
-    Args:
-        function: of one number, continuous.
-        low: start of the bracket.
-        high: its end.
     """
 
     def narrow(state: _Bracket) -> _Bracket:

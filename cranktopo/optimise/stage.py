@@ -11,10 +11,11 @@ from cranktopo.effects import EffectPlan, plan, simulated_scene
 from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
 from cranktopo.optimise.notices import notices
+from cranktopo.optimise.problem import DensityProblem, SolverSettings, build_problem
 from cranktopo.optimise.state import State
 from cranktopo.scene import Scene
 
-Progress = Callable[[loop.DensityProblem, State], None]
+Progress = Callable[[DensityProblem, State], None]
 
 
 @dataclass(frozen=True)
@@ -23,9 +24,6 @@ class Prepared:
 
     Attributes:
         scene: the scene as it is simulated, without what the plan leaves out.
-        plan: the effects.
-        cases: load cases of the objective.
-        domain: the cells.
         notices: what a user may not expect, in sentences.
     """
 
@@ -54,38 +52,27 @@ def prepare(scene: Scene) -> Prepared:
 
 @dataclass(frozen=True)
 class Optimum:
-    """A finished density optimisation.
+    """A finished density optimisation."""
 
-    Attributes:
-        problem: what was solved.
-        state: its last state, with the history of all iterations.
-        design: the final densities.
-    """
-
-    problem: loop.DensityProblem
+    problem: DensityProblem
     state: State
-    design: loop.Design
+    design: loop.WebDensities
 
 
 def optimise_density(
-    prepared: Prepared, solving: loop.Solving | None = None, progress: Progress = lambda *_: None
+    prepared: Prepared, solving: SolverSettings | None = None, progress: Progress = lambda *_: None
 ) -> Optimum:
     """Optimise the web of a prepared scene in memory; call inside `double_precision()`.
-
-    Args:
-        prepared: from `prepare`.
-        solving: how exactly the equations are solved; by default as in a run.
-        progress: called after every iteration.
 
     Raises:
         CranktopoError: solver failure.
     """
-    problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases, solving)
+    problem = build_problem(prepared.scene, prepared.domain, prepared.cases, solving)
     state = iterate(problem, loop.init(problem), progress)
     return Optimum(problem, state, loop.final_design(problem, state))
 
 
-def iterate(problem: loop.DensityProblem, state: State, progress: Progress) -> State:
+def iterate(problem: DensityProblem, state: State, progress: Progress) -> State:
     """The state at the end of the optimisation; `progress` is called after every iteration."""
     while not state.done:
         state = loop.step(problem, state)

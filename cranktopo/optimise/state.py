@@ -19,14 +19,10 @@ class Record:
 
     Attributes:
         iteration: number of the design, from 1.
-        beta: projection steepness.
         objective: weighted sum of the compliances over their initial values.
         compliance_N_mm: per load case, full throw.
-        volume_fraction: of the physical density.
         greyness: 0 black and white, 1 all grey.
         change: largest change of a design variable by the step that followed.
-        cg_iterations: iterations of the solve.
-        seconds: wall time of the iteration.
         notice: what the solver had to say, one sentence when its first method was not enough, else empty.
     """
 
@@ -55,7 +51,6 @@ class State:
         initial_N_mm: compliances of the first design, the normalisation of the objective.
         history: one record per design evaluated.
         status: running, converged (all criteria met) or stopped (a limit was hit).
-        reason: why it ended, one sentence.
     """
 
     x: Array
@@ -87,12 +82,7 @@ def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
 
 
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
-    """The state from what `to_checkpoint` returned, exactly.
-
-    Args:
-        arrays: by the names in `ARRAY_FIELDS`.
-        data: the other attributes.
-    """
+    """The state from what `to_checkpoint` returned, exactly."""
     records = [{**row, "compliance_N_mm": tuple(row["compliance_N_mm"])} for row in data["history"]]
     return State(
         x=arrays["x"],

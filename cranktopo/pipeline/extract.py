@@ -13,7 +13,8 @@ from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.fem.precision import double_precision
 from cranktopo.formats import SurfaceFormat
-from cranktopo.optimise.loop import Design, build_chain, design_of
+from cranktopo.optimise.loop import WebDensities, design_of
+from cranktopo.optimise.problem import build_chain
 from cranktopo.optimise.state import from_checkpoint
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
@@ -39,7 +40,7 @@ class Extraction:
         scene: the scene as it was simulated.
         iteration: number of the design.
         surface: the surface.
-        gates: its checked properties.
+        report: its checked properties.
         mean_distance_mm: mean distance of the smoothed density's iso-surface to it.
         max_distance_mm: largest distance.
         minimum_member_mm: thickness of the thinnest member of the web.
@@ -51,7 +52,7 @@ class Extraction:
     scene: Scene
     iteration: int
     surface: WebSurface
-    gates: SurfaceReport
+    report: SurfaceReport
     mean_distance_mm: float
     max_distance_mm: float
     minimum_member_mm: float
@@ -61,12 +62,12 @@ class Extraction:
     @property
     def throw_kg(self) -> float:
         """Mass of the full throw."""
-        return 2 * self.gates.volume_mm3 * self._kg_per_mm3
+        return 2 * self.report.volume_mm3 * self._kg_per_mm3
 
     @property
     def web_kg(self) -> float:
         """Mass of one web."""
-        return self.gates.web_volume_mm3 * self._kg_per_mm3
+        return self.report.web_volume_mm3 * self._kg_per_mm3
 
     @property
     def _kg_per_mm3(self) -> float:
@@ -80,8 +81,8 @@ class Extraction:
             "iteration": self.iteration,
             "mass_kg": {"throw": self.throw_kg, "web": self.web_kg},
             "surface": {
-                **surface_json(self.surface, self.gates),
-                "vertices": self.gates.vertices,
+                **surface_json(self.surface, self.report),
+                "vertices": self.report.vertices,
                 "distance_to_iso_surface_mm": {"mean": self.mean_distance_mm, "max": self.max_distance_mm},
                 "minimum_member_mm": self.minimum_member_mm,
                 "minimum_member_cells": self.minimum_member_mm / self.cell_mm,
@@ -129,7 +130,7 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
         scene=scene,
         iteration=number,
         surface=surface,
-        gates=checked.gates,
+        report=checked.report,
         mean_distance_mm=float(distances.mean()),
         max_distance_mm=float(distances.max()),
         minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, checked.cell_mm / 2),
@@ -138,7 +139,7 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
     )
 
 
-def _design(run: RunStore, scene: Scene, domain: Domain, iteration: int | None) -> tuple[int, Design]:
+def _design(run: RunStore, scene: Scene, domain: Domain, iteration: int | None) -> tuple[int, WebDensities]:
     if iteration is None:
         number, x, beta = _last(run)
     else:

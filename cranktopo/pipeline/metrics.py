@@ -14,7 +14,7 @@ from cranktopo.domain.build import Domain
 from cranktopo.optimise.assess import Assessment
 from cranktopo.optimise.connectivity import is_connected
 from cranktopo.optimise.error_bound import model_error_percent
-from cranktopo.optimise.loop import DensityProblem
+from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared
 from cranktopo.optimise.state import State
 from cranktopo.scene import Scene
@@ -150,7 +150,7 @@ def _original(
 def _surface(surface: CheckedSurface | str, scene: Scene) -> dict[str, Any]:
     if isinstance(surface, str):
         return {"refusal": surface}
-    known = surface_json(surface.surface, surface.gates)
+    known = surface_json(surface.surface, surface.report)
     return {**known, "undercuts": surface.undercuts(scene).as_json()}
 
 

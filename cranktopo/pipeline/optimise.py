@@ -15,6 +15,8 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
+from cranktopo.optimise.continuation import with_limit
+from cranktopo.optimise.problem import DensityProblem, build_problem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
@@ -146,7 +148,7 @@ def _optimise(
         clock = CompileClock()
         if resume:
             run.resume()
-        problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
+        problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
         state = _first_state(run, problem, resume)
         state = iterate(problem, state, _kept(run, progress, check))
         metrics = _finish(run, prepared, problem, state, clock, began)
@@ -154,17 +156,17 @@ def _optimise(
     return OptimisedRun(run.path, metrics)
 
 
-def _first_state(run: RunStore, problem: loop.DensityProblem, resume: bool) -> State:
+def _first_state(run: RunStore, problem: DensityProblem, resume: bool) -> State:
     if not (resume and run.checkpoint.is_file()):
         return loop.init(problem)
     saved = load_checkpoint(run.checkpoint)
-    return loop.with_limit(problem, from_checkpoint(saved.arrays, saved.state))
+    return with_limit(problem, from_checkpoint(saved.arrays, saved.state))
 
 
 def _kept(run: RunStore, progress: Progress, check: Callable[[], None]) -> Progress:
     """Progress that first keeps every iteration in the run, so that it can be resumed."""
 
-    def keep(problem: loop.DensityProblem, state: State) -> None:
+    def keep(problem: DensityProblem, state: State) -> None:
         save_iteration(run.path, state.last.iteration, state.evaluated, state.last.beta)
         save_checkpoint(run.checkpoint, *to_checkpoint(state))
         if state.last.notice:
@@ -178,7 +180,7 @@ def _kept(run: RunStore, progress: Progress, check: Callable[[], None]) -> Progr
 def _finish(
     run: RunStore,
     prepared: Prepared,
-    problem: loop.DensityProblem,
+    problem: DensityProblem,
     state: State,
     clock: CompileClock,
     began: float,
@@ -210,7 +212,7 @@ def _finish(
     return metrics
 
 
-def _surface(prepared: Prepared, design: loop.Design) -> tuple[CheckedSurface | None, str]:
+def _surface(prepared: Prepared, design: loop.WebDensities) -> tuple[CheckedSurface | None, str]:
     """The surface, or why there is none, as of the first designs, which are grey."""
     try:
         return checked_surface(prepared.scene, prepared.domain, design), ""

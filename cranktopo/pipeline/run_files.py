@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cranktopo.domain.build import Domain
-from cranktopo.optimise.loop import Design
+from cranktopo.optimise.loop import WebDensities
 from cranktopo.optimise.state import Record
 from cranktopo.report.figures.picture import save_run_picture
 from cranktopo.report.vtu import write_density_vtu
@@ -43,7 +43,7 @@ def write_run_files(
     run: RunStore,
     scene: Scene,
     domain: Domain,
-    design: Design,
+    design: WebDensities,
     rows: Sequence[Mapping[str, Any]],
     half_throw: SurfaceMesh | None,
 ) -> dict[str, str]:
@@ -67,7 +67,7 @@ def write_run_files(
     return {"stl": _SURFACE, **files, "picture": _PICTURE}
 
 
-def _write_density(run: RunStore, domain: Domain, design: Design) -> None:
+def _write_density(run: RunStore, domain: Domain, design: WebDensities) -> None:
     first, last = domain.web_layers
     physical = domain.fixed.copy()
     physical[:, :, first:last] += domain.design[:, :, first:last] * design.physical

@@ -6,7 +6,6 @@ from cranktopo.surface.surface_checks import SurfaceReport, check_surface
 
 __all__ = [
     "DensityGrid",
-    "GateReport",
     "SurfaceReport",
     "WebSurface",
     "check_surface",

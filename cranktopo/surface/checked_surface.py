@@ -1,4 +1,4 @@
-"""From a design of the optimiser to a surface that passed every gate."""
+"""From a design of the optimiser to a surface that passed every check."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
-from cranktopo.optimise.loop import Design
+from cranktopo.optimise.loop import WebDensities
 from cranktopo.scene import Scene
 from cranktopo.surface.grid import DensityGrid
 from cranktopo.surface.half_throw import WebSurface, extract_half_throw
@@ -24,15 +24,13 @@ class CheckedSurface:
     """The surface of a design, and the fields that it was made of.
 
     Attributes:
-        surface: the surface.
-        gates: its checked properties.
         grid: physical density of the web's cells.
         usable: part of each cell that can hold material.
         smooth: filtered density.
     """
 
     surface: WebSurface
-    gates: SurfaceReport
+    report: SurfaceReport
     grid: DensityGrid
     usable: Array
     smooth: Array
@@ -43,20 +41,15 @@ class CheckedSurface:
         return float(self.grid.cell_mm.min())
 
     def undercuts(self, scene: Scene) -> Undercuts:
-        """What a die that parts in x = 0 could not release, to half a cell."""
+        """What a die that parts in x = 0 cannot release, to half a cell."""
         return undercuts(self.surface.web, scene, self.cell_mm / 2)
 
 
-def checked_surface(scene: Scene, domain: Domain, design: Design) -> CheckedSurface:
+def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> CheckedSurface:
     """Surface of a design.
 
-    Args:
-        scene: the scene, as simulated.
-        domain: its cells.
-        design: densities of the web's layers.
-
     Raises:
-        CranktopoError: a surface that fails a gate, as that of a grey density does.
+        CranktopoError: a surface that fails a check, as that of a grey density does.
     """
     grid, usable, smooth = web_fields(domain, design)
     surface = extract_half_throw(grid, scene, usable, smooth)

@@ -36,13 +36,6 @@ def iso_distance_mm(
     Only its points inside the envelope and outside bores and journals count: elsewhere the exact solids make
     the surface.
 
-    Args:
-        surface: what `extract_half_throw` made of the other arguments.
-        grid: as there.
-        scene: as there.
-        solid_fraction: as there.
-        smooth: as there.
-
     Returns:
         One distance per point, (n,), mm; at most 20 000 points, evenly chosen.
     """
@@ -58,10 +51,6 @@ def iso_distance_mm(
 
 def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
     """Distance of points to a surface: to the nearest of the facets around, cut small before.
-
-    Args:
-        points_mm: (n, 3), mm.
-        mesh: closed mesh.
 
     Returns:
         (n,), mm; an upper bound, sharp where facets are regular.
@@ -88,8 +77,6 @@ def minimum_member_mm(mesh: SurfaceMesh, z_mm: tuple[float, float], voxel_mm: fl
     a member is that member's thickness.
 
     Args:
-        mesh: closed mesh of the half throw.
-        z_mm: lower and upper height.
         voxel_mm: edge of the voxels; the result is within 1.5 of them, and never below 2.
 
     Returns:

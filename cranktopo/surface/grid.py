@@ -1,4 +1,4 @@
-"""Density in the cells of the web slab, as handed over by the optimiser."""
+"""Density in the cells of the web region, as handed over by the optimiser."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class DensityGrid:
-    """Physical density (filtered and projected) per cell, full width in x, web slab in z.
+    """Physical density (filtered and projected) per cell, full width in x, between the web faces in z.
 
     Attributes:
         origin_mm: lower corner of the first cell, (3,), mm, in the frame of `cranktopo.frames`.
@@ -65,12 +65,7 @@ class DensityGrid:
 
 
 def is_x_symmetric(grid: DensityGrid, *others: Array) -> bool:
-    """Whether grid, density and other fields on it are their own mirror image in the plane x = 0.
-
-    Args:
-        grid: the cells and their density.
-        others: further fields (nx, ny, nz) on the cells.
-    """
+    """Whether grid, density and other fields on it are their own mirror image in the plane x = 0."""
     centred = bool(abs(grid.origin_mm[0] + grid.upper_mm[0]) <= _ROUNDING * grid.cell_mm[0])
     fields = [grid.density, *others]
     return centred and all(np.allclose(field, field[::-1], rtol=0, atol=_ROUNDING) for field in fields)

@@ -79,7 +79,6 @@ class Cutter:
         """The web at an iso-value.
 
         Args:
-            field: resampled density.
             iso: iso-value, 0 < iso < 1.
             rough_mm: places (n, 3) around which the surface is not smoothed.
             smoothed: False leaves the iso-surface as marching cubes find it.
@@ -116,8 +115,6 @@ def extract_half_throw(
     1e-4. Islands count in that volume and are left out afterwards, so that dropping much of them shows.
 
     Args:
-        grid: density in the cells of the web slab.
-        scene: journals, bores and envelope, which are cut exactly.
         solid_fraction: (nx, ny, nz) part of each cell that can hold material; by default a cell counts in
             full (its density says how much it holds) and those with their centre outside the envelope
             or in a bore are taken as unusable.
@@ -177,14 +174,7 @@ def _throw(
 def fine_field(
     cutter: Cutter, grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
 ) -> FineField:
-    """The resampled field whose iso-surface bounds the web.
-
-    Args:
-        cutter: which cells can hold material, where `solid_fraction` does not say it.
-        grid: density in the cells of the web slab.
-        scene: whether the web comes from a die.
-        solid_fraction, smooth: fields (nx, ny, nz) as in `extract_half_throw`.
-    """
+    """The resampled field whose iso-surface bounds the web."""
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
     without_undercuts = scene.effects.manufacturing_constraint == "on"
     return resample(grid if smooth is None else replace(grid, density=smooth), usable, without_undercuts)
@@ -195,7 +185,6 @@ def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:
 
     Args:
         volume_at: volume (mm3) at an iso-value; it falls as the iso-value grows.
-        target_mm3: volume to reach.
 
     Raises:
         CranktopoError: the volume jumps past the target, as it does for a grey or uniform density.
@@ -242,13 +231,7 @@ def _target(grid: DensityGrid, scene: Scene, solid_fraction: Array | None) -> fl
 def build_cutter(
     grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
 ) -> Cutter:
-    """Exact solids that bound the web.
-
-    Args:
-        grid: density in the cells of the web slab.
-        scene: journals, bores and envelope.
-        solid_fraction, smooth: fields (nx, ny, nz) as in `extract_half_throw`; here only for their symmetry.
-    """
+    """Exact solids that bound the web."""
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
     symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)

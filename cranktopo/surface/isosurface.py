@@ -35,7 +35,6 @@ class FineField:
     Attributes:
         origin_mm: the first point, (3,), mm.
         spacing_mm: distance between points, (3,), mm.
-        values: (mx, my, mz).
     """
 
     origin_mm: Array
@@ -47,7 +46,6 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], without_undercuts: bo
     """Density on a lattice twice as fine as the cells, continued beyond what can hold material.
 
     Args:
-        grid: density in the cells.
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
         without_undercuts: the density never grows away from x = 0; keep that true between the cells.
     """
@@ -59,7 +57,7 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], without_undercuts: bo
     spacing = grid.cell_mm / _REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
     if without_undercuts:
-        _draw(
+        _raise_outward_minima(
             fine[_REFINE * _PAD_CELLS : -_REFINE * _PAD_CELLS], grid.origin_mm[X] + spacing[X] / 2, spacing[X]
         )
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
@@ -69,7 +67,6 @@ def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array
     """Smooth solid where the field exceeds an iso-value; empty when it does so nowhere.
 
     Args:
-        field: resampled density.
         iso: iso-value, 0 < iso < 1.
         tolerance_mm: how far simplification may move the surface.
         rough_mm: places (n, 3) around which the surface is not smoothed.
@@ -85,12 +82,7 @@ def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array
 
 
 def unsmoothed_solid(field: FineField, iso: float) -> Manifold:
-    """Solid where the field exceeds an iso-value that it holds, as marching cubes find it.
-
-    Args:
-        field: resampled density.
-        iso: iso-value between the field's least and largest value.
-    """
+    """Solid where the field exceeds an iso-value that it holds, as marching cubes find it."""
     return solid_of(_marching_cubes(field, iso), "iso-surface of the density")
 
 
@@ -104,7 +96,7 @@ def _marching_cubes(field: FineField, iso: float) -> SurfaceMesh:
     return SurfaceMesh(points, faces.astype(np.int64))
 
 
-def _draw(inner: Array, first_mm: float, step_mm: float) -> None:
+def _raise_outward_minima(inner: Array, first_mm: float, step_mm: float) -> None:
     """Raise values (in place) to the largest one further out on their side of x = 0."""
     parting = int(np.count_nonzero(first_mm + step_mm * np.arange(len(inner)) < 0))
     inner[:parting] = np.maximum.accumulate(inner[:parting])

@@ -29,13 +29,7 @@ def segments(radius_mm: float) -> int:
 
 
 def cylinder(radius_mm: float, y_mm: float, z_mm: tuple[float, float]) -> Manifold:
-    """Cylinder parallel to the crank axis at x = 0, with its vertices on the true circle.
-
-    Args:
-        radius_mm: radius.
-        y_mm: throw coordinate of its axis.
-        z_mm: lower and upper end.
-    """
+    """Cylinder parallel to the crank axis at x = 0, with its vertices on the true circle."""
     solid = Manifold.cylinder(z_mm[1] - z_mm[0], radius_mm, radius_mm, segments(radius_mm))
     return solid.translate((0.0, y_mm, z_mm[0]))
 
@@ -86,10 +80,6 @@ def journal_stubs(scene: Scene) -> Manifold:
 def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     """Design envelope between the web faces less the clearances.
 
-    Args:
-        scene: without an envelope the extent of the grid bounds the web.
-        grid: density grid.
-
     Raises:
         CranktopoError: the envelope's STL is missing or not closed, or an outline crosses itself.
     """
@@ -99,8 +89,8 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
         return _prism(_rectangle(grid.origin_mm[:2], grid.upper_mm[:2]), start, end)
     match envelope:
         case StlEnvelope(symmetric=symmetric):
-            slab = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
-            return envelope_from_file(envelope.stl_file, symmetric) ^ slab
+            between = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
+            return envelope_from_file(envelope.stl_file, symmetric) ^ between
         case CylinderEnvelope(radius_mm=radius):
             return cylinder(radius, 0.0, (start, end))
         case BoxEnvelope(half_width_mm=half):
@@ -111,23 +101,13 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
 
 
 def web_region(solid: Manifold, scene: Scene) -> Manifold:
-    """The part of a solid between the web faces.
-
-    Args:
-        solid: half throw, mm.
-        scene: where the web faces are.
-    """
+    """The part of a solid between the web faces."""
     start, end = scene.web_z_mm
     return solid.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
 
 
 def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:
-    """Whether a solid is its own mirror image in the plane x = 0.
-
-    Args:
-        solid: the solid, mm.
-        share: largest difference of the two, over the solid's volume.
-    """
+    """Whether a solid is its own mirror image in the plane x = 0."""
     return mirror_difference(solid) <= share
 
 

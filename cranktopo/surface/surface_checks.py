@@ -21,12 +21,8 @@ class SurfaceReport:
     """Measured values of a surface that passed.
 
     Attributes:
-        vertices: number of vertices.
-        faces: number of faces.
         bodies: outer shells.
         cavities: inner shells (closed hollows).
-        volume_mm3: enclosed volume of the half throw.
-        web_volume_mm3: volume of the web part.
         web_volume_error_percent: against the volume of the density, with sign.
     """
 
@@ -56,9 +52,6 @@ def surface_json(surface: WebSurface, report: SurfaceReport) -> dict[str, Any]:
 
 def check_surface(surface: WebSurface) -> SurfaceReport:
     """Check that the surface is one sound body with the volume of the density.
-
-    Args:
-        surface: what `extract_half_throw` returned.
 
     Returns:
         The measured values.

@@ -1,4 +1,4 @@
-"""Does a die that parts in the plane x = 0 release the web? Rays along x tell, whatever made the surface."""
+"""Undercuts: what a die that parts in the plane x = 0 cannot release, by rays along x through any surface."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cranktopo.surface.solids import drilled_later, web_region
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 Array = NDArray[np.float64]
-RELEASED_SHARE = 1e-4
+NEGLIGIBLE_SHARE = 1e-4
 """Undercuts below this share of the web are grazing slivers that the triangles themselves do not resolve."""
 _BEYOND_MM = 1.0
 _TOUCH_MM = 1e-3
@@ -22,14 +22,12 @@ _TOUCH_MM = 1e-3
 
 @dataclass(frozen=True)
 class Undercuts:
-    """What a die could not release.
+    """What a die cannot release.
 
     Attributes:
         rays: rays that met the web.
         caught: rays with void between the parting plane and solid further out.
         deepest_mm: longest such void along one ray and side.
-        volume_mm3: volume of all such voids, both sides.
-        web_mm3: volume of the web.
     """
 
     rays: int
@@ -39,9 +37,9 @@ class Undercuts:
     web_mm3: float
 
     @property
-    def released(self) -> bool:
-        """Whether a die lets go of the web."""
-        return self.volume_mm3 <= RELEASED_SHARE * self.web_mm3
+    def negligible(self) -> bool:
+        """Whether a die releases the web."""
+        return self.volume_mm3 <= NEGLIGIBLE_SHARE * self.web_mm3
 
     def as_json(self) -> dict[str, Any]:
         """The values by name."""
@@ -50,7 +48,7 @@ class Undercuts:
             "caught_rays": self.caught,
             "deepest_mm": self.deepest_mm,
             "volume_mm3": self.volume_mm3,
-            "released": self.released,
+            "released": self.negligible,
         }
 
 
@@ -58,9 +56,7 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
     """Undercuts of a web along x on either side of the plane x = 0, bores and holes drilled later filled.
 
     Args:
-        web: closed surface of the web between its faces.
         scene: its bores and the holes of its envelope, which are drilled after the die.
-        step_mm: distance between rays.
     """
     body = solid_of(web, "web") + drilled_later(scene)
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
@@ -80,13 +76,7 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
 
 
 def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
-    """Undercuts of the web of a half throw, from any source.
-
-    Args:
-        half_throw: closed surface with journals.
-        scene: its bores and web faces.
-        step_mm: distance between rays.
-    """
+    """Undercuts of the web of a half throw, from any source."""
     body = solid_of(half_throw, "half throw")
     return undercuts(mesh_of(web_region(body, scene)), scene, step_mm)
 

@@ -1,4 +1,4 @@
-"""From the optimiser's cells to the fields of the web slab that the surface is made of."""
+"""From the optimiser's cells to the fields of the web region that the surface is made of."""
 
 from __future__ import annotations
 
@@ -6,18 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
-from cranktopo.optimise.loop import Design
+from cranktopo.optimise.loop import WebDensities
 from cranktopo.surface.grid import DensityGrid
 
 Array = NDArray[np.float64]
 
 
-def web_fields(domain: Domain, design: Design) -> tuple[DensityGrid, Array, Array]:
+def web_fields(domain: Domain, design: WebDensities) -> tuple[DensityGrid, Array, Array]:
     """Fields of the web's cells over the full width, for the surface.
-
-    Args:
-        domain: the cells.
-        design: densities of the web's layers.
 
     Returns:
         Physical density, the part of each cell that can hold material, and the filtered density. Journals

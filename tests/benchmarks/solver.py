@@ -33,7 +33,7 @@ from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.multigrid import Precision, build_hierarchy, build_tables
 from cranktopo.fem.operator import apply_stiffness
 from cranktopo.fem.precision import CompileClock, double_precision, sized_for
-from tests.benchmarks.cantilever import TOLERANCE, cantilever, moduli, optimise
+from tests.studies.cantilever import TOLERANCE, cantilever, moduli, optimise
 
 GRIDS = ("48x24x24", "96x48x48", "160x80x80")
 LADDER = ("48x24x24", "64x32x32", "96x48x48", "128x64x64", "160x80x80", "192x96x112")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
-from cranktopo.fem.equilibrium import METHODS, _Method, _run
+from cranktopo.fem.equilibrium import METHODS, Method, run_method
 from cranktopo.fem.multigrid import Precision, build_hierarchy, build_tables
 from cranktopo.fem.response import solve
 from tests.hard import fields
@@ -72,11 +72,11 @@ def test_precision_is_the_callers_choice(float64: None, monkeypatch: pytest.Monk
     """The first method gets it; what both give is compared above."""
     block, asked = Block("", FIELD), []
 
-    def watched(method: _Method, *arguments: Any) -> Any:
+    def watched(method: Method, *arguments: Any) -> Any:
         asked.append((method.name, method.precision))
-        return _run(METHODS[0], *arguments)
+        return run_method(METHODS[0], *arguments)
 
-    monkeypatch.setattr("cranktopo.fem.equilibrium._run", watched)
+    monkeypatch.setattr("cranktopo.fem.equilibrium.run_method", watched)
     for precision in ("float32", "float64"):
         solve(block.model(), jnp.asarray(block.moduli), precision=precision)
     assert asked == [("multigrid CG", "float32"), ("multigrid CG", "float64")]

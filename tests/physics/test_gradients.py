@@ -23,7 +23,6 @@ from cranktopo.fem.response import (
     throw_unbalance_kg_mm,
     twist_rad,
 )
-from cranktopo.optimise.loop import build_chain
 from cranktopo.optimise.material import (
     Interpolation,
     build_interpolation,
@@ -33,6 +32,7 @@ from cranktopo.optimise.material import (
     volume_fraction,
 )
 from cranktopo.optimise.optimality_criteria import design_gradients
+from cranktopo.optimise.problem import build_chain
 from cranktopo.scene import Scene
 from tests.physics.throw_cases import BENDING, CENTRIFUGAL, TANGENTIAL, TORSION, forged
 

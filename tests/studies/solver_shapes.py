@@ -15,17 +15,17 @@ from cranktopo.accuracy.evaluation_study import stiffnesses
 from cranktopo.accuracy.level import NAME_OF_CASE
 from cranktopo.accuracy.optimiser_study import OptimiserModel, optimise_once
 from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate_on_mesh
-from cranktopo.optimise.loop import Solving
+from cranktopo.optimise.problem import SolverSettings
 from cranktopo.scene import load_scene
 
-EXACT = Solving(tolerance_early=1e-8, tolerance=1e-8, precision="float64")
+EXACT = SolverSettings(tolerance_early=1e-8, tolerance=1e-8, precision="float64")
 SETTINGS = {
     "1e-8, float64": EXACT,
-    "1e-8, float32 inside": Solving(tolerance_early=1e-8, tolerance=1e-8),
-    "1e-5, float32 inside": Solving(tolerance_early=1e-5, tolerance=1e-5),
-    "1e-2 early, 1e-5 last": Solving(tolerance=1e-5),
-    "1e-2 early, 1e-3 last (default)": Solving(),
-    "1e-2 throughout": Solving(tolerance=1e-2),
+    "1e-8, float32 inside": SolverSettings(tolerance_early=1e-8, tolerance=1e-8),
+    "1e-5, float32 inside": SolverSettings(tolerance_early=1e-5, tolerance=1e-5),
+    "1e-2 early, 1e-5 last": SolverSettings(tolerance=1e-5),
+    "1e-2 early, 1e-3 last (default)": SolverSettings(),
+    "1e-2 throughout": SolverSettings(tolerance=1e-2),
 }
 
 

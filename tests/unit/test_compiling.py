@@ -11,7 +11,7 @@ from cranktopo.fem.compiling import compile_multigrid
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
 from cranktopo.fem.multigrid import build_hierarchy, build_tables
 from cranktopo.fem.precision import CompileClock
-from tests.benchmarks.cantilever import cantilever
+from tests.studies.cantilever import cantilever
 
 EVENT = "/jax/core/compile/backend_compile_duration"
 

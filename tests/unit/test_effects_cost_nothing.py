@@ -13,6 +13,7 @@ from cranktopo.fem import response
 from cranktopo.fem.equilibrium import Solution
 from cranktopo.fem.precision import double_precision
 from cranktopo.optimise import loop, stage
+from cranktopo.optimise.problem import build_problem
 from cranktopo.scene import Scene, scene_from_dict
 
 
@@ -51,7 +52,7 @@ def count(monkeypatch: pytest.MonkeyPatch) -> Any:
         monkeypatch.setattr("gmsh.initialize", mesh)
         with double_precision():
             prepared = stage.prepare(scene)
-            problem = loop.build_problem(prepared.scene, prepared.domain, prepared.cases)
+            problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
             loop.step(problem, loop.init(problem))
         counts.cases = problem.model.case_names
         return counts

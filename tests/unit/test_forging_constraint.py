@@ -13,8 +13,8 @@ from manifold3d import Manifold
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.effects import plan, simulated_scene
 from cranktopo.optimise.forging_constraint import SHARPNESS, open_cells, parting_index, without_undercuts
-from cranktopo.optimise.loop import build_chain
 from cranktopo.optimise.material import Interpolation, physical_density, smooth_density
+from cranktopo.optimise.problem import build_chain
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import OutlineEnvelope
 from cranktopo.surface.undercuts import undercuts
@@ -154,7 +154,7 @@ def test_undercuts_have_their_volume() -> None:
     assert found.volume_mm3 == pytest.approx(6 * 20 * 14, rel=0.01)
     assert found.deepest_mm == pytest.approx(6.0, abs=1e-6)
     assert found.caught == pytest.approx(20 * 14 / 0.25, rel=0.02)
-    assert not found.released
+    assert not found.negligible
 
 
 @pytest.mark.parametrize(
@@ -169,4 +169,4 @@ def test_undercuts_have_their_volume() -> None:
 def test_no_undercut(void: Manifold) -> None:
     found = undercuts(block(void), scene_with(), 0.5)
     assert (found.caught, found.deepest_mm) == (0, 0.0)
-    assert found.released
+    assert found.negligible

@@ -79,7 +79,7 @@ def test_projection_is_a_step_in_the_limit(float64: None) -> None:
 
 
 def test_moduli_of_full_and_empty_designs(chain: Interpolation) -> None:
-    first, last = chain.slab
+    first, last = chain.web_layers
     full = relative_moduli(chain, jnp.ones(chain.design.shape))
     empty = relative_moduli(chain, jnp.zeros(chain.design.shape))
     np.testing.assert_allclose(full[:, :, first:last], chain.design, rtol=1e-12)

@@ -1,4 +1,4 @@
-"""Gates refuse every kind of broken surface, and what is written is what was checked."""
+"""Checks refuse every kind of broken surface, and what is written is what was checked."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def test_hollow_counts_as_cavity_and_not_as_body() -> None:
 
 
 @pytest.mark.parametrize(("scale", "passes"), [(1.0049, True), (1.0051, False), (0.9949, False)])
-def test_volume_gate_is_half_a_percent(slot: WebSurface, scale: float, passes: bool) -> None:
+def test_volume_check_is_half_a_percent(slot: WebSurface, scale: float, passes: bool) -> None:
     changed = dataclasses.replace(slot, volume_mm3=slot.target_volume_mm3 * scale)
     if passes:
         assert check_surface(changed).web_volume_error_percent == pytest.approx(100 * (scale - 1))

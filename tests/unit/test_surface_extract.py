@@ -156,7 +156,7 @@ def test_islands_are_dropped_counted_and_weighed() -> None:
     assert np.abs(surface.half_throw.vertices_mm[:, 0]).max() < 26
 
 
-def test_a_heavy_island_fails_the_gate() -> None:
+def test_a_heavy_island_fails_the_check() -> None:
     scene = scene_with()
     shape = united(obround(), ball(37, 0, 29.5, 8))
     surface = extract_half_throw(grid_of(scene, shape), scene)

@@ -49,7 +49,7 @@ def undercut_text(found: Undercuts) -> str:
     if not found.caught:
         return "none: a die that parts in x = 0 releases the web"
     verdict = (
-        "a die that parts in x = 0 releases the web" if found.released else "no such die releases the web"
+        "a die that parts in x = 0 releases the web" if found.negligible else "no such die releases the web"
     )
     return (
         f"{found.volume_mm3:.1f} mm3 along x, behind {found.caught} of {found.rays} rays, "

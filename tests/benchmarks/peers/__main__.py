@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve
-from tests.benchmarks.cantilever import TOLERANCE, cantilever, optimise, physical
+from tests.studies.cantilever import TOLERANCE, cantilever, optimise, physical
 
 GRIDS = ("48x24x24", "96x48x48")
 HERE = Path(__file__).parent
