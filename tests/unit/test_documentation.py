@@ -127,3 +127,16 @@ def test_commands_exist() -> None:
 @pytest.mark.parametrize("path", sorted(set(re.findall(r"`((?:\w+/)+\w+\.py)`", TEXT))))
 def test_named_files_exist(path: str) -> None:
     assert (ROOT / path).is_file() or (PACKAGE / path).is_file()
+
+
+def test_every_benchmark_table_names_its_command_date_and_machine() -> None:
+    """In the form that docs/record.py writes, so that it finds and replaces them."""
+    marked = re.findall(r"(?ms)^<!-- benchmark: (\S[^\n]*) -->\n(.*?)\n\n(.*?)\n<!-- end -->", TEXT)
+    assert len(marked) == TEXT.count("<!-- benchmark:") == TEXT.count("<!-- end -->") > 8
+    for command, heading, table in marked:
+        found = re.fullmatch(
+            r"Measured \d{4}-\d\d-\d\d, \d+ cores of .+: `python -m tests\.benchmarks\.(.+)`", heading
+        )
+        assert found is not None, command
+        assert found[1] == command
+        assert all(line.startswith("|") for line in table.splitlines())
