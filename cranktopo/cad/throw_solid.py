@@ -204,7 +204,7 @@ def _under_fillet(occ: Any, scene: Scene, journal: Journal, y: float, face: floa
     tools: DimTags = []
     cuts = [body for body in web_bodies(scene) if not body.adds and face in body.z_mm]
     for body in cuts if journal.bore_radius_mm < reach else ():
-        if 0 < body.distance_mm(y) < reach:
+        if 0 < body.distance_mm(y, face) < reach:
             column = [add_solid(occ, solid) for solid in body.continued(z)]
             core = [(3, occ.addCylinder(0, y, z[0], 0, 0, z[1] - z[0], journal.radius_mm))]
             tools += occ.cut(column, core)[0] if column else []

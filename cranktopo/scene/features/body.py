@@ -88,22 +88,22 @@ class Body(ABC):
         return [float(z) for layer in ranges for z in layer] or [*self.z_mm]
 
     def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        """Whether points of a section lie in the body, its surface included."""
+        """Whether points at a height within its extent lie in the body, its surface included."""
         spans = self.spans(y_mm, np.asarray(z_mm))
         parts = [(x_mm >= low) & (x_mm <= high) & (low < high) for low, high in spans]
         return functools.reduce(np.logical_or, parts)
 
-    def distance_mm(self, y_mm: float) -> float:
-        """Distance of its section at mid-height from the axis (0, y), by samples along the throw."""
+    def distance_mm(self, y_mm: float, z_mm: float) -> float:
+        """Distance of its section at a height from the axis (0, y), by samples along the throw."""
         y = np.linspace(*self.y_range_mm, _SAMPLES)
-        spans = self.spans(y, np.asarray(sum(self.z_mm) / 2))
+        spans = self.spans(y, np.asarray(z_mm))
         nearest = np.min(
             [np.where(a < b, np.maximum(np.maximum(a, -b), 0), np.inf) for a, b in spans], axis=0
         )
         return float(np.hypot(nearest, y - y_mm).min())
 
     def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:
-        """The body over another axial range beyond the face it opens at; nothing if it opens at none."""
+        """A prism of its section at the face it opens at, over an axial range from there; none by default."""
         return ()
 
 

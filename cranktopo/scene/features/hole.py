@@ -33,15 +33,14 @@ class RoundHole(Body):
 
     @override
     def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        inside = (x_mm - self.x_mm) ** 2 + (y_mm - self.y_mm) ** 2 <= self.radius_mm**2
-        return np.asarray(inside & _within(np.asarray(z_mm), self.z_mm))
+        return np.asarray((x_mm - self.x_mm) ** 2 + (y_mm - self.y_mm) ** 2 <= self.radius_mm**2)
 
     @property
     @override
     def y_range_mm(self) -> tuple[float, float]:
         return self.y_mm - self.radius_mm, self.y_mm + self.radius_mm
 
-    def distance_mm(self, y_mm: float) -> float:
+    def distance_mm(self, y_mm: float, z_mm: float) -> float:
         """Distance of the hole's edge from the axis (0, y), mm; negative if it covers the axis."""
         return float(np.hypot(self.x_mm, self.y_mm - y_mm)) - self.radius_mm
 
@@ -71,17 +70,15 @@ class RectangularHole(Body):
     @override
     def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
         (x0, y0), (x1, y1) = self.low_mm, self.high_mm
-        inside = (np.abs(x_mm - (x0 + x1) / 2) <= (x1 - x0) / 2) & (
-            np.abs(y_mm - (y0 + y1) / 2) <= (y1 - y0) / 2
-        )
-        return np.asarray(inside & _within(np.asarray(z_mm), self.z_mm))
+        across, along = np.abs(x_mm - (x0 + x1) / 2), np.abs(y_mm - (y0 + y1) / 2)
+        return np.asarray((across <= (x1 - x0) / 2) & (along <= (y1 - y0) / 2))
 
     @property
     @override
     def y_range_mm(self) -> tuple[float, float]:
         return self.low_mm[1], self.high_mm[1]
 
-    def distance_mm(self, y_mm: float) -> float:
+    def distance_mm(self, y_mm: float, z_mm: float) -> float:
         """Distance of the hole's edge from the axis (0, y), mm; 0 if it covers the axis."""
         (x0, y0), (x1, y1) = self.low_mm, self.high_mm
         return float(np.hypot(max(x0, -x1, 0.0), max(y0 - y_mm, y_mm - y1, 0.0)))
@@ -130,13 +127,14 @@ def check_cut(scene: Scene, body: Body) -> None:
     """
     y = np.linspace(*body.y_range_mm, 401)
     half = scene.web.half_width_mm(scene.throw.radius_mm, y)
-    spans = body.spans(y, np.asarray(sum(body.z_mm) / 2))
+    middle = sum(body.z_mm) / 2
+    spans = body.spans(y, np.asarray(middle))
     if not any((np.minimum(end, half) - np.maximum(start, -half) > 0).any() for start, end in spans):
         raise CranktopoError(
             f"{body.key}: lies outside the web's outline and removes nothing.", hint="Move or remove it."
         )
     for bore in bores(scene):
-        if body.distance_mm(bore.y_mm) - bore.radius_mm < SHOULDER_MM:
+        if body.distance_mm(bore.y_mm, middle) - bore.radius_mm < SHOULDER_MM:
             raise CranktopoError(
                 f"{body.key}: cuts the bore {bore.key} = {2 * bore.radius_mm:g} mm.",
                 hint=f"Keep at least {SHOULDER_MM:g} mm of web between the pocket and the bore.",

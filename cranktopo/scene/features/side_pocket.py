@@ -193,12 +193,12 @@ class SideSlots(Body):
             (self.z_centre_mm + side * wall[0], self.z_centre_mm + side * wall[1]) for side in (-1, 1)
         )
 
-    def distance_mm(self, y_mm: float) -> float:
-        """Distance of a slot at mid-height from the axis (0, y), mm."""
+    def distance_mm(self, y_mm: float, z_mm: float) -> float:
+        """Distance of a slot at a height from the axis (0, y), mm."""
         y = np.linspace(*self.y_range_mm, 2001)
         if self.slope == 0:
             y = np.clip(np.array([y_mm]), *self.y_range_mm)
-        return float(np.hypot(self.open_from_mm(y, self.z_centre_mm), y - y_mm).min())
+        return float(np.hypot(self.open_from_mm(y, z_mm), y - y_mm).min())
 
     @override
     def solids(self) -> tuple[Solid, ...]:
