@@ -1,0 +1,151 @@
+"""What a command does, one call of the Python interface does as well."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import cranktopo
+from cranktopo.cli.main import COMMANDS
+from cranktopo.evaluate.evaluation import Evaluation, Stiffness
+from cranktopo.pipeline import accuracy, fatigue
+from cranktopo.pipeline import evaluate as evaluating
+from cranktopo.pipeline import remodel as remodelling
+from cranktopo.pipeline.iterate import loop
+from cranktopo.pipeline.optimise import OptimisedRun
+from cranktopo.scene import Scene
+
+BEHIND = {
+    "optimise": ["optimise_design", "resume_optimisation", "with_cells_for"],
+    "plan": ["load_scene", "plan"],
+    "loads": ["loads_at_speeds", "write_load_curves", "plot_load_curves"],
+    "evaluate": ["resolve_targets", "evaluate_target", "evaluate_targets", "MeshRequest"],
+    "compare": ["compare_targets", "report_comparison"],
+    "accuracy": ["study_accuracy"],
+    "report": ["report_run"],
+    "fatigue": ["assess_fatigue"],
+    "shaft": ["evaluate_shaft"],
+    "extract": ["extract_surface"],
+    "remodel": ["remodel_run"],
+    "iterate": ["loop_scene", "loop_settings", "start_loop", "continue_loop"],
+    "export": ["export_solid"],
+    "runs": ["summarise_runs", "clean_runs"],
+    "doctor": ["check_machine"],
+}
+"""The functions behind each command; `designs` and `completion` only list and copy files."""
+
+
+def test_every_command_has_its_functions() -> None:
+    assert set(COMMANDS) - set(BEHIND) == {"designs", "completion"}
+    assert {name for names in BEHIND.values() for name in names} <= set(cranktopo.__all__)
+
+
+@pytest.fixture(scope="module")
+def run(mikron: Scene, tmp_path_factory: pytest.TempPathFactory) -> OptimisedRun:
+    out = tmp_path_factory.mktemp("runs") / "api"
+    scene = mikron.with_optimise(volume_fraction=0.3, resolution_mm=4.5, max_iterations=8)
+    return cranktopo.optimise_design(scene, out)
+
+
+def test_a_run_from_its_start_to_its_files(run: OptimisedRun, tmp_path: Path) -> None:
+    assert run.metrics == json.loads((run.folder / "metrics.json").read_text())
+    assert run.metrics["status"] == "stopped"
+    again = cranktopo.resume_optimisation(str(run.folder), max_iterations=9)
+    assert again.metrics["iterations"] == 9
+    assert cranktopo.report_run(str(run.folder), tmp_path / "run.md").is_file()
+    found, path = cranktopo.extract_surface(str(run.folder), 8, tmp_path / "eight.3mf", "3mf")
+    assert (found.iteration, path.stat().st_size > 1000) == (8, True)
+    (entry,) = cranktopo.summarise_runs(run.folder.parent)
+    assert (entry["status"], entry["result"]) == ("done", "stopped")
+    assert cranktopo.clean_runs(("failed",), True, run.folder.parent) == []
+
+
+def invented(target: Any, *_: object) -> Evaluation:
+    fine = Stiffness({"free": 100e3}, {"pinned": 70e3}, 1234, 4.0, 1.0, 2.0)
+    return Evaluation(target.name, 2.0, 0.6, 5000, 50, fine, "free", "pinned", 0.3, 0.4, 3.0)
+
+
+def test_targets_are_evaluated_compared_and_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(evaluating, "evaluate", invented)
+    assert cranktopo.evaluate_target("mikron-iiic").torsion_Nm_per_rad == 100e3
+    names = ["opposed-piston", "opposed-piston-casting"]
+    targets = cranktopo.resolve_targets(names)
+    assert [e.target for e in cranktopo.evaluate_targets(targets).evaluations] == names
+    found = cranktopo.compare_targets(names[1:], names[0], cranktopo.MeshRequest(element_size_mm=8.0))
+    assert [entry.name for entry in found.comparison.entries] == names
+    cranktopo.report_comparison(found, tmp_path / "page.md", ["by", "hand"])
+    assert "by hand" in (tmp_path / "page.md").read_text(encoding="utf-8")
+    with pytest.raises(cranktopo.CranktopoError, match="excludes"):
+        cranktopo.MeshRequest(element_size_mm=8.0, accuracy_percent=1.0)
+
+
+def test_loads_are_tabulated_and_drawn(mikron: Scene, tmp_path: Path) -> None:
+    slow, fast = cranktopo.loads_at_speeds(mikron, [1000.0, 2000.0])
+    assert (slow["speed_rpm"], fast["speed_rpm"]) == (1000.0, 2000.0)
+    cranktopo.write_load_curves(mikron, tmp_path / "curves.csv", [1000.0])
+    cranktopo.plot_load_curves(mikron, tmp_path / "curves.png", 1000.0)
+    assert {path.name for path in tmp_path.iterdir()} == {"curves.csv", "curves.png"}
+
+
+def test_machine_is_checked() -> None:
+    assert all(check.state in ("ok", "missing", "absent") for check in cranktopo.check_machine())
+
+
+def test_solids_and_shafts(mikron: Scene, tmp_path: Path) -> None:
+    assert cranktopo.export_solid(mikron, "web", tmp_path / "web.stl", 4.0) > 0
+    assert cranktopo.evaluate_shaft(mikron, "rigid", 20.0).mass_kg > 0
+
+
+class AskedError(Exception):
+    """The long part was reached with these arguments."""
+
+
+def stop(*arguments: object, **_: object) -> Any:
+    raise AskedError(arguments)
+
+
+def test_fatigue_takes_names_and_knows_its_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fatigue, "fatigue_field", stop)
+    with pytest.raises(AskedError) as asked:
+        cranktopo.assess_fatigue(["mikron-iiic"])
+    target, *settings = asked.value.args[0][:4]
+    assert (target.name, *settings) == ("mikron-iiic", "lsa", "extremes", fatigue.RULE_FRACTION)
+
+
+def test_accuracy_takes_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(accuracy, "run_studies", stop)
+    with pytest.raises(AskedError) as asked:
+        cranktopo.study_accuracy("mikron-iiic", out=tmp_path / "study")
+    assert asked.value.args[0][1] == accuracy.BUDGET_S
+
+
+def test_remodel_takes_a_run(run: OptimisedRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(remodelling, "fit_web", stop)
+    with pytest.raises(AskedError) as asked:
+        cranktopo.remodel_run(str(run.folder))
+    assert asked.value.args[0][2] == cranktopo.ManufacturingLimits()
+
+
+def test_loop_is_forged_and_ends_at_forty_percent_by_itself(mikron: Scene) -> None:
+    assert cranktopo.loop_scene(mikron).optimise.process == "forged"
+    cast = mikron.with_optimise(process="cast")
+    assert cranktopo.loop_scene(cast) is cast
+    assert cranktopo.loop_settings(mikron).least_transition_mm == pytest.approx(0.4 * 19.0)
+
+
+def test_loop_starts_and_continues(mikron: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+
+    def interrupted(scene: Scene, folder: Path) -> None:
+        seen.append((scene.name, folder.name))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(loop, "write_solids", interrupted)
+    with pytest.raises(cranktopo.CranktopoError, match="finished steps are kept"):
+        cranktopo.start_loop(mikron, cranktopo.loop_settings(mikron, 3), tmp_path / "loop")
+    with pytest.raises(cranktopo.CranktopoError, match="finished steps are kept"):
+        cranktopo.continue_loop(str(tmp_path / "loop"))
+    assert seen == [("mikron-iiic", "original")] * 2
