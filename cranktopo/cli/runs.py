@@ -55,7 +55,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     Example: cranktopo runs show 20250101-120000_mikron-iiic_0123abcd
     """
     from cranktopo.report.tables.run_text import loop_summary, run_summary
-    from cranktopo.store import LOOP, kind_of, open_run, read_result, resume_command
+    from cranktopo.store import LOOP, kind_of, open_run, read_result, resume_command, shown_results
 
     found = open_run(run, root)
     manifest, kind, result = found.manifest(), kind_of(found), read_result(found)
@@ -68,7 +68,9 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     if result is None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
-        click.echo((loop_summary if kind == LOOP else run_summary)(result, found.path))
+        with shown_results(found):
+            text = (loop_summary if kind == LOOP else run_summary)(result, found.path)
+        click.echo(text)
 
 
 @command.command("clean")

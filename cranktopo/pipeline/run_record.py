@@ -22,7 +22,15 @@ from cranktopo.report.run_record import RunRecord
 from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
-from cranktopo.store import RunStore, open_run, read_json, read_result, require_kind, resume_command
+from cranktopo.store import (
+    RunStore,
+    open_run,
+    read_json,
+    read_result,
+    require_kind,
+    resume_command,
+    shown_results,
+)
 from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
@@ -45,7 +53,9 @@ def report_run(
     """
     store = open_run(run) if isinstance(run, str) else run
     target = path or store.path / REPORT
-    write_report(run_page(read_record(store, stress_progress)), target)
+    with shown_results(store):
+        page = run_page(read_record(store, stress_progress))
+    write_report(page, target)
     return target
 
 

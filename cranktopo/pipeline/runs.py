@@ -8,7 +8,7 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError
 from cranktopo.report.quantities import PER_MASS, STIFFNESS
-from cranktopo.store import LOOP, RUNS, RunStore, kind_of, list_runs, read_result, remove_run
+from cranktopo.store import LOOP, RUNS, RunStore, kind_of, list_runs, read_result, remove_run, shown_results
 
 
 def summarise_runs(root: Path = RUNS) -> list[dict[str, Any]]:
@@ -41,11 +41,16 @@ def _entry(run: RunStore) -> dict[str, Any]:
     entry: dict[str, Any] = {"run": run.name, "path": str(run.path), "status": run_status(run)}
     if entry["status"] == "unreadable":
         return entry
-    kind, result, manifest = kind_of(run), read_result(run), run.manifest()
+    kind, manifest = kind_of(run), run.manifest()
     entry |= {"command": kind, "design": manifest["design"], "started": manifest["started"]}
-    if result is None:
-        return entry
-    return entry | (_loop_result(result) if kind == LOOP else _run_result(result))
+    try:
+        result = read_result(run)
+        if result is None:
+            return entry
+        with shown_results(run):
+            return entry | (_loop_result(result) if kind == LOOP else _run_result(result))
+    except CranktopoError:  # one damaged run does not hide the others
+        return entry | {"result": "unreadable"}
 
 
 def _run_result(metrics: Mapping[str, Any]) -> dict[str, Any]:

@@ -70,6 +70,8 @@ def _problems(found: list[ErrorDetails], table: tuple[str, ...]) -> list[tuple[s
 
 def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
     kind, loc = detail["type"], detail["loc"]
+    if not loc:
+        return f"{shown(detail['input'])}: must be a table", "Give the tables of a scene."
     if kind == "extra_forbidden":
         return f"unknown key {path}", _instead(loc)
     if kind == "missing":

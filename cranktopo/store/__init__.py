@@ -13,6 +13,7 @@ from cranktopo.store.kind import (
     read_result,
     require_kind,
     resume_command,
+    shown_results,
 )
 from cranktopo.store.lock import locked
 from cranktopo.store.runs import (
@@ -53,6 +54,7 @@ __all__ = [
     "save_checkpoint",
     "save_iteration",
     "saved_iterations",
+    "shown_results",
     "user_cache",
     "write_bytes",
     "write_json",

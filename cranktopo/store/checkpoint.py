@@ -6,7 +6,6 @@ zip format's own checksums are verified on loading.
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,10 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError
-from cranktopo.store.files import json_text, unwritable, write_npz
+from cranktopo.errors import CranktopoError, shown
+from cranktopo.store.files import json_text, read_npz, unwritable, write_npz
 
 SCHEMA_VERSION = 1
+_HINT = "Start a new run of the design."
 _STATE = "__state__"
 
 
@@ -58,28 +58,20 @@ def load_checkpoint(path: Path) -> Checkpoint:
     Raises:
         CranktopoError: missing, corrupted, of another version.
     """
-    content = _read(path)
+    if not path.exists():
+        raise _bad(path, "missing: the run stopped before its first checkpoint")
+    content = read_npz(path, f"checkpoint '{path}'", _HINT)
     if _STATE not in content:
         raise _bad(path, f"incomplete, {_STATE} missing")
-    saved = json.loads(content.pop(_STATE).tobytes().decode("utf-8"))
-    if saved["schema_version"] != SCHEMA_VERSION:
-        raise _bad(path, f"schema_version {saved['schema_version']}, this program reads {SCHEMA_VERSION}")
-    return Checkpoint(arrays=content, state=saved["state"])
-
-
-def _read(path: Path) -> dict[str, NDArray[Any]]:
     try:
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise _bad(path, "missing: the run stopped before its first checkpoint") from None
-    except OSError as error:
-        raise _bad(path, f"cannot be read: {error.strerror}") from None
-    try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except Exception as error:  # zipfile and numpy raise a dozen types on damaged bytes, all meaning this
-        raise _bad(path, f"corrupted, cannot be read ({error})") from None
+        saved = json.loads(content.pop(_STATE).tobytes().decode("utf-8"))
+        version, state = saved["schema_version"], dict(saved["state"])
+    except (ValueError, KeyError, TypeError):
+        raise _bad(path, f"corrupted, {_STATE} cannot be read") from None
+    if version != SCHEMA_VERSION:
+        raise _bad(path, f"schema_version {shown(version)}, this program reads {SCHEMA_VERSION}")
+    return Checkpoint(arrays=content, state=state)
 
 
 def _bad(path: Path, what: str) -> CranktopoError:
-    return CranktopoError(f"checkpoint '{path}': {what}.", hint="Start a new run of the design.")
+    return CranktopoError(f"checkpoint '{path}': {what}.", hint=_HINT)

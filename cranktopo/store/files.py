@@ -6,9 +6,11 @@ target, and the folder entry is flushed as well (the rename is atomic by POSIX).
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
+import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,9 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.errors import CranktopoError, ExitCode, shown
+from cranktopo.inputs import MIB, read_bytes, read_text
 
 _TEMPORARY = ".tmp"
+_JSON_LIMIT_MIB = 64
+ARRAYS_LIMIT_MIB = 2048
+"""A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
 
 
 @contextmanager
@@ -146,17 +152,43 @@ def read_json(path: Path) -> dict[str, Any]:
     Raises:
         CranktopoError: no such file, unreadable, or not a JSON object.
     """
+    if not os.path.lexists(path):
+        raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.")
+    text = read_text(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.") from None
-    except (OSError, ValueError) as error:
+        data = json.loads(text, parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
         raise CranktopoError(
-            f"'{path}': corrupted, cannot be read: {error}.", hint="Start a new run."
+            f"'{path}': corrupted, cannot be read: {shown(str(error))}.", hint="Start a new run."
         ) from None
     if not isinstance(data, dict):
         raise CranktopoError(f"'{path}': corrupted, not a JSON object.", hint="Start a new run.")
     return data
+
+
+def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
+    """Named arrays of an .npz file.
+
+    Args:
+        path: the file.
+        name: of the file in the message.
+        hint: what to do when it cannot be used.
+
+    Raises:
+        CranktopoError: it cannot be read, is damaged, or unpacks to more than any run holds.
+    """
+    content = io.BytesIO(read_bytes(path, name, ARRAYS_LIMIT_MIB, hint))
+    try:
+        with zipfile.ZipFile(content) as packed:
+            size_MiB = sum(part.file_size for part in packed.infolist()) / MIB
+        if size_MiB <= ARRAYS_LIMIT_MIB:
+            with np.load(content, allow_pickle=False) as file:
+                return {key: file[key] for key in file.files}
+    except Exception as error:  # zipfile and numpy raise a dozen types on damaged bytes, all meaning this
+        what = f"{name}: corrupted, cannot be read ({shown(str(error))})."
+        raise CranktopoError(what, hint=hint) from None
+    what = f"{name}: unpacks to {size_MiB:.0f} MiB; a run holds at most {ARRAYS_LIMIT_MIB:g} MiB."
+    raise CranktopoError(what, hint=hint)
 
 
 def sweep_temporaries(folder: Path) -> None:
@@ -171,6 +203,10 @@ def _flush(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def _no_number(word: str) -> float:
+    raise ValueError(f"{word} is no number")
 
 
 def _plain(value: Any) -> Any:

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError
-from cranktopo.store.files import unwritable, write_npz
+from cranktopo.store.files import read_npz, unwritable, write_npz
 
 FOLDER = "density"
 _PREFIX = "iteration-"
+_HINT = "Run `cranktopo optimise` again."
 
 
 def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: float) -> None:
@@ -54,16 +55,17 @@ def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], floa
             f"run '{run}': no density of iteration {iteration}; it {held}.",
             hint="Give one of these." if saved else "Run `cranktopo optimise` again.",
         )
+    content = read_npz(path, f"'{path}'", _HINT)
     try:
-        with np.load(path, allow_pickle=False) as file:
-            return file["x"].astype(np.float64), float(file["beta"])
-    except Exception as error:  # zipfile and numpy raise a dozen types on damaged bytes, all meaning this
-        raise CranktopoError(f"'{path}': corrupted, cannot be read ({error}).") from None
+        return content["x"].astype(np.float64), float(content["beta"])
+    except (KeyError, ValueError, TypeError):
+        raise CranktopoError(f"'{path}': corrupted, holds no design.", hint=_HINT) from None
 
 
 def saved_iterations(run: Path) -> list[int]:
     """Numbers of the iterations whose design a run keeps, ascending."""
-    return sorted(int(path.stem.removeprefix(_PREFIX)) for path in (run / FOLDER).glob(f"{_PREFIX}*.npz"))
+    names = (path.stem.removeprefix(_PREFIX) for path in (run / FOLDER).glob(f"{_PREFIX}*.npz"))
+    return sorted(int(name) for name in names if name.isdecimal())
 
 
 def _path(run: Path, iteration: int) -> Path:

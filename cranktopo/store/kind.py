@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Literal
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, shown
 from cranktopo.store.files import read_json
 from cranktopo.store.runs import RunStore
 
@@ -25,6 +27,22 @@ def read_result(run: RunStore) -> dict[str, Any] | None:
     """What a run reached, None before its end; raises CranktopoError when a file cannot be used."""
     path = run.path / RESULT_FILES[kind_of(run)]
     return read_json(path) if path.is_file() else None
+
+
+@contextmanager
+def shown_results(run: RunStore) -> Iterator[None]:
+    """Context in which stored results are shown: what they lack is damage, no defect of the program.
+
+    Raises:
+        CranktopoError: a value is missing or of another type.
+    """
+    try:
+        yield
+    except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
+        raise CranktopoError(
+            f"run '{run.path}': its results are damaged ({type(error).__name__}: {shown(str(error))}).",
+            hint="Start a new run.",
+        ) from error
 
 
 def resume_command(run: RunStore) -> str:

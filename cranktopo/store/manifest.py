@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, shown
 from cranktopo.store.files import json_text
 
 SCHEMA_VERSION = 1
@@ -31,7 +31,16 @@ _PACKAGES = (
     "gmsh",
     "scikit-fem",
 )
-_KEYS = ("run", "design", "command", "scene", "options", "settings_sha256", "status", "started")
+_KEYS: dict[str, type] = {
+    "run": str,
+    "design": str,
+    "command": list,
+    "scene": dict,
+    "options": dict,
+    "settings_sha256": str,
+    "status": str,
+    "started": str,
+}
 
 
 def new_manifest(
@@ -129,12 +138,31 @@ def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
     version = manifest.get("schema_version")
     if version != SCHEMA_VERSION:
         raise CranktopoError(
-            f"'{path}': schema_version {version!r}, this program reads {SCHEMA_VERSION}.",
+            f"'{path}': schema_version {shown(version)}, this program reads {SCHEMA_VERSION}.",
             hint="Use the version of cranktopo that made the run, or start a new one.",
         )
     missing = [key for key in _KEYS if key not in manifest]
     if missing:
         raise CranktopoError(f"'{path}': incomplete, {', '.join(missing)} missing.", hint="Start a new run.")
+    wrong = [key for key, kind in _KEYS.items() if not isinstance(manifest[key], kind)]
+    wrong += [] if _is_inputs(manifest.get("inputs", {})) else ["inputs"]
+    wrong += [] if all(isinstance(word, str) for word in manifest["command"]) else ["command"]
+    if wrong:
+        raise CranktopoError(
+            f"'{path}': damaged, {', '.join(wrong)} not as written.", hint="Start a new run."
+        )
+    if settings_hash(manifest["scene"], manifest["options"]) != manifest["settings_sha256"]:
+        raise CranktopoError(
+            f"'{path}': changed by hand, its scene and options do not match settings_sha256.",
+            hint="Restore it; to change settings, edit the design and start a new run.",
+        )
+
+
+def _is_inputs(inputs: Any) -> bool:
+    return isinstance(inputs, dict) and all(
+        isinstance(entry, dict) and all(isinstance(entry.get(key), str) for key in ("path", "sha256"))
+        for entry in inputs.values()
+    )
 
 
 def _ordered(value: Any) -> Any:

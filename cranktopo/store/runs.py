@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.errors import CranktopoError, suggest
+from cranktopo.inputs import read_text
 from cranktopo.store.destination import check_folder
 from cranktopo.store.files import (
     read_json,
@@ -123,8 +124,8 @@ class RunStore:
         path = self.path / _HISTORY
         if not path.is_file():
             return []
-        with path.open(encoding="utf-8", newline="") as file:
-            return [{k: _number(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
+        lines = read_text(path, f"'{path}'").splitlines()
+        return [{k: _number(v) for k, v in row.items() if k and v} for row in csv.DictReader(lines)]
 
     def write_metrics(self, metrics: Mapping[str, Any]) -> None:
         """Write metrics.json; raises CranktopoError when a number is not finite."""

@@ -77,8 +77,17 @@ class Settings:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Settings:
-        """Settings as a manifest keeps them; one of an older version has no rules, which are the usual."""
-        return cls(**{**data, "rules": ManufacturingLimits(**data.get("rules", {}))})
+        """Settings as a manifest keeps them; one of an older version has no rules, which are the usual.
+
+        Raises:
+            CranktopoError: keys are missing or unknown.
+        """
+        try:
+            return cls(**{**data, "rules": ManufacturingLimits(**data.get("rules", {}))})
+        except (TypeError, AttributeError):
+            raise CranktopoError(
+                "manifest.json: the loop's settings are damaged.", hint="Start a new loop."
+            ) from None
 
 
 @dataclass(frozen=True)
@@ -179,8 +188,9 @@ def continue_loop(reference: str, info: Info = lambda _: None) -> Outcome:
     run = open_run(reference)
     require_kind(run, LOOP)
     run.require_same_inputs()
+    scene, settings = scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP])
     run.resume()
-    return _worked(run, scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP]), info)
+    return _worked(run, scene, settings, info)
 
 
 def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info) -> Outcome:

@@ -1,0 +1,110 @@
+"""One hostile case, run in this process: its exit code, and what must never happen."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import signal
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from unittest.mock import patch
+
+from cranktopo.cli.main import main
+from cranktopo.errors import CranktopoError, ExitCode
+from tests.hostile.commands import Case
+
+LIMIT_S = 10.0
+# Where the work starts that a valid input would do: it ends there instead.
+WORK = (
+    "gmsh.initialize",
+    "cranktopo.meshing.imported_body.tetrahedralise",
+    "cranktopo.pipeline.optimise.create_run",
+    "cranktopo.store.RunStore.resume",
+    "cranktopo.pipeline.iterate.loop.create_run",
+    "cranktopo.accuracy.cell_choice.choose_cells",
+    "cranktopo.accuracy.error_target.evaluate_to",
+)
+
+
+class Hang(BaseException):
+    """A case took longer than the limit."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a case ended in; `faults` is empty when it behaved."""
+
+    code: int
+    seconds: float
+    stderr: str
+    faults: tuple[str, ...]
+
+
+def run_case(case: Case, folder: Path) -> Outcome:
+    """Run a case in an empty folder of its own."""
+    case.lay_out(folder)
+    before = _tree(folder)
+    out, err = io.StringIO(), io.StringIO()
+    began = time.perf_counter()
+    code, faults = 1, []
+    with _inside(folder), _limited(), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = main(case.arguments)
+        except Hang:
+            faults.append(f"hangs for more than {LIMIT_S:g} s")
+        except BaseException as error:
+            faults.append(f"raises {type(error).__name__}: {error}")
+    if code not in set(ExitCode) or code == ExitCode.INTERNAL:
+        faults.append(f"exit code {code}")
+    if "Traceback" in out.getvalue() + err.getvalue():
+        faults.append("shows a traceback")
+    if code != ExitCode.DONE and _tree(folder) != before:
+        faults.append(f"writes {sorted(set(_tree(folder)) - set(before))}")
+    if code != ExitCode.DONE and not err.getvalue().strip():
+        faults.append("says nothing")
+    return Outcome(code, time.perf_counter() - began, err.getvalue(), tuple(faults))
+
+
+def stubbed() -> contextlib.ExitStack:
+    """Context in which no long work is done: it ends in a solver failure."""
+    stack = contextlib.ExitStack()
+    for target in WORK:
+        stack.enter_context(patch(target, side_effect=CranktopoError("no work here.", code=ExitCode.SOLVER)))
+    return stack
+
+
+def _tree(folder: Path) -> dict[str, int]:
+    """Names and sizes of everything below a folder; locks of run directories are no result."""
+    paths = (path for path in folder.rglob("*") if path.name != ".lock")
+    return {str(path.relative_to(folder)): path.lstat().st_size if path.is_file() else -1 for path in paths}
+
+
+@contextlib.contextmanager
+def _inside(folder: Path) -> Iterator[None]:
+    before = Path.cwd()
+    os.chdir(folder)
+    logs = set(Path(tempfile.gettempdir()).glob("cranktopo-crash-*.log"))
+    try:
+        yield
+    finally:
+        os.chdir(before)
+        for log in set(Path(tempfile.gettempdir()).glob("cranktopo-crash-*.log")) - logs:
+            log.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def _limited() -> Iterator[None]:
+    def stop(*_: object) -> None:
+        raise Hang
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, LIMIT_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
