@@ -47,7 +47,7 @@ class CostRates:
     Attributes:
         iterations: designs until an optimisation converges; 31 on the built-in engine.
         seconds_per_cell_solve: one load case of one design iteration, per cell; 2.9e-6 to 4.8e-6 on two
-            cores (archived benchmark "cost of effects", docs/benchmarks.md), without compilation.
+            cores ("Cost of effects", docs/pages/archive.md), without compilation.
         seconds_per_element: one direct solve per quadratic tetrahedron; an order of magnitude.
     """
 
