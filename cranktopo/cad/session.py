@@ -20,9 +20,6 @@ def cad_session(what: str) -> Iterator[Any]:
 
     Single-threaded, so that the same input gives the same mesh.
 
-    Args:
-        what: what is being built, for the message.
-
     Raises:
         CranktopoError: gmsh failed inside the block.
     """
@@ -53,7 +50,6 @@ def tetrahedra(gmsh: Any, element_type: int, corners: int) -> tuple[NDArray[np.f
     """Nodes (n, 3) in mm and elements (elements, corners) of the session's mesh, nodes numbered from 0.
 
     Args:
-        gmsh: from `cad_session`.
         element_type: gmsh's number of the type.
         corners: nodes of an element.
 

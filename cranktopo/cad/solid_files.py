@@ -37,8 +37,6 @@ def export_solid(scene: Scene, part: SolidPart, path: Path, facet_mm: float = 1.
     """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
 
     Args:
-        scene: the throw.
-        part: which body.
         path: target, suffix .step, .stp or .stl; mm, in the frame of `cranktopo.frames`.
         facet_mm: edge length of STL facets.
 
@@ -71,8 +69,6 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float = 1.0) -> SurfaceM
     """Closed triangle mesh of a part of a scene.
 
     Args:
-        scene: the throw.
-        part: which body.
         facet_mm: edge length of the triangles.
 
     Raises:

@@ -1,4 +1,7 @@
-"""OCC solids of half throw, full throw and crankshaft, each checked before anyone may use it."""
+"""OCC solids of half throw, full throw and crankshaft, each checked before anyone may use it.
+
+`occ` is `gmsh.model.occ` of the open session.
+"""
 
 from __future__ import annotations
 
@@ -39,10 +42,6 @@ def add_half_throw(occ: Any, scene: Scene) -> DimTags:
 
     A bore runs through its journal and the web and ends at the web's far face.
 
-    Args:
-        occ: `gmsh.model.occ` of the open session.
-        scene: the throw.
-
     Raises:
         CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
@@ -62,10 +61,6 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     The far half is the half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume.
 
-    Args:
-        occ: `gmsh.model.occ` of the open session.
-        scene: the throw.
-
     Raises:
         CranktopoError: as `add_half_throw`.
     """
@@ -80,7 +75,6 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """All throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body.
 
     Args:
-        occ: `gmsh.model.occ` of the open session.
         scene: the throw, and an engine with a firing order.
 
     Raises:
@@ -105,10 +99,7 @@ def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
     """Check one body, its volume against the closed form, and a closed boundary.
 
     Args:
-        occ: `gmsh.model.occ` of the open session.
-        body: (dimension, tag) pairs of what was built.
         expected_mm3: volume by the closed form.
-        name: of the body, for the message.
 
     Raises:
         CranktopoError: the CAD kernel gave something else.
@@ -132,7 +123,6 @@ def solid_properties(occ: Any, body: DimTags) -> SolidProperties:
     """Volume, centre and inertia about the crank axis of one body, from the CAD kernel's exact faces.
 
     Args:
-        occ: `gmsh.model.occ` of the open session.
         body: (dimension, tag) pairs that hold one volume.
     """
     (tag,) = [tag for dim, tag in body if dim == 3]
@@ -148,9 +138,6 @@ def _add_journal(
     """Journal from its mid-plane to the web face with its fillet, by revolution, bore cut out.
 
     Args:
-        occ: `gmsh.model.occ`.
-        scene: the throw.
-        journal: dimensions.
         y: its axis along the throw, mm.
         z_mm: axial range.
         toward: +1 if the web lies at the upper end, -1 at the lower.

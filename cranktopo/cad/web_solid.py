@@ -1,4 +1,7 @@
-"""OCC solids of the web: what its features are made of, added and taken away."""
+"""OCC solids of the web: what its features are made of, added and taken away.
+
+`occ` is `gmsh.model.occ` of the open session.
+"""
 
 from __future__ import annotations
 
@@ -27,20 +30,12 @@ DimTags = list[tuple[int, int]]
 
 
 def add_web(occ: Any, scene: Scene) -> DimTags:
-    """The web between its two faces, bores and features cut out, as gmsh (dimension, tag) pairs.
-
-    Args:
-        occ: `gmsh.model.occ` of the open session.
-    """
+    """The web between its two faces, bores and features cut out, as gmsh (dimension, tag) pairs."""
     return add_bodies(occ, web_bodies(scene))
 
 
 def add_bodies(occ: Any, bodies: Sequence[Body]) -> DimTags:
-    """The material that bodies leave, as gmsh (dimension, tag) pairs.
-
-    Args:
-        occ: `gmsh.model.occ` of the open session.
-    """
+    """The material that bodies leave, as gmsh (dimension, tag) pairs."""
     web, *more = (add_solid(occ, solid) for body in bodies if body.adds for solid in body.solids())
     material = [web] if not more else list(occ.fuse([web], more)[0])
     tools = [add_solid(occ, solid) for body in bodies if not body.adds for solid in body.solids()]
@@ -50,11 +45,7 @@ def add_bodies(occ: Any, bodies: Sequence[Body]) -> DimTags:
 
 
 def add_solid(occ: Any, solid: Solid) -> tuple[int, int]:
-    """One primitive body as a gmsh (dimension, tag) pair.
-
-    Args:
-        occ: `gmsh.model.occ` of the open session.
-    """
+    """One primitive body as a gmsh (dimension, tag) pair."""
     match solid:
         case Cylinder(start, axis, radius):
             return 3, occ.addCylinder(*start, *axis, radius)

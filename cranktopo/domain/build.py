@@ -102,7 +102,6 @@ def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
     """Whether the geometry is its own mirror image in x and the scene allows the mirror.
 
     Args:
-        scene: the throw.
         target: whose geometry, that of the design envelope or of the scene's own web.
     """
     return may_mirror(scene, web_asymmetry(scene) if target == "web" else envelope_asymmetry(scene))
@@ -118,7 +117,6 @@ def build_domain(
     """Grid and cell fractions of a scene.
 
     Args:
-        scene: the validated scene.
         resolution_mm: largest cell edge, mm.
         target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
         extent: part of the throw; by default the quarter when the geometry is symmetric in x, else the half.
@@ -218,7 +216,6 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm.
 
     Args:
-        scene: the throw.
         target: "envelope" for a design, "web" for the scene's own web.
     """
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm

@@ -14,12 +14,7 @@ SECTIONS = 32
 
 
 def disc(radius_mm: float, y_mm: float = 0.0, x_mm: float = 0.0) -> Shape:
-    """Disc around a point.
-
-    Args:
-        radius_mm: its radius.
-        y_mm, x_mm: its centre.
-    """
+    """Disc around the point (x, y)."""
     return lambda x, y: (x - x_mm) ** 2 + (y - y_mm) ** 2 <= radius_mm**2
 
 

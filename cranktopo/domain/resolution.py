@@ -22,11 +22,7 @@ def check_resolution(
     """Check a cell size against the thinnest journal wall and the memory.
 
     Args:
-        scene: the scene.
-        resolution_mm: largest cell edge, mm.
         quarter: whether the lateral mirror halves the model.
-        cases: number of load cases.
-        available_MiB: memory that may be used.
 
     Raises:
         CranktopoError: too coarse or too fine, with the limit that would do.
@@ -61,10 +57,7 @@ def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, case
     """Estimated peak memory of an optimisation at a cell size, MiB.
 
     Args:
-        scene: the throw and its envelope.
-        resolution_mm: largest cell edge.
         quarter: whether the lateral mirror halves the model.
-        cases: number of load cases.
     """
     return BASE_MIB + PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
 
@@ -75,8 +68,6 @@ def estimated_cells(
     """Number of cells of a grid at a cell size, without padding.
 
     Args:
-        scene: the scene.
-        resolution_mm: largest cell edge, mm.
         quarter: whether the lateral mirror halves the model.
         target: what the grid holds: the design envelope, or only the scene's own web.
 
@@ -92,10 +83,7 @@ def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB:
     """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory.
 
     Args:
-        scene: the throw and its envelope.
         quarter: whether the lateral mirror halves the model.
-        cases: number of load cases.
-        available_MiB: memory that may be used.
     """
     at_one = estimated_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
     room = max(available_MiB - BASE_MIB, 1e-3)

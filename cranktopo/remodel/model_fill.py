@@ -1,7 +1,7 @@
 """Fill of cells by a web of the family, with its gradient: signed distances through a smooth step.
 
 The step's width shrinks during the fit. It is odd about the surface, so that a flat surface is fitted
-without bias at any width. Nothing is compiled: the compiler may take minutes over one combination of parts.
+without bias at any width.
 """
 
 from __future__ import annotations
@@ -19,13 +19,7 @@ Array = NDArray[np.float64]
 
 
 class Fill:
-    """The fill of a grid by an outline and its parts.
-
-    Args:
-        parts: bevels and pockets.
-        axes: x, y and z of the cell centres, mm.
-        web_z_mm: web faces.
-    """
+    """The fill of a grid, cell centres `axes`, by an outline and features."""
 
     def __init__(self, parts: tuple[FittedFeature, ...], axes: Axes, web_z_mm: tuple[float, float]) -> None:
         self.parts, self.axes, self.web_z_mm = parts, axes, web_z_mm
@@ -35,7 +29,6 @@ class Fill:
 
         Args:
             points: (n, 2) points of the outline's right half, from end to end, mm.
-            values: parameters of the parts.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
         inside[:] = outline_distance(points, *self.axes[:2])[:, :, None]
@@ -54,7 +47,6 @@ class Fill:
 
         Args:
             points: (n, 2) points of the outline's right half, from end to end, mm.
-            values: parameters of the parts.
             which: (nx, ny, nz) which field is the least in each cell, from `inside_mm`.
             weight: (nx, ny, nz) weight of each cell's distance.
         """
@@ -73,7 +65,7 @@ def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
     """Fill from signed distance, and its derivative by the distance, 1/mm.
 
     Args:
-        inside_mm: signed distance, positive inside, any shape.
+        inside_mm: signed distance, positive inside.
         width_mm: half-width of the step.
     """
     u = np.clip(inside_mm / width_mm, -1.0, 1.0)

@@ -85,10 +85,6 @@ class _Outline:
 class Fit:
     """How well a web fits, as functions of its parameters.
 
-    Args:
-        problem: what to match and what to keep.
-        layout: the parameters.
-
     Attributes:
         layout: the parameters.
         bounds: lower and upper bounds of their values, mm or degrees.
@@ -106,7 +102,6 @@ class Fit:
         """Squared difference of the fills over the filled volume, and its gradient.
 
         Args:
-            values: the parameters, mm or degrees.
             width_mm: half-width of the smooth step.
         """
         shape, parts = self._outline.at(values), self._parts(values)
@@ -122,7 +117,6 @@ class Fit:
         """Fill of the cells (nx, ny, nz), bores cut out.
 
         Args:
-            values: the parameters, mm or degrees.
             width_mm: half-width of the smooth step.
         """
         inside, _ = self._grid.inside_mm(self._outline.at(values).points, self._parts(values))
@@ -132,7 +126,6 @@ class Fit:
         """Intersection over union of the fills.
 
         Args:
-            values: the parameters, mm or degrees.
             width_mm: half-width of the smooth step.
         """
         model = self.fill(values, width_mm)
@@ -167,7 +160,6 @@ def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array,
     """Fit the parameters from one initial guess, with ever sharper steps.
 
     Args:
-        fit: the functions.
         start: first values.
         widths_mm: half-widths of the smooth step, one search each.
 

@@ -42,7 +42,6 @@ def check_envelope_reach(scene: Scene, bounds_mm: tuple[float, float, float, flo
     """Check that a design space is not many times larger than the throw.
 
     Args:
-        scene: the throw.
         bounds_mm: ranges that hold the design space (x_min, x_max, y_min, y_max).
 
     Raises:

@@ -9,7 +9,6 @@ def toml_text(scene: Scene, heading: str) -> str:
     """The scene as TOML; values that were left out or are None stay out.
 
     Args:
-        scene: the scene.
         heading: comment for the first line.
     """
     import tomli_w

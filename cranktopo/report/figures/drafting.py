@@ -16,10 +16,8 @@ def dimension(
     """A dimension line between two points, with extension lines and its number.
 
     Args:
-        axes: matplotlib axes, mm.
         start, end: the two points, mm.
         shift: how far the line is moved off the points, mm; across it, one component being 0.
-        text: the number.
     """
     a, b = (np.array(point) + np.array(shift) for point in (start, end))
     if shift[0]:  # vertical dimension: both extension lines reach the same x
@@ -44,16 +42,7 @@ def dimension(
 def circle(
     axes: Any, radius: float, y: float, style: str, width: float, fill: str = "none", x: float = 0.0
 ) -> None:
-    """A circle.
-
-    Args:
-        axes: matplotlib axes, mm.
-        radius: its radius, mm.
-        y, x: its centre, mm.
-        style: matplotlib's line style.
-        width: line width in points.
-        fill: colour of its inside.
-    """
+    """A circle."""
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((x, y), radius, fc=fill, ec=INK, lw=width, ls=style))
@@ -63,7 +52,6 @@ def ghost(axes: Any, polygons: list[Any]) -> None:
     """Outlines of another body, dashed.
 
     Args:
-        axes: matplotlib axes, mm.
         polygons: the outlines, (n, 2) each, mm.
     """
     for polygon in polygons:
@@ -72,12 +60,7 @@ def ghost(axes: Any, polygons: list[Any]) -> None:
 
 
 def finish(axes: Any, title: str) -> None:
-    """Equal scales, a title, no frame.
-
-    Args:
-        axes: matplotlib axes.
-        title: of the view.
-    """
+    """Equal scales, a title, no frame."""
     axes.set_aspect("equal")
     axes.set_title(title, fontsize=10, loc="left", color=THIN)
     axes.axis("off")
@@ -87,7 +70,6 @@ def hatched(axes: Any, polygons: list[Any], hatch: str = "////") -> None:
     """A cut area: polygons with their holes by orientation.
 
     Args:
-        axes: matplotlib axes, mm.
         polygons: outlines and holes, (n, 2) each, mm.
         hatch: matplotlib's hatch pattern; empty for none.
     """

@@ -43,12 +43,7 @@ class Sheet:
 
 
 def front_view(axes: Any, sheet: Sheet) -> None:
-    """View along the crank axis from the crankpin side: outline with its stations, features.
-
-    Args:
-        axes: matplotlib axes.
-        sheet: what is drawn.
-    """
+    """View along the crank axis from the crankpin side: outline with its stations, features."""
     web, radius = sheet.web, sheet.scene.throw.radius_mm
     low, high = web.y_range_mm(radius)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, _POINTS))
@@ -74,12 +69,7 @@ def front_view(axes: Any, sheet: Sheet) -> None:
 
 
 def lengthwise_section(axes: Any, sheet: Sheet) -> None:
-    """Section through both axes: crank axis to the right, throw upward.
-
-    Args:
-        axes: matplotlib axes.
-        sheet: what is drawn.
-    """
+    """Section through both axes: crank axis to the right, throw upward."""
     scene, web = sheet.scene, sheet.web
     start, end = scene.web_z_mm
     low, high = web.y_range_mm(scene.throw.radius_mm)
@@ -97,12 +87,7 @@ def lengthwise_section(axes: Any, sheet: Sheet) -> None:
 
 
 def cross_section(axes: Any, sheet: Sheet) -> None:
-    """Section where a feature shows best, or half-way between the axes: x to the right, crank axis upward.
-
-    Args:
-        axes: matplotlib axes.
-        sheet: what is drawn.
-    """
+    """Section where a feature shows best, or half-way between the axes: x to the right, crank axis upward."""
     scene, web = sheet.scene, sheet.web
     start, end = scene.web_z_mm
     shown = next((feature for feature in sheet.features if feature.section_y_mm is not None), None)
