@@ -17,7 +17,7 @@ EVENT = "/jax/core/compile/backend_compile_duration"
 
 
 def test_a_solve_compiles_nothing_more(float64: None) -> None:
-    model, _ = cantilever((20, 4, 12))
+    model, _ = cantilever((8, 4, 6))
     tables = build_tables(model.lattice, model.levels)
     moduli = jnp.asarray(np.random.default_rng(0).uniform(0.1, 1, model.lattice.cells))
     system = System(jnp.asarray(tables.blocks), model.supports, moduli, model.forces)
