@@ -36,25 +36,31 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
     Raises:
         CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
     """
-    from cranktopo.triangles.surface_mesh import SurfaceMesh
-
     check_step(path, name)
     with cad_session(f"surface of {path}") as gmsh:
         body = _one_solid(gmsh, path, name)
         volume = float(gmsh.model.occ.getMass(*body))
-        for option, value in _TRIANGULATION.items():
-            gmsh.option.setNumber(f"Mesh.{option}", value)
-        gmsh.model.mesh.importStl()
-        points, faces = triangles(gmsh)
-    vertices, number = np.unique(np.round(points, _WELD_DIGITS), axis=0, return_inverse=True)
-    faces = number.reshape(-1)[faces]
-    mesh = SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
+        mesh = kernel_surface(gmsh)
     if not (mesh.as_trimesh().is_watertight and abs(mesh.volume_mm3 / volume - 1) < _VOLUME_TOLERANCE):
         raise CranktopoError(
             f"{name}: the faces of its solid do not close ({mesh.volume_mm3:.1f} of {volume:.1f} mm3).",
             hint="Repair the solid in CAD, or export it as STL.",
         )
     return mesh
+
+
+def kernel_surface(gmsh: Any) -> SurfaceMesh:
+    """The CAD kernel's own triangles of the open session's body, synchronised, joined; it stays unmeshed."""
+    from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+    for option, value in _TRIANGULATION.items():
+        gmsh.option.setNumber(f"Mesh.{option}", value)
+    gmsh.model.mesh.importStl()
+    points, faces = triangles(gmsh)
+    gmsh.model.mesh.clear()
+    vertices, number = np.unique(np.round(points, _WELD_DIGITS), axis=0, return_inverse=True)
+    faces = number.reshape(-1)[faces]
+    return SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
 
 
 def check_step(path: Path, name: str) -> None:

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     type=Number(0.01, 0.5),
     help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
 )
+@click.option("--design", help="Design for the journals, loads and material of STEP targets.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -53,10 +54,14 @@ def command(
     loads: HistoryKind,
     baseline: str | None,
     fillet_fraction: float | None,
+    design: str | None,
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Fatigue safety of each TARGET (a design whose fillets have a radius) on curved tet10 elements.
+    """Fatigue safety of each TARGET on curved tet10 elements.
+
+    A TARGET is a design whose fillets have a radius, or a STEP file of the half throw (with --design), whose
+    fillets are found on the body.
 
     The unit loads are solved once; every load state is a sum of them. The safety is that of the worst point
     of the fillets, anywhere on the throw.
@@ -71,7 +76,7 @@ def command(
         names = (baseline, *names)
     index = None if baseline is None else names.index(baseline)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
-    found = assess_fatigue(names, method, loads, index, fraction, out, info)
+    found = assess_fatigue(names, method, loads, index, fraction, out, info, design)
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
 
 

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
+@click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
+@click.option("--design", help="Design for the journals, engine and material of an STL or STEP target.")
 @click.option(
     "--bearings",
     type=Choice(["rigid", "spring", "free"]),
@@ -29,8 +30,12 @@ if TYPE_CHECKING:
 @click.option("--element-size-mm", type=CELL_MM, help="General element size.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
 @verbosity_options
-def command(design: str, bearings: str, element_size_mm: float | None, as_json: bool) -> None:
-    """Chain the throws of DESIGN by its firing order: torsional stiffness and natural frequencies.
+def command(
+    target: str, design: str | None, bearings: str, element_size_mm: float | None, as_json: bool
+) -> None:
+    """Chain the throws of TARGET by its firing order: torsional stiffness and natural frequencies.
+
+    TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
 
     The error estimate comes from a second, coarser mesh; it does not cover the disk model.
 
@@ -38,12 +43,12 @@ def command(design: str, bearings: str, element_size_mm: float | None, as_json: 
     """
     from cranktopo.evaluate.shaft import evaluate_shaft
     from cranktopo.evaluate.shaft_assembly import Bearings
-    from cranktopo.evaluate.targets import load_simulated
+    from cranktopo.evaluate.targets import resolve_target
 
-    scene = load_simulated(design)
-    info(f"{scene.name}: condensing one throw")
+    resolved = resolve_target(target, design)
+    info(f"{resolved.name}: condensing one throw")
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
-    shaft = evaluate_shaft(scene, support, element_size_mm)
+    shaft = evaluate_shaft(resolved, support, element_size_mm)
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else _text(shaft))
 
 

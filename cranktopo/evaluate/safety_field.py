@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.effects import plan
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.fillets import Place, place
 from cranktopo.evaluate.fkm import FkmStrength, fkm
@@ -125,8 +125,15 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
     """Check everything that a user can get wrong, before the first solve.
 
     Raises:
-        CranktopoError: missing material data or loads, or sharp fillets.
+        CranktopoError: missing material data or loads, sharp fillets, or a body from CAD for the rule.
     """
+    if method == "m53" and target.file is not None:
+        raise CranktopoError(
+            f"target '{target.name}': method 'm53' needs the width and the outline of the web, which a file "
+            "does not name.",
+            hint="Take --method lsa or fkm, or give a design.",
+            code=ExitCode.USAGE,
+        )
     check_material(target.scene, method)
     check_fillets(target)
     load_history(target.scene, kind, load_kinds(target.scene, kind)[0])

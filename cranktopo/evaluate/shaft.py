@@ -14,6 +14,7 @@ from cranktopo.evaluate.evaluation import (
     SCHEMA_VERSION,
     bound_percent,
     default_element_size_mm,
+    mesh_target,
     throw_inertia_kg_mm2,
     throw_mass_kg,
 )
@@ -24,9 +25,10 @@ from cranktopo.evaluate.shaft_assembly import (
     shaft_stiffness,
     throw_matrix,
 )
+from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.torsional import DiskModel, disk_model
 from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
-from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
+from cranktopo.meshing.solid_mesh import MeshedThrow
 from cranktopo.scene import Scene
 from cranktopo.units import MPA_PER_GPA
 
@@ -65,16 +67,19 @@ class ShaftEvaluation:
         }
 
 
-def evaluate_shaft(scene: Scene, bearings: Bearings, element_size_mm: float | None = None) -> ShaftEvaluation:
-    """Assemble the throws of a design by its firing order, on a mesh and on one 1.5 times coarser.
+def evaluate_shaft(
+    target: Target, bearings: Bearings, element_size_mm: float | None = None
+) -> ShaftEvaluation:
+    """Assemble the throws of a target by its firing order, on a mesh and on one 1.5 times coarser.
 
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
     """
+    scene = target.scene
     angles = scene.shaft_angles_deg
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
-    meshes = [mesh_throw(scene, size * factor) for factor in (RATIO, 1.0)]
+    meshes = [mesh_target(target, size * factor) for factor in (RATIO, 1.0)]
     coarse, stiffness = (
         shaft_stiffness(shaft_matrix(_throw(meshed, scene), angles), bearings, spring) for meshed in meshes
     )
@@ -82,7 +87,7 @@ def evaluate_shaft(scene: Scene, bearings: Bearings, element_size_mm: float | No
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
     mass = len(angles) * throw_mass_kg(meshes[-1], scene)
     error = bound_percent(coarse.by_name(), stiffness.by_name())
-    return ShaftEvaluation(scene.name, angles, bearings, mass, stiffness, error, disks)
+    return ShaftEvaluation(target.name, angles, bearings, mass, stiffness, error, disks)
 
 
 def _throw(meshed: MeshedThrow, scene: Scene) -> NDArray[np.float64]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
-from cranktopo.meshing.solid_mesh import mesh_throw
+from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.units import MPA_PER_GPA
 
@@ -129,11 +130,9 @@ def solve_stresses(
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
     """
-    check_fillets(target)
-    scene, material = target.scene, target.scene.material
     start = time.perf_counter()
-    size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
-    meshed = mesh_throw(scene, size, fillet_fraction=fillet_fraction)
+    meshed, scene = _meshed(target, fillet_fraction)
+    material = scene.material
     began_solving = time.perf_counter()
     youngs = material.E_GPa * MPA_PER_GPA
     model = assemble(meshed.mesh, youngs, material.poisson)
@@ -162,14 +161,14 @@ def check_fillets(target: Target) -> None:
     """Check that both fillets of a target have a radius.
 
     Raises:
-        CranktopoError: a surface file, fillets switched off, or a fillet of radius 0.
+        CranktopoError: a surface file, a STEP body without round fillets at its journals, fillets switched
+            off, or a fillet of radius 0.
     """
     if target.file is not None:
-        raise CranktopoError(
-            f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
-            "singular.",
-            hint="Assess a design whose fillets have a radius; 'cranktopo remodel' makes one of a run.",
-        )
+        from cranktopo.meshing.imported_body import fillets_of_step
+
+        fillets_of_step(_step_of(target), target.scene, target.align)
+        return
     if target.scene.effects.fillets == "off":
         raise invalid(
             f"{target.name}: effects.fillets",
@@ -184,6 +183,34 @@ def check_fillets(target: Target) -> None:
                 "that any value of it follows from the mesh alone.",
                 hint="Give the fillet a radius.",
             )
+
+
+def _step_of(target: Target) -> Path:
+    """The STEP file of a target.
+
+    Raises:
+        CranktopoError: it is a surface of triangles.
+    """
+    if target.file is None or target.file.suffix.lower() == ".stl":
+        raise CranktopoError(
+            f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
+            "singular.",
+            hint="Assess a STEP body, or a design whose fillets have a radius; 'cranktopo remodel' makes one "
+            "of a run.",
+        )
+    return target.file
+
+
+def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]:
+    """Mesh of a target for stresses, and its scene with the fillets that the mesh has."""
+    scene = target.scene
+    size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
+    if target.file is None:
+        check_fillets(target)
+        return mesh_throw(scene, size, fillet_fraction=fillet_fraction), scene
+    from cranktopo.meshing.imported_body import mesh_step_for_stress
+
+    return mesh_step_for_stress(_step_of(target), scene, size, fillet_fraction, target.align)
 
 
 def _images(fields: tuple[UnitField, ...], mirrored: bool) -> tuple[Image, ...]:

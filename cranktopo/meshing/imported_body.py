@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.cad.session import cad_session, triangles
-from cranktopo.cad.step_surface import check_step
+from cranktopo.cad.session import cad_session
+from cranktopo.cad.step_surface import check_step, kernel_surface
 from cranktopo.cad.throw_solid import SolidProperties, solid_properties
+from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError
 from cranktopo.frames import Z
+from cranktopo.meshing.found_fillets import with_found_fillets
 from cranktopo.meshing.placement import placed
 from cranktopo.meshing.remesh import tetrahedralise
-from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_body, ring_size_mm
+from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_body, positive_x, ring_size_mm
 from cranktopo.scene import Scene
 from cranktopo.surface.solids import is_mirror_image, web_region
 from cranktopo.triangles.shells import shell_volumes_mm3
@@ -24,16 +26,12 @@ from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.units import MM_PER_INCH
 
-if TYPE_CHECKING:
-    from manifold3d import Manifold
-
 Array = NDArray[np.float64]
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 _UNIT_SHARE = 0.01
-_FACETS_PER_TURN = 64
 _ROUNDING = 1e-6
 """How far single precision and the mesher may move an end section, over the pitch."""
 
@@ -51,30 +49,92 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
     """
     if path.suffix.lower() == ".stl":
         return _mesh_stl(path, scene, element_size_mm, align)
-    check_step(path, f"'{path}'")
     with cad_session(f"solid of {path}") as gmsh:
-        occ = gmsh.model.occ
-        body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]
-        if len(body) != 1:
-            raise CranktopoError(f"{path}: holds {len(body)} solids, not one.", hint="Fuse them first.")
-        low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
-        _check_unit(path, scene, low, high)
-        if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
-            body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
-        motion = placed(_facets(gmsh, body, path), scene, str(path), align)
-        if motion is not None:
-            occ.affineTransform(body, motion.affine)
-        half = solid_properties(occ, body)
-        web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
-        web_volume = sum(occ.getMass(*pair) for pair in web)
-        occ.remove(web, recursive=True)
+        _, half, web_volume = _solid(gmsh, path, scene, align)
         mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=False)
     return MeshedThrow(mesh, half, web_volume)
 
 
-def _between(
-    occ: Any, body: list[tuple[int, int]], start: float, end: float, scene: Scene
-) -> list[tuple[int, int]]:
+def mesh_step_for_stress(
+    path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool = False
+) -> tuple[MeshedThrow, Scene]:
+    """Mesh of the half throw in a STEP file, fine in the fillets found on it, and the scene with their radii.
+
+    Args:
+        path: as `mesh_file` takes it.
+        scene: design of its journals.
+        element_size_mm: general element size.
+        fillet_fraction: element size in a fillet over its radius.
+        align: move a body that lies elsewhere to where the journals are.
+
+    Raises:
+        CranktopoError: as `mesh_file`, or a journal without a fillet.
+    """
+    with cad_session(f"solid of {path}") as gmsh:
+        body, half, web_volume = _solid(gmsh, path, scene, align)
+        gmsh.model.occ.synchronize()
+        scene = with_found_fillets(gmsh, scene, str(path))
+        mirrored = scene.effects.lateral_symmetry != "off" and _sides_alike(gmsh.model.occ, body, scene)
+        if mirrored:
+            positive_x(gmsh.model.occ, body, scene.pitch_mm)
+        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored, fillet_fraction=fillet_fraction)
+    return MeshedThrow(mesh, half, web_volume), scene
+
+
+def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
+    """The scene with the fillet radii of the half throw in a STEP file.
+
+    Raises:
+        CranktopoError: as `mesh_step_for_stress`.
+    """
+    with cad_session(f"solid of {path}") as gmsh:
+        _solid(gmsh, path, scene, align)
+        gmsh.model.occ.synchronize()
+        return with_found_fillets(gmsh, scene, str(path))
+
+
+def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float]:
+    """The half throw of a STEP file in the open session, in its place, and its volume in the web."""
+    check_step(path, f"'{path}'")
+    occ = gmsh.model.occ
+    body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]
+    if len(body) != 1:
+        raise CranktopoError(f"{path}: holds {len(body)} solids, not one.", hint="Fuse them first.")
+    low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
+    _check_unit(path, scene, low, high)
+    if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
+        body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
+    occ.synchronize()
+    motion = placed(solid_of(kernel_surface(gmsh), str(path)), scene, str(path), align)
+    if motion is not None:
+        occ.affineTransform(body, motion.affine)
+    web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
+    web_volume = float(sum(occ.getMass(*pair) for pair in web))
+    occ.remove(web, recursive=True)
+    return body, solid_properties(occ, body), web_volume
+
+
+def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
+    """Whether both sides of x = 0 have the same volume, centre of mass and moments of inertia."""
+    size = 20 * scene.pitch_mm
+    properties = []
+    for start, sign in ((0.0, 1.0), (-size, -1.0)):
+        box = occ.addBox(start, -size, -size, size, 2 * size, 2 * size)
+        side, _ = occ.intersect(occ.copy(body), [(3, box)])
+        if len(side) != 1:
+            return False
+        volume, centre = occ.getMass(*side[0]), np.array(occ.getCenterOfMass(*side[0]))
+        flip = np.array([sign, 1.0, 1.0])
+        inertia = np.array(occ.getMatrixOfInertia(*side[0])).reshape(3, 3) * np.outer(flip, flip)
+        length = volume ** (1 / 3)
+        properties.append([*centre * flip / length, *(inertia / (volume * length**2)).ravel(), volume])
+        occ.remove(side, recursive=True)
+    right, left = (np.array(values) for values in properties)
+    right[-1], left[-1] = right[-1] / left[-1], 1.0
+    return bool(np.abs(right - left).max() < _ALIKE)
+
+
+def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) -> DimTags:
     size = 20 * scene.pitch_mm
     box = occ.addBox(-size, -size, start, 2 * size, 2 * size, end - start)
     kept, _ = occ.intersect(body, [(3, box)])
@@ -144,19 +204,6 @@ def _check_unit(path: Path, scene: Scene, low: float, high: float) -> None:
                 f"{path}: is {high - low:.4g} long along the crank axis, the half throw {end:g} mm.",
                 hint=f"It is in {name}: export it in mm.",
             )
-
-
-def _facets(gmsh: Any, body: list[tuple[int, int]], path: Path) -> Manifold:
-    """The solid as a closed surface, fine enough to measure its journals on; the session stays as it was."""
-    gmsh.model.occ.synchronize()
-    for _, tag in body:
-        gmsh.model.mesh.setOutwardOrientation(tag)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _FACETS_PER_TURN)
-    gmsh.model.mesh.generate(2)
-    surface = SurfaceMesh(*triangles(gmsh))
-    gmsh.model.mesh.clear()
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
-    return solid_of(surface, str(path))
 
 
 def _properties(surface: SurfaceMesh) -> SolidProperties:

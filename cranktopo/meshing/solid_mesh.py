@@ -90,16 +90,23 @@ def mesh_throw(
             body = add_full_throw(occ, scene)
         mirrored = quarter and not full and may_mirror(scene, web_asymmetry(scene))
         if mirrored:
-            body = _positive_x(occ, body, scene.pitch_mm)
+            body = positive_x(occ, body, scene.pitch_mm)
         _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full, fillet_fraction=fillet_fraction)
         mesh = _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
     return MeshedThrow(mesh, half, web_volume)
 
 
-def mesh_body(gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool) -> TetMesh:
-    """Mesh of whatever body the open session holds."""
-    _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False)
-    return _generate(gmsh, element_size_mm, mirrored)
+def mesh_body(
+    gmsh: Any,
+    scene: Scene,
+    element_size_mm: float,
+    *,
+    mirrored: bool,
+    fillet_fraction: float | None = None,
+) -> TetMesh:
+    """Mesh of whatever body the open session holds; `mirrored`: it is the half x >= 0 of one."""
+    _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False, fillet_fraction=fillet_fraction)
+    return _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
 
 
 def _generate(gmsh: Any, size: float, mirrored: bool, *, smooth: bool = False) -> TetMesh:
@@ -127,7 +134,8 @@ def _generate(gmsh: Any, size: float, mirrored: bool, *, smooth: bool = False) -
     return extract_mesh(gmsh, mirrored=mirrored)
 
 
-def _positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
+def positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
+    """The half x >= 0 of a body; `reach` is a length of its size, mm."""
     size = 20 * reach
     box = occ.addBox(0, -size, -size, size, 2 * size, 2 * size)
     kept, _ = occ.intersect(body, [(3, box)])

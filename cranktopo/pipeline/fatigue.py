@@ -64,6 +64,7 @@ def assess_fatigue(
     fillet_fraction: float = RULE_FRACTION,
     out: Path | None = None,
     info: Progress = lambda _: None,
+    design: str | None = None,
 ) -> FatigueAssessment:
     """Fatigue safety of targets whose fillets have a radius.
 
@@ -75,6 +76,7 @@ def assess_fatigue(
         fillet_fraction: element size in a fillet over its radius.
         out: folder for fatigue.json, and VTU and picture of each target.
         info: called with lines of progress, and with notes about the mesh.
+        design: design for the journals, loads and material of STEP targets.
 
     Raises:
         CranktopoError: a target without fillets or strength, a failed solve, or files asked of M53.
@@ -83,7 +85,7 @@ def assess_fatigue(
         _check_files(method, out)
     typed = [target for target in targets if isinstance(target, str)]
     given = [target for target in targets if isinstance(target, Target)]
-    resolved = given or resolve_targets(typed, fillets=True)
+    resolved = given or resolve_targets(typed, design, fillets=True)
     for target in resolved:
         check_inputs(target, method, loads)
     if method == "m53":

@@ -1,0 +1,148 @@
+"""Bodies from CAD in the commands that designs go through: fillets found on them, shafts made of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.cad.session import cad_session
+from cranktopo.cad.solid_files import export_solid
+from cranktopo.cli.main import main
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.safety_field import check_inputs
+from cranktopo.evaluate.stress_model import solve_stresses
+from cranktopo.evaluate.targets import Target, load_simulated
+from cranktopo.meshing.found_fillets import FilletRing, ring_of
+from cranktopo.meshing.imported_body import fillets_of_step, mesh_step_for_stress
+from cranktopo.scene import Scene
+from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+
+Capture = pytest.CaptureFixture[str]
+
+
+def with_fillets(main_mm: float, pin_mm: float, **web: Any) -> Scene:
+    scene = mikron_with(2.5, **web)
+    throw = scene.throw
+    radii = (("main_journal", main_mm), ("crankpin", pin_mm))
+    journals = {key: getattr(throw, key).model_copy(update={"fillet_mm": radius}) for key, radius in radii}
+    return scene.model_copy(update={"throw": throw.model_copy(update=journals)})
+
+
+@pytest.fixture(scope="module")
+def step_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene, str], Path]:
+    def write(scene: Scene, name: str) -> Path:
+        path = tmp_path_factory.mktemp("bodies") / f"{name}.step"
+        export_solid(scene, "half", path)
+        return path
+
+    return write
+
+
+def radii_of(scene: Scene) -> tuple[float, float]:
+    return scene.throw.main_journal.fillet_mm, scene.throw.crankpin.fillet_mm
+
+
+def test_a_torus_is_known_by_its_points() -> None:
+    u, v = (a.ravel() for a in np.meshgrid(np.linspace(0.3, 1.9, 5), np.linspace(-1.0, 2.0, 7)))
+    out = 23.0 + 2.5 * np.cos(u)
+    points = np.stack([out * np.sin(v), 48.0 + out * np.cos(v), 41.5 + 2.5 * np.sin(u)], axis=1)
+    found = ring_of(points, 48.0)
+    assert found is not None
+    assert vars(found) == pytest.approx(vars(FilletRing(23.0, 41.5, 2.5)), abs=1e-9)
+    assert ring_of(points, 0.0) is None
+    assert ring_of(points * [1.0, 1.0, 0.0], 48.0) is None
+
+
+def test_fillets_are_the_body_s_and_not_the_design_s(step_of: Callable[..., Path], mikron: Scene) -> None:
+    path = step_of(with_fillets(3.25, 1.75), "other")
+    assert radii_of(fillets_of_step(path, mikron)) == (3.25, 1.75)
+
+
+@pytest.mark.parametrize(("main_mm", "pin_mm", "where"), [(0.0, 2.5, "main journal"), (2.5, 0.0, "crankpin")])
+def test_a_sharp_body_is_refused(
+    main_mm: float, pin_mm: float, where: str, step_of: Callable[..., Path], mikron: Scene
+) -> None:
+    path = step_of(with_fillets(main_mm, pin_mm), "sharp")
+    with pytest.raises(CranktopoError, match=f"no fillet found at the {where}.*singular"):
+        check_inputs(Target("sharp.step", mikron, path), "lsa", "extremes")
+
+
+def test_a_fillet_elsewhere_is_named(step_of: Callable[..., Path], mikron: Scene) -> None:
+    """A design whose web begins 0.5 mm later than the body's: found is where the fillet ends."""
+    journal = mikron.throw.main_journal.model_copy(update={"length_mm": 41.0})
+    web = mikron.web.model_copy(update={"thickness_mm": 18.5})
+    throw = mikron.throw.model_copy(update={"main_journal": journal})
+    other = mikron.model_copy(update={"throw": throw, "web": web})
+    path = step_of(mikron, "body")
+    with pytest.raises(
+        CranktopoError, match=r"z = 20\.5 mm: one of 2\.5 mm runs from 42 mm diameter to z = 20 mm"
+    ):
+        fillets_of_step(path, other)
+
+
+@pytest.mark.parametrize(("web", "mirrored"), [({}, True), ({"pocket": [LOPSIDED]}, False)])
+def test_symmetric_bodies_are_halved(
+    web: dict[str, Any], mirrored: bool, step_of: Callable[..., Path], mikron: Scene
+) -> None:
+    """The lopsided body's design says nothing of its hole: only the body can tell."""
+    meshed, _ = mesh_step_for_stress(step_of(mikron_with(2.5, **web), "body"), mikron, 12.0, 2.0)
+    assert meshed.mesh.mirrored is mirrored
+    assert (meshed.mesh.points_mm[0].min() > -1e-6) == mirrored
+
+
+@pytest.mark.slow
+def test_stresses_of_a_body_are_those_of_its_design(step_of: Callable[..., Path], mikron: Scene) -> None:
+    """Coarse and the same solid, meshed once from the design and once from its file."""
+    scene = load_simulated("mikron-iiic", fillets=True)
+    path = step_of(scene, "body")
+    design, body = (solve_stresses(Target("body", scene, file), ("torsion",), 0.5) for file in (None, path))
+    assert body.throw_kg == pytest.approx(design.throw_kg, rel=1e-9)
+    for on in ("on_journal", "on_pin"):
+        peaks = [np.abs(m.stress.stress_MPa[0][getattr(m, on)]).max() for m in (design, body)]
+        assert peaks[1] == pytest.approx(peaks[0], rel=0.06)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--design", "mikron-iiic", "--method", "m53"], "method 'm53' needs the width and the outline"),
+        ([], "Add --design NAME"),
+    ],
+)
+def test_what_fatigue_needs_of_a_body(
+    arguments: list[str], message: str, step_of: Callable[..., Path], mikron: Scene, capsys: Capture
+) -> None:
+    assert main(["fatigue", str(step_of(mikron, "body")), *arguments]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_the_shaft_of_a_body_is_that_of_its_design(
+    step_of: Callable[..., Path], mikron: Scene, capsys: Capture
+) -> None:
+    path = step_of(load_simulated("mikron-iiic"), "body")
+    found = []
+    for arguments in (["mikron-iiic"], [str(path), "--design", "mikron-iiic"]):
+        assert main(["shaft", *arguments, "--element-size-mm", "26", "--json", "--quiet"]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    design, body = found
+    assert body["design"] == "body.step"
+    assert body["mass_kg"] == pytest.approx(design["mass_kg"], rel=1e-6)
+    stiffness = [data["torsion"]["end_to_end_Nm_per_rad"] for data in found]
+    assert stiffness[1] == pytest.approx(stiffness[0], rel=0.02)
+    assert body["natural_frequencies_Hz"] == pytest.approx(design["natural_frequencies_Hz"], rel=0.01)
+
+
+def test_a_step_of_two_parts_is_no_body(tmp_path: Path, mikron: Scene) -> None:
+    path = tmp_path / "two.step"
+    with cad_session("two") as gmsh:
+        for x in (0, 50):
+            gmsh.model.occ.addBox(x, 0, 0, 10, 10, 10)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    with pytest.raises(CranktopoError, match="2 solids"):
+        fillets_of_step(path, mikron)
