@@ -38,12 +38,7 @@ def command(shell: str) -> None:
 
 
 def designs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Names of built-in designs, and files, for an argument's `shell_complete`.
-
-    Args:
-        context, parameter: as click gives them; not used.
-        incomplete: the beginning that was typed.
-    """
+    """Names of built-in designs, and files, for an argument's `shell_complete`."""
     from click.shell_completion import CompletionItem
 
     from cranktopo.scene.loading import builtin_designs
@@ -53,12 +48,7 @@ def designs(context: click.Context, parameter: click.Parameter, incomplete: str)
 
 
 def runs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Names of runs under runs/, and folders, for an argument's `shell_complete`.
-
-    Args:
-        context, parameter: as click gives them; not used.
-        incomplete: the beginning that was typed.
-    """
+    """Names of runs under runs/, and folders, for an argument's `shell_complete`."""
     from click.shell_completion import CompletionItem
 
     from cranktopo.store import list_runs

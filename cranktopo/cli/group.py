@@ -20,7 +20,6 @@ class SuggestingGroup(click.Group):
         """As click does, with a suggestion for a misspelt command.
 
         Args:
-            ctx: click's context.
             args: the words of the command line from the command on.
 
         Raises:
@@ -49,23 +48,13 @@ class LazyGroup(SuggestingGroup):
         return list(self._entries)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a name, imported now; None when there is none.
-
-        Args:
-            ctx: click's context; not used.
-            cmd_name: the name.
-        """
+        """The command of a name, imported now; None when there is none."""
         if cmd_name not in self._entries:
             return None
         command: click.Command = importlib.import_module(f"{self._package}.{cmd_name}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The command list, from the table and not from the modules.
-
-        Args:
-            ctx: click's context; not used.
-            formatter: takes the list.
-        """
+        """The command list, from the table and not from the modules."""
         with formatter.section("Commands"):
             formatter.write_dl(list(self._entries.items()))

@@ -18,10 +18,6 @@ _TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
     """The number of percent in `1%` or `1`, as an option's callback.
 
-    Args:
-        context, parameter: as click gives them, for the message.
-        value: what the user wrote; None when the option is not given.
-
     Raises:
         click.BadParameter: not a number above 0 and below 100.
     """
@@ -38,10 +34,6 @@ def percent(context: click.Context, parameter: click.Parameter, value: str | Non
 
 def seconds(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
     """The number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback.
-
-    Args:
-        context, parameter: as click gives them, for the message.
-        value: what the user wrote; None when the option is not given.
 
     Raises:
         click.BadParameter: not a time above 0.
@@ -88,7 +80,7 @@ def rule_options(function: Any) -> Any:
         (
             ("--cell-mm",),
             Number(0.25, 4),
-            "Cells of the final fit: half the size is nearer to the body and eight times dearer.",
+            "Cells of the final fit: half the size is closer to the body and takes eight times as long.",
         ),
         (
             ("--draft-deg", "min_draft_deg"),

@@ -14,12 +14,7 @@ class Number(click.FloatRange):
     """A finite number in a closed range, which help shows."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The value as a float; fails with the allowed range.
-
-        Args:
-            value: what the user wrote, or the default.
-            param, ctx: as click gives them, for the message.
-        """
+        """The value as a float; fails with the allowed range."""
         try:
             number = float(str(value))
         except ValueError:
@@ -39,12 +34,7 @@ class Choice(click.Choice[str]):
     """One of a few words; a misspelt one is answered by the nearest."""
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """The word itself; fails with all words and the nearest.
-
-        Args:
-            value: what the user wrote, or the default.
-            param, ctx: as click gives them, for the message.
-        """
+        """The word itself; fails with all words and the nearest."""
         words = [str(choice) for choice in self.choices]
         if value not in words:
             allowed = f"{shown(value)} is none of {', '.join(words)}."

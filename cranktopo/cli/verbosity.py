@@ -44,13 +44,7 @@ def detail(line: str) -> None:
 
 
 def coloured(text: str, colour: str, err: bool = False) -> str:
-    """Text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org).
-
-    Args:
-        text: the text.
-        colour: click's name of the colour.
-        err: whether it goes to stderr rather than stdout.
-    """
+    """Text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org)."""
     stream = sys.stderr if err else sys.stdout
     return text if os.environ.get("NO_COLOR") or not stream.isatty() else click.style(text, fg=colour)
 

@@ -39,10 +39,8 @@ def study_accuracy(
 
     Args:
         target: a design, a run or a surface file.
-        budget_s: time to spend.
         out: folder for JSON, Markdown and PNG; by default runs/accuracy-DESIGN, or the run itself.
         design: design for the journals and material of an STL or STEP file.
-        info: called with one line per level.
 
     Raises:
         CranktopoError: no such target, or a folder that cannot be written.

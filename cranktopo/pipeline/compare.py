@@ -52,10 +52,7 @@ def compare_targets(
     Args:
         names: targets as the user types them; the baseline is put before them where it is not among them.
         baseline: the target that counts as 100 %.
-        wanted: how exactly to evaluate.
-        fatigue: method of the fatigue safety.
         design: design for the journals of STL and STEP files.
-        info: called with lines of progress.
 
     Raises:
         CranktopoError: no such target, different supports, no fillets for the fatigue, or a failed solve.
@@ -84,9 +81,7 @@ def report_comparison(
     """Write the page of a comparison as HTML or Markdown.
 
     Args:
-        found: what was compared.
         path: .html or .md.
-        command: the command line that made it.
         stress_progress: where given, all targets are solved for the baseline's load cases too.
 
     Raises:

@@ -27,9 +27,7 @@ class Check:
     """One thing looked at.
 
     Attributes:
-        name: what.
         state: ok; missing (needed); absent (optional).
-        value: what was found.
         cost: what cannot be done without it.
         remedy: the line that installs it.
     """
@@ -50,7 +48,6 @@ class Tool:
     """An optional program.
 
     Attributes:
-        name: shown.
         programs: names on the path, any of them.
         cost: what cannot be done without it.
         remedy: the line that installs it.
@@ -79,11 +76,7 @@ def check_machine() -> list[Check]:
 
 
 def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
-    """Version of the interpreter.
-
-    Args:
-        version: major, minor, micro.
-    """
+    """Version of the interpreter."""
     text = ".".join(str(part) for part in version)
     if version >= PYTHON:
         return Check("Python", "ok", text)

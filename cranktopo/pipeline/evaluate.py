@@ -18,9 +18,7 @@ class MeshRequest:
     """How exactly to evaluate: by the size of the elements, or by accuracy and time; nothing: the default.
 
     Attributes:
-        element_size_mm: general element size.
         accuracy_percent: error that the estimates are to stay below.
-        budget_s: time per target.
 
     Raises:
         CranktopoError: a size beside accuracy or time.

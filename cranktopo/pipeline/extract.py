@@ -36,13 +36,8 @@ class Extraction:
     """Surface of one design of a run, and what was measured on it.
 
     Attributes:
-        run: name of the run.
         scene: the scene as it was simulated.
-        iteration: number of the design.
-        surface: the surface.
-        report: its checked properties.
         mean_distance_mm: mean distance of the smoothed density's iso-surface to it.
-        max_distance_mm: largest distance.
         minimum_member_mm: thickness of the thinnest member of the web.
         undercuts: what a die that parts in x = 0 could not release.
         cell_mm: smallest edge of the run's cells.

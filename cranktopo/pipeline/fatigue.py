@@ -28,7 +28,6 @@ class FatigueAssessment:
     """Fatigue of targets by one method.
 
     Attributes:
-        method: by which.
         loads: extremes of the loads joined, or every angle of the cycle.
         fields: fields of safety; empty for M53.
         checks: checks by the rule; empty for the other methods.
@@ -70,7 +69,6 @@ def assess_fatigue(
 
     Args:
         targets: as the user types them, or resolved with their fillets.
-        method: by which.
         loads: extremes of the loads joined, which bounds the cycle, or every angle of the cycle.
         baseline: position of the target that counts as 100 %.
         fillet_fraction: element size in a fillet over its radius.

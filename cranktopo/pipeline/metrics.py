@@ -32,7 +32,6 @@ class Timing:
     Attributes:
         total_s: from the start to the last file; the report, written then, is added afterwards.
         outputs_s: assessment, surface and files.
-        compile_s: JAX compilation.
     """
 
     total_s: float
@@ -54,13 +53,11 @@ def optimise_metrics(
     """The metrics of a finished optimisation.
 
     Args:
-        run_name: name of the run directory.
         prepared: the scene with its plan and cells.
         problem, state: the optimisation and its final state.
         density: physical density of the web's layers.
         result, original: the design and the scene's own web on the same grid.
         surface: the extracted surface, or why the density has none.
-        timing: wall times.
     """
     scene, domain = prepared.scene, prepared.domain
     return {

@@ -48,12 +48,7 @@ Info = Callable[[str], None]
 
 @dataclass(frozen=True)
 class OptimisedRun:
-    """A finished optimise run.
-
-    Attributes:
-        folder: the run directory.
-        metrics: content of metrics.json.
-    """
+    """A finished optimise run."""
 
     folder: Path
     metrics: dict[str, Any]
@@ -75,8 +70,6 @@ def optimise_design(
         out: run directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
-        info: called with one line about the model.
-        progress: called after every iteration.
         began: reading of `time.perf_counter` from which the total time counts; now by default.
 
     Raises:
@@ -100,7 +93,7 @@ def optimise_design(
 
 
 def announce(prepared: Prepared, info: Info) -> None:
-    """Say what is going to be solved, and what a user may not expect of it."""
+    """Pass on what is going to be solved, and what a user may not expect of it."""
     info(describe(prepared))
     for notice in prepared.notices:
         info(f"note: {notice}.")
@@ -125,7 +118,6 @@ def resume_optimisation(
     """Continue an interrupted, stopped or killed run.
 
     Args:
-        reference: path or name of the run.
         max_iterations: a new iteration limit; None keeps the run's.
         info, progress, began: as in `optimise_design`.
 

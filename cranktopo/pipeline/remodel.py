@@ -52,11 +52,8 @@ def remodel_run(
     """Re-model the web of a finished run and write every file; returns what is in remodel.json.
 
     Args:
-        reference: path or name of the run.
         out: folder to write to, by default `remodel` in the run; it must not hold files.
-        limits: manufacturing limits of the web.
         evaluated: whether stiffnesses are compared, which takes three evaluations.
-        info: called with one line per step.
 
     Raises:
         CranktopoError: not a finished run, a surface that is not sound, or no web within the limits.

@@ -23,12 +23,6 @@ _FILE = "stress.npz"
 def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Progress) -> CaseStress:
     """Solve a run's surface for its load cases on body-fitted elements, and keep the stresses in the run.
 
-    Args:
-        run: a finished run.
-        scene: its scene, as simulated.
-        surface: name of its surface file.
-        progress: called with one line.
-
     Raises:
         CranktopoError: no valid mesh, a failed solve, or the file cannot be written.
     """
@@ -52,10 +46,6 @@ def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Progre
 
 def read_run_stress(run: RunStore, surface: str) -> CaseStress | None:
     """The stresses that a run keeps for its surface; None where it has none, or none of this surface.
-
-    Args:
-        run: a finished run.
-        surface: name of its surface file.
 
     Raises:
         CranktopoError: the file is damaged.

@@ -18,7 +18,6 @@ class Entry:
     """A compared target.
 
     Attributes:
-        evaluation: its mass and stiffness.
         published: what was published for it, if anything.
         safety: least fatigue safety of its fillets, where it was assessed.
     """
@@ -100,7 +99,6 @@ def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison 
     """A comparison against one of the entries.
 
     Args:
-        entries: what is compared.
         baseline: name of the entry that counts as 100 %.
         fatigue: of the same targets in the same order, each entry then holding its safety.
 

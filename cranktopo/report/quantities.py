@@ -20,7 +20,6 @@ class Quantity:
 
     Attributes:
         key: its name among values, percentages and changes, e.g. `torsion_per_mass`.
-        label: the same in words.
         unit: as machine names end, e.g. `kNm_per_rad_kg`; empty for a pure number.
         digits: decimals when it is printed.
         better: +1 where more is better, -1 where less is.

@@ -27,7 +27,6 @@ def write_density_vtu(
     """Write the kept cells of a grid as hexahedra, compressed binary, atomically.
 
     Args:
-        path: the .vtu file.
         x_edges_mm: (nx + 1,) node coordinates in the frame of `cranktopo.frames`, increasing.
         y_edges_mm: (ny + 1,) likewise.
         z_edges_mm: (nz + 1,) likewise.
@@ -56,7 +55,6 @@ def write_fatigue_vtu(path: Path, field: FatigueField) -> None:
 
     Args:
         path: the .vtu file; quadratic triangles, mm, MPa.
-        field: the assessment.
 
     Raises:
         CranktopoError: the file cannot be written.

@@ -14,7 +14,6 @@ def check_file(path: Path, what: str, suffixes: Sequence[str] = (), replace: boo
     """Check that a file can be written.
 
     Args:
-        path: the file.
         what: the option that names it, or what it is, for the message.
         suffixes: endings that it may have; any when empty.
         replace: whether it may exist already.
@@ -38,9 +37,6 @@ def check_file(path: Path, what: str, suffixes: Sequence[str] = (), replace: boo
 
 def check_folder(path: Path) -> None:
     """Check that a folder is there or can be made, with files in it.
-
-    Args:
-        path: the folder.
 
     Raises:
         CranktopoError: it or what it lies in is a file or not writable.

@@ -54,12 +54,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def unwritable(path: Path, error: OSError) -> CranktopoError:
-    """The error for an output that the system refuses.
-
-    Args:
-        path: what was to be written.
-        error: what the system said.
-    """
+    """The error for an output that the system refuses."""
     reason = error.strerror or str(error)
     return CranktopoError(
         f"output '{path}': cannot be written: {reason}.",
@@ -70,10 +65,6 @@ def unwritable(path: Path, error: OSError) -> CranktopoError:
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file atomically.
 
-    Args:
-        path: the file; its folder exists.
-        content: what it is to hold.
-
     Raises:
         CranktopoError: it cannot be written.
     """
@@ -83,10 +74,6 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 def write_text(path: Path, content: str) -> None:
     """Write a text file atomically as UTF-8.
-
-    Args:
-        path: the file; its folder exists.
-        content: what it is to hold.
 
     Raises:
         CranktopoError: it cannot be written.
@@ -99,10 +86,6 @@ def write_text(path: Path, content: str) -> None:
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Write an object to `path` atomically as JSON.
 
-    Args:
-        path: the file.
-        data: plain values, numpy scalars and arrays, paths.
-
     Raises:
         CranktopoError: a number is NaN or infinite, or the file cannot be written.
     """
@@ -111,11 +94,6 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
 
 def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]], compressed: bool = False) -> None:
     """Write named arrays to `path` atomically as .npz, every bit kept.
-
-    Args:
-        path: the file.
-        arrays: by name.
-        compressed: smaller and slower.
 
     Raises:
         CranktopoError: the file cannot be written.
@@ -129,8 +107,6 @@ def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> 
     """JSON of an object, keys in the given order.
 
     Args:
-        data: plain values, numpy scalars and arrays, paths.
-        name: what the object is, for the message.
         indent: spaces per level; compact without it.
 
     Raises:

@@ -22,10 +22,7 @@ def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: floa
     less than a micrometre.
 
     Args:
-        run: run directory.
-        iteration: number of the design, from 1.
         x: design variables, each in [0, 1].
-        beta: projection steepness.
 
     Raises:
         CranktopoError: the file cannot be written.
@@ -40,10 +37,6 @@ def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: floa
 
 def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], float]:
     """Design variables and projection steepness of one iteration.
-
-    Args:
-        run: run directory.
-        iteration: number of the design, from 1.
 
     Raises:
         CranktopoError: the run has no such iteration, or its file is damaged.

@@ -53,10 +53,6 @@ def resume_command(run: RunStore) -> str:
 def require_kind(run: RunStore, wanted: RunKind) -> None:
     """Check that the `wanted` command made a run.
 
-    Args:
-        run: the run directory.
-        wanted: the command that the caller needs a run of.
-
     Raises:
         CranktopoError: another command made it, or its manifest cannot be used.
     """

@@ -17,9 +17,6 @@ _NAME = ".lock"
 def locked(folder: Path) -> Iterator[None]:
     """Hold a run directory for the length of the block (POSIX `flock`; elsewhere no protection).
 
-    Args:
-        folder: the run directory.
-
     Raises:
         CranktopoError: another process holds it, or the lock file cannot be written.
     """

@@ -55,9 +55,6 @@ def new_manifest(
     """Manifest of a run that starts now.
 
     Args:
-        run: name of the run directory.
-        design: name of the design.
-        command: the command line as given.
         scene: the resolved scene, plain values.
         options: what the command line added to the scene.
         inputs: input files by role, hashed here.
@@ -84,12 +81,7 @@ def new_manifest(
 
 
 def settings_hash(scene: Mapping[str, Any], options: Mapping[str, Any]) -> str:
-    """SHA-256 (hex) over the resolved scene and the options, whatever the order of their keys.
-
-    Args:
-        scene: plain values.
-        options: plain values.
-    """
+    """SHA-256 (hex) over the resolved scene and the options, whatever the order of their keys."""
     text = json_text({"options": _ordered(options), "scene": _ordered(scene)}, "settings")
     return hashlib.sha256(text.encode("utf-8")).hexdigest()
 
@@ -127,10 +119,6 @@ def timestamp() -> str:
 
 def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
     """Check that a manifest is one this program can use.
-
-    Args:
-        manifest: its content.
-        path: the file it was read from, for the message.
 
     Raises:
         CranktopoError: another schema version, or keys missing.

@@ -44,11 +44,7 @@ _HISTORY, _METRICS, _CHECKPOINT = "history.csv", "metrics.json", "checkpoint/sta
 
 @dataclass(frozen=True)
 class RunStore:
-    """A run directory and the files in it.
-
-    Attributes:
-        path: the directory.
-    """
+    """A run directory and the files in it."""
 
     path: Path
 
@@ -137,7 +133,6 @@ def check_destination(out: Path | None, root: Path = RUNS) -> None:
 
     Args:
         out: the run directory the user asked for, or None for a new one under `root`.
-        root: folder of the runs.
 
     Raises:
         CranktopoError: `out` is a file or a folder with files in it, or its parent is not writable.
@@ -167,11 +162,9 @@ def create_run(
         design_toml: text of the design as the user wrote it.
         scene: the resolved scene, plain values.
         options: what the command line added to the scene, plain values.
-        command: the command line as given.
         inputs: other input files by role, hashed into the manifest.
         out: directory to use; it must not exist or be empty. By default
             `root/<date-time>_<design>_<hash>`, hash over scene and options.
-        root: folder of the runs.
 
     Raises:
         CranktopoError: the directory is taken or cannot be written, an input cannot be read.
@@ -199,7 +192,6 @@ def open_run(reference: str, root: Path = RUNS) -> RunStore:
 
     Args:
         reference: path of a run directory, or the (start of the) name of one under `root`.
-        root: folder of the runs.
 
     Raises:
         CranktopoError: no such run, several with that beginning, not a run, manifest unusable.
@@ -218,12 +210,7 @@ def open_run(reference: str, root: Path = RUNS) -> RunStore:
 
 
 def runs_named(reference: str, root: Path = RUNS) -> list[str]:
-    """Names of the runs that begin so; none for an empty beginning.
-
-    Args:
-        reference: beginning of a name.
-        root: directory of the runs.
-    """
+    """Names of the runs that begin so; none for an empty beginning."""
     names = [run.path.name for run in list_runs(root)]
     return [name for name in names if name.startswith(reference)] if reference else []
 
@@ -236,9 +223,6 @@ def list_runs(root: Path = RUNS) -> list[RunStore]:
 
 def remove_run(run: RunStore) -> None:
     """Delete a run directory that no process works in.
-
-    Args:
-        run: the run.
 
     Raises:
         CranktopoError: not a run directory, in use, or it cannot be deleted.

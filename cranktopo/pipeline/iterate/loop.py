@@ -95,12 +95,9 @@ class Outcome:
     """What the loop reached.
 
     Attributes:
-        folder: directory of the loop.
-        design: name of the design.
         steps: the original web and every step done.
         stop_reason: why it ended.
         best: the step that gains most and beats the original web, if one does.
-        settings: of the loop.
         notices: what a user may not expect, in sentences.
     """
 
@@ -159,7 +156,6 @@ def start_loop(
         out: directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
-        info: called with one line per stage.
 
     Raises:
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).

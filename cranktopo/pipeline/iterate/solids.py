@@ -23,10 +23,6 @@ _SNAP_MM, _SIMPLIFY_MM = 1e-4, 2e-3
 def write_solids(scene: Scene, folder: Path) -> None:
     """Write web.step and web.stl (half throw, exact solid) and the web alone.
 
-    Args:
-        scene: the design of the step.
-        folder: where the files go, with those of the step.
-
     Raises:
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """

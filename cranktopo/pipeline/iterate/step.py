@@ -17,17 +17,12 @@ class LoopStep:
     """An evaluated web; step 0 is the original one.
 
     Attributes:
-        number: number of the step.
-        throw_kg: mass of the throw.
-        web_kg: mass of one web.
         torsion_Nm_per_rad: torsional stiffness with the scene's support.
         bending_N_per_mm: bending stiffness with the scene's support.
-        torsion_error_percent, bending_error_percent: error estimates.
         transition_mm: least thickness of the web around its journals.
         overlap_percent: how much of the extracted web the re-model has in common with it (IoU); None for
             the original.
         removed_percent: volume that the optimiser was to take out of the envelope; None for the original.
-        seconds: wall time of the step.
     """
 
     number: int
@@ -107,7 +102,6 @@ def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
     """What the last of the steps (the original web first) says about going on.
 
     Args:
-        steps: at least one beside the original.
         least_transition_mm: thickness of the web around its journals below which the loop ends.
     """
     last, before = steps[-1], steps[1:-1]

@@ -19,10 +19,6 @@ def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
     Rays parallel to the crank axis on a circle just outside each journal; what a force takes from one
     journal to the other crosses that half circle.
 
-    Args:
-        web: closed surface of the web between its faces.
-        scene: its journals.
-
     Returns:
         Thickness, mm; 0 where a ray meets no material.
     """

@@ -13,12 +13,7 @@ _COLOURS = ("#1f6fb4", "#d1632a", "#2c8c4f", "#8a4fa3")
 
 
 def draw_compliances(axes: Any, history: History) -> None:
-    """Compliance of every load case and the objective, each over its first value.
-
-    Args:
-        axes: matplotlib axes.
-        history: rows as `history.csv` holds them.
-    """
+    """Compliance of every load case and the objective, each over its first value."""
     _draw_compliances(axes, history)
     _frame(axes, history)
     if not history:
@@ -26,23 +21,13 @@ def draw_compliances(axes: Any, history: History) -> None:
 
 
 def draw_volume(axes: Any, history: History) -> None:
-    """Volume fraction.
-
-    Args:
-        axes: matplotlib axes.
-        history: rows as `history.csv` holds them.
-    """
+    """Volume fraction."""
     _draw_share(axes, history, "volume_fraction", "volume fraction (-)")
     _frame(axes, history)
 
 
 def draw_greyness(axes: Any, history: History) -> None:
-    """Greyness.
-
-    Args:
-        axes: matplotlib axes.
-        history: rows as `history.csv` holds them.
-    """
+    """Greyness."""
     _draw_share(axes, history, "greyness", "greyness (-)")
     axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
     _frame(axes, history)

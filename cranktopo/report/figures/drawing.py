@@ -20,10 +20,7 @@ def write_drawing(
     """Draw a profile web with its dimensions over the outline of the body it was fitted to.
 
     Args:
-        scene: a design with a profile web.
-        fitted: closed surface of its half throw.
         body: closed surface of the extracted half throw, drawn as dashed lines.
-        notes: lines of the title block.
         paths: files to write; each ending gives its format.
 
     Raises:

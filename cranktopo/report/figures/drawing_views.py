@@ -25,8 +25,6 @@ class Sheet:
     """What is drawn.
 
     Attributes:
-        scene: the design.
-        web: its web.
         solid: its exact half throw, triangulated.
         body: the extracted half throw, drawn as a ghost.
     """

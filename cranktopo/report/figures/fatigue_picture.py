@@ -32,10 +32,6 @@ _TOP = 4.0
 def save_fatigue_picture(path: Path, field: FatigueField) -> None:
     """Write the safety over the throw from two sides and the critical point's Haigh diagram as PNG.
 
-    Args:
-        path: the file.
-        field: the assessment.
-
     Raises:
         CranktopoError: the file cannot be written.
     """

@@ -16,8 +16,6 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
     """Write the plot; the file's ending (png, svg, pdf) gives its format.
 
     Args:
-        analysis: an analysis with a cycle.
-        title: heading, usually the design and the speed.
         path: file to write, replaced only when the plot is complete.
 
     Raises:
@@ -37,12 +35,7 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
 
 
 def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
-    """Gas, inertia and their sum on the piston pin.
-
-    Args:
-        axes: matplotlib axes.
-        analysis: an analysis with a cycle.
-    """
+    """Gas, inertia and their sum on the piston pin."""
     forces = _cycle(analysis).forces
     angle = forces.angle_deg
     axes.plot(angle, forces.gas_force_N / 1000, label="gas")
@@ -52,12 +45,7 @@ def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
 
 
 def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
-    """Radial and tangential force on the crankpin.
-
-    Args:
-        axes: matplotlib axes.
-        analysis: an analysis with a cycle.
-    """
+    """Radial and tangential force on the crankpin."""
     forces = _cycle(analysis).forces
     axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label="radial")
     axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label="tangential")
@@ -65,12 +53,7 @@ def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
 
 
 def draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
-    """Torque of one throw and of the engine.
-
-    Args:
-        axes: matplotlib axes.
-        analysis: an analysis with a cycle.
-    """
+    """Torque of one throw and of the engine."""
     cycle = _cycle(analysis)
     angle = cycle.forces.angle_deg
     axes.plot(angle, cycle.forces.torque_Nm, label="one throw")

@@ -42,10 +42,6 @@ def save_run_picture(
     """Write the picture of a run as PNG, atomically.
 
     Args:
-        path: the file.
-        mesh: closed surface of the half throw, mm.
-        history: rows as `run_figure` takes them.
-        title: headline.
         web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
 
     Raises:
@@ -60,10 +56,8 @@ def run_figure(
     """The picture of a run as a figure of its own: no global matplotlib state is read or changed.
 
     Args:
-        mesh: closed surface of the half throw, mm.
         history: one row per iteration with `iteration` and any of `objective`, `<case>_compliance_N_mm`,
             `volume_fraction`, `greyness`, `beta`.
-        title: headline.
         web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
     """
     figure = Figure(figsize=(15, 9.2), dpi=140, facecolor="white")
@@ -78,7 +72,6 @@ def views_figure(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> Figure:
     """The four views alone, on no background.
 
     Args:
-        mesh: closed surface of the half throw, mm.
         web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
     """
     figure = Figure(figsize=(15, 4.9), dpi=110, facecolor="none")

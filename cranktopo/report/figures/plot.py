@@ -18,8 +18,6 @@ class Picture:
     """A plot.
 
     Attributes:
-        name: file name without ending.
-        figure: the plot.
         alt: what a reader who cannot see it needs to know.
         raster: pixels where it would otherwise be vectors: thousands of faces.
     """

@@ -35,7 +35,6 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
     """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
 
     Args:
-        comparison: evaluated targets.
         path: .png, .svg or .pdf; replaced only when the plot is complete.
 
     Raises:
@@ -57,10 +56,7 @@ def draw_stiffness_over_mass(axes: Axes, points: Sequence[Point], baseline: int,
     """Draw stiffness over mass with lines of equal stiffness per mass.
 
     Args:
-        axes: matplotlib axes.
-        points: what is compared.
         baseline: number of the point that counts as 100 %.
-        label: of the stiffness, with its unit.
     """
     masses = [point.mass_kg for point in points]
     stiffness = [point.stiffness for point in points]

@@ -62,7 +62,6 @@ def shaded(
     """Make a half throw ready for drawing, journals in another colour than the web.
 
     Args:
-        mesh: closed mesh of the half throw.
         web_z_mm: axial range of the web; what lies outside is a journal.
         largest_face_mm: longest edge, as sorting by depth needs it; None keeps the faces as they are.
     """
@@ -86,7 +85,6 @@ def view_axes(towards_viewer: tuple[float, float, float], up: tuple[float, float
     """Axes of a picture (right, up, to the viewer) as rows, (3, 3), in the frame of the throw.
 
     Args:
-        towards_viewer: direction from the throw to the viewer.
         up: direction that points up in the picture as far as it can.
     """
     out = np.array(towards_viewer) / np.linalg.norm(towards_viewer)
@@ -99,7 +97,6 @@ def extent_mm(body: ShadedMesh, view: Array) -> Array:
     """Lower and upper corner of a body as seen along a view, (2, 2): rows (right, up), mm.
 
     Args:
-        body: the body.
         view: axes of the picture as rows (3, 3), from `view_axes`.
     """
     points = body.vertices_mm @ view[:2].T
@@ -110,8 +107,6 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
     """Draw a body in matplotlib axes as seen along a view, in mm to scale.
 
     Args:
-        axes: matplotlib axes.
-        body: what to draw.
         view: (3, 3) from `view_axes`.
     """
     points = body.vertices_mm @ view.T

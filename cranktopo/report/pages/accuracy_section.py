@@ -16,9 +16,7 @@ def accuracy_section(metrics: Mapping[str, Any], studies: Mapping[str, Any] | No
     """Residuals and volume errors of a run, and error against seconds where the run has studies.
 
     Args:
-        metrics: content of metrics.json.
         studies: what `cranktopo accuracy --json` prints; None without.
-        folder: the run directory.
     """
     solver, surface = metrics["solver"], metrics["surface"]
     rows = [

@@ -51,14 +51,11 @@ class ComparisonRecord:
     """A finished comparison with everything that its page shows.
 
     Attributes:
-        comparison: the evaluated targets.
         bodies: surfaces of those that have facets, with stresses where they were solved.
         undercuts: of the same bodies.
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
-        command: the command line.
         written: when, ISO 8601.
-        versions: of the program and its libraries.
     """
 
     comparison: Comparison

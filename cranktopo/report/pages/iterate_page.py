@@ -20,8 +20,6 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: t
     """The report of a loop, finished or after any of its steps.
 
     Args:
-        data: content of iterate.json.
-        manifest: content of the loop's manifest.json.
         bodies: the half throw of every step, the original one first.
     """
     return Page(

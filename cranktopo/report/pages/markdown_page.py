@@ -17,7 +17,6 @@ def write_markdown(page: Page, path: Path) -> None:
     """Write the report, its plots in the folder `<name>-pictures` beside it.
 
     Args:
-        page: its content.
         path: the .md file; its folder exists.
 
     Raises:
@@ -34,7 +33,6 @@ def markdown_text(page: Page, folder: str) -> str:
     """The report as Markdown.
 
     Args:
-        page: its content.
         folder: where the plots are, relative to the text.
     """
     blocks = [f"# {page.title}", page.subtitle, f"**{page.headline}**"]

@@ -19,7 +19,6 @@ class Fact:
     """One answer of the verdict.
 
     Attributes:
-        label: what is answered.
         value: the answer, with its unit.
         note: what it is measured against, or what would answer it.
         status: whether the answer is welcome.

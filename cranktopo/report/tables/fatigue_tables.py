@@ -51,7 +51,6 @@ class FatigueComparison:
     """Fatigue of several targets beside a baseline.
 
     Attributes:
-        safeties: least safety of each target.
         verdicts: one line for each target but the baseline.
         json: the object that `fatigue --json` prints.
     """

@@ -9,11 +9,7 @@ from cranktopo.report.tables.text_table import text_table
 
 
 def loads_text(loads: dict[str, Any]) -> str:
-    """Tables of one speed: extremes, engine torque, balance, load cases.
-
-    Args:
-        loads: the object of `loads --json`.
-    """
+    """Tables of one speed: extremes, engine torque, balance, load cases."""
     parts = [_heading(loads)]
     if loads["points"]:
         parts += [_extremes(loads["extremes"]), _torque(loads)]
@@ -22,11 +18,7 @@ def loads_text(loads: dict[str, Any]) -> str:
 
 
 def sweep_text(sweep: Sequence[dict[str, Any]]) -> str:
-    """One row per speed.
-
-    Args:
-        sweep: objects of `loads --json`, one per speed.
-    """
+    """One row per speed."""
     header = ["speed rpm", "small end N", "inertia N", "radial N", "tangential N", "main journal N"]
     header += ["engine N m mean", "max", "min"]
     rows = []

@@ -14,7 +14,6 @@ def text_table(
 
     Args:
         align: one letter per column, `l` or `r`.
-        header: column titles.
         rows: cells, as many per row as the header has.
         wrap: greatest width of a column, by its index; longer cells continue on the next line.
     """

@@ -15,7 +15,6 @@ class DieRelease:
     """What would keep a design from being made.
 
     Attributes:
-        name: of the design.
         hollows: closed ones inside the half throw.
         undercuts: what a die that parts in x = 0 could not release.
     """

@@ -35,7 +35,6 @@ class Body:
     """A surface to look at.
 
     Attributes:
-        name: shown in the list.
         mesh: half throw, mm.
         web_z_mm: axial range of the web; what lies outside is journal.
         half_pitch_mm: the mid-pin plane, in which the whole throw is mirrored.

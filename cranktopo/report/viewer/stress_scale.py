@@ -23,7 +23,6 @@ class StressScale:
     """Colours of one load case.
 
     Attributes:
-        case: the load case.
         top_MPa: von Mises stress from which the colour stays the same.
     """
 
@@ -62,8 +61,6 @@ def quantiles_MPa(mesh: SurfaceMesh, stress: CaseStress, *shares: float) -> NDAr
     """Von Mises stress that parts of the surface's area stay below, MPa, shape (shares, load cases).
 
     Args:
-        mesh: the surface.
-        stress: stresses of the load cases.
         shares: parts of the area.
     """
     fine = mesh_of(solid_of(mesh).refine_to_length(_FACE_MM))
