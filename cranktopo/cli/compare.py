@@ -64,6 +64,7 @@ def command(
     accuracy: float | None,
     budget: float | None,
     design: str | None,
+    align: bool,
 ) -> None:
     """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
 
@@ -87,7 +88,7 @@ def command(
     from cranktopo.pipeline.evaluate import MeshRequest
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = compare_targets(targets, baseline, wanted, method, design, info)
+    found = compare_targets(targets, baseline, wanted, method, design, info, align)
     click.echo(_text(found.comparison, "json" if as_json else form))
     if plot is not None:
         from cranktopo.report.figures.scatter import plot_stiffness_over_mass

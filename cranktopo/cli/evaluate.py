@@ -24,6 +24,7 @@ def command(
     accuracy: float | None,
     budget: float | None,
     design: str | None,
+    align: bool,
     as_json: bool,
 ) -> None:
     """Evaluate each TARGET with quadratic finite elements on its exact solid.
@@ -37,7 +38,7 @@ def command(
     from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = evaluate_targets(resolve_targets(targets or (DEFAULT_DESIGN,), design), wanted, info)
+    found = evaluate_targets(resolve_targets(targets or (DEFAULT_DESIGN,), design, align=align), wanted, info)
     for evaluation in found.evaluations:
         fine = evaluation.fine
         detail(

@@ -54,8 +54,13 @@ def seconds(context: click.Context, parameter: click.Parameter, value: str | Non
 
 
 def mesh_options(function: Any) -> Any:
-    """Add --element-size-mm, --accuracy, --budget and --design to a command."""
+    """Add --element-size-mm, --accuracy, --budget, --design and --align to a command."""
     for option in (
+        click.option(
+            "--align",
+            is_flag=True,
+            help="Move STL and STEP bodies that lie elsewhere to where the journals are.",
+        ),
         click.option("--design", help="Design for the journals and material of STL and STEP targets."),
         click.option("--accuracy", metavar="PERCENT", callback=percent, help="Wanted error, such as 1%."),
         click.option(

@@ -24,11 +24,28 @@ def command(design: str, as_json: bool) -> None:
     from cranktopo.effects import plan
     from cranktopo.report.tables.plan_text import plan_text
     from cranktopo.scene import load_scene
+    from cranktopo.scene.assumed import (
+        ENVELOPE,
+        LOADS,
+        SUPPORTS,
+        THROW,
+        assumed_json,
+        assumed_text,
+        assumptions,
+    )
 
     scene = load_scene(design)
     effects = plan(scene)
+    assumed = assumptions(scene, (THROW, LOADS, SUPPORTS, ENVELOPE))
     if as_json:
-        payload = {"schema_version": 1, "design": scene.name, "effects": effects.as_json()}
+        payload = {
+            "schema_version": 1,
+            "design": scene.name,
+            "effects": effects.as_json(),
+            "assumed": assumed_json(assumed),
+        }
         click.echo(json.dumps(payload, indent=2))
     else:
         click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %\n\n{plan_text(effects)}")
+        if assumed:
+            click.echo(assumed_text(assumed), err=True)

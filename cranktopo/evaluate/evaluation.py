@@ -172,6 +172,8 @@ def evaluate_on_mesh(
     progress(f"{target.name}: element size {element_size_mm:.3g} mm")
     start = time.perf_counter()
     meshed = mesh_target(target, element_size_mm, graded)
+    if meshed.note:
+        progress(f"{target.name}: {meshed.note}")
     seconds = time.perf_counter() - start
     return MeshResult(
         target, meshed, condensed_stiffness(meshed, target.scene, element_size_mm, seconds, order), graded

@@ -11,12 +11,23 @@ from cranktopo.effects import planned_scene
 from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, load_scene
+from cranktopo.scene.assumed import (
+    FATIGUE,
+    LOADS,
+    SUPPORTS,
+    THROW,
+    Assumption,
+    assumptions,
+    stored_assumptions,
+)
 from cranktopo.scene.loading import builtin_designs
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, open_run, require_kind, runs_named
 
 _GEOMETRY = (".stl", ".step", ".stp")
 _RUN_SURFACE = "web.stl"
+USED = (THROW, LOADS, SUPPORTS, FATIGUE)
+"""What evaluations may use of a scene; `said` takes what one does."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +39,7 @@ class Target:
             where `file` is None.
         file: STL or STEP of the half throw, mm, or None.
         align: whether a body from CAD that lies elsewhere is moved to where the scene's journals are.
+        assumed: what the design does not say of throw, engine, supports and fatigue.
     """
 
     name: str
@@ -35,6 +47,7 @@ class Target:
     file: Path | None = None
     run: Path | None = None
     align: bool = False
+    assumed: tuple[Assumption, ...] = ()
 
 
 def resolve_targets(
@@ -73,8 +86,8 @@ def resolve_target(
     if path.is_dir() or named:
         return _run(open_run(text))
     if path.suffix.lower() not in _GEOMETRY:
-        scene = load_simulated(text, fillets)
-        return Target(scene.name, scene)
+        scene = load_scene(text)
+        return Target(scene.name, simulated(scene, fillets), assumed=assumptions(scene, USED))
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
     if design is None:
@@ -83,7 +96,9 @@ def resolve_target(
             hint="Add --design NAME.",
             code=ExitCode.USAGE,
         )
-    return Target(path.name, planned_scene(load_scene(design), ("bores", "fillets")), path, align=align)
+    scene = load_scene(design)
+    body = planned_scene(scene, ("bores", "fillets"))
+    return Target(path.name, body, path, align=align, assumed=assumptions(scene, USED))
 
 
 def _run(run: RunStore) -> Target:
@@ -94,7 +109,8 @@ def _run(run: RunStore) -> Target:
             f"target '{run.path}': {_RUN_SURFACE} is missing, so this is no finished run.",
             hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
         )
-    return Target(run.name, planned_scene(scene_of_run(run)), surface, run.path)
+    assumed = stored_assumptions(run.manifest().get("assumed", ()))
+    return Target(run.name, planned_scene(scene_of_run(run)), surface, run.path, assumed=assumed)
 
 
 def load_simulated(design: str, fillets: bool = False) -> Scene:
@@ -106,5 +122,10 @@ def load_simulated(design: str, fillets: bool = False) -> Scene:
     Raises:
         CranktopoError: no such design, an invalid scene, or a plan that cannot be made.
     """
+    return simulated(load_scene(design), fillets)
+
+
+def simulated(scene: Scene, fillets: bool = False) -> Scene:
+    """The scene without what its effects plan leaves out; `fillets` keeps these."""
     kept: tuple[Feature, ...] = ("fillets",) if fillets else ()
-    return planned_scene(load_scene(design), kept)
+    return planned_scene(scene, kept)

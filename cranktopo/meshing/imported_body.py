@@ -16,7 +16,7 @@ from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError
 from cranktopo.frames import Z
 from cranktopo.meshing.found_fillets import with_found_fillets
-from cranktopo.meshing.placement import placed
+from cranktopo.meshing.placement import Placement, placed
 from cranktopo.meshing.remesh import tetrahedralise
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_body, positive_x, ring_size_mm
 from cranktopo.scene import Scene
@@ -50,9 +50,9 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
     if path.suffix.lower() == ".stl":
         return _mesh_stl(path, scene, element_size_mm, align)
     with cad_session(f"solid of {path}") as gmsh:
-        _, half, web_volume = _solid(gmsh, path, scene, align)
+        _, half, web_volume, note = _solid(gmsh, path, scene, align)
         mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=False)
-    return MeshedThrow(mesh, half, web_volume)
+    return MeshedThrow(mesh, half, web_volume, note)
 
 
 def mesh_step_for_stress(
@@ -71,14 +71,14 @@ def mesh_step_for_stress(
         CranktopoError: as `mesh_file`, or a journal without a fillet.
     """
     with cad_session(f"solid of {path}") as gmsh:
-        body, half, web_volume = _solid(gmsh, path, scene, align)
+        body, half, web_volume, note = _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
         scene = with_found_fillets(gmsh, scene, str(path))
         mirrored = scene.effects.lateral_symmetry != "off" and _sides_alike(gmsh.model.occ, body, scene)
         if mirrored:
             positive_x(gmsh.model.occ, body, scene.pitch_mm)
         mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored, fillet_fraction=fillet_fraction)
-    return MeshedThrow(mesh, half, web_volume), scene
+    return MeshedThrow(mesh, half, web_volume, note), scene
 
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
@@ -93,8 +93,8 @@ def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
         return with_found_fillets(gmsh, scene, str(path))
 
 
-def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float]:
-    """The half throw of a STEP file in the open session, in its place, and its volume in the web."""
+def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float, str]:
+    """The half throw of a STEP file in the open session, in its place; its volume in the web; what was done."""
     check_step(path, f"'{path}'")
     occ = gmsh.model.occ
     body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]
@@ -111,7 +111,7 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
     web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
-    return body, solid_properties(occ, body), web_volume
+    return body, solid_properties(occ, body), web_volume, _note(motion)
 
 
 def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
@@ -142,7 +142,7 @@ def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) ->
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
-    surface = read_half_throw(path, scene, align)
+    surface, motion = _half_throw(path, scene, align)
     body = solid_of(surface, str(path))
     half = _properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
@@ -151,7 +151,8 @@ def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow
         surface = SurfaceMesh(_on_planes(cut.vertices_mm, scene, _ROUNDING), cut.faces)
     points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
     points = np.ascontiguousarray(_on_planes(points.T, scene, _ROUNDING).T)
-    return MeshedThrow(TetMesh(points, cells, mirrored), half, float(web_region(body, scene).volume()))
+    web_volume = float(web_region(body, scene).volume())
+    return MeshedThrow(TetMesh(points, cells, mirrored), half, web_volume, _note(motion))
 
 
 def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
@@ -163,6 +164,11 @@ def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMes
     Raises:
         CranktopoError: unreadable, not watertight, several bodies, or not where the journals are.
     """
+    return _half_throw(path, scene, align)[0]
+
+
+def _half_throw(path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, Placement | None]:
+    """The surface where the scene's journals are, and the motion that brought it there."""
     surface = read_stl(path, str(path))
     if len(surface.faces) == 0:
         raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
@@ -177,7 +183,11 @@ def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMes
     motion = placed(solid_of(SurfaceMesh(vertices, faces), str(path)), scene, str(path), align)
     if motion is not None:
         vertices = motion.moved(vertices)
-    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces)
+    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), motion
+
+
+def _note(motion: Placement | None) -> str:
+    return f"moved to where the journals are: it {motion.words}" if motion else ""
 
 
 def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:

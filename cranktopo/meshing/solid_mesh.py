@@ -52,11 +52,13 @@ class MeshedThrow:
 
     Attributes:
         half: properties of the half throw (both signs of x).
+        note: what was done to a body from CAD before it was meshed.
     """
 
     mesh: TetMesh
     half: SolidProperties
     web_volume_mm3: float
+    note: str = ""
 
 
 def mesh_throw(

@@ -12,6 +12,7 @@ from cranktopo.evaluate.case_stress import case_stress
 from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.targets import Target, resolve_targets
 from cranktopo.loads import LoadCase, analyse, load_cases
+from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
 from cranktopo.report.comparison import Comparison, Entry, check_supports, compare
@@ -23,7 +24,6 @@ from cranktopo.scene import Scene
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.surface.undercuts import half_throw_undercuts
 from cranktopo.triangles.shells import shell_volumes_mm3
-from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _FACET_MM = 2.0
@@ -46,6 +46,7 @@ def compare_targets(
     fatigue: FatigueMethod | None = None,
     design: str | None = None,
     info: Progress = lambda _: None,
+    align: bool = False,
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
 
@@ -53,17 +54,18 @@ def compare_targets(
         names: targets as the user types them; the baseline is put before them where it is not among them.
         baseline: the target that counts as 100 %.
         design: design for the journals of STL and STEP files.
+        align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
 
     Raises:
         CranktopoError: no such target, different supports, no fillets for the fatigue, or a failed solve.
     """
     every = list(names) if baseline in names else [baseline, *names]
     index = every.index(baseline)
-    targets = resolve_targets(every, design)
+    targets = resolve_targets(every, design, align=align)
     check_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     safety = None
     if fatigue is not None:
-        filleted = resolve_targets(every, design, fillets=True)
+        filleted = resolve_targets(every, design, fillets=True, align=align)
         safety = assess_fatigue(filleted, fatigue, baseline=index, info=info).compared()
     found = evaluate_targets(targets, wanted, info)
     published = [None if target.file else target.scene.published for target in targets]
@@ -130,7 +132,8 @@ def _body(
 def _surface(target: Target) -> SurfaceMesh | None:
     """Facets of a target; none for a STEP file, which only the mesh generator reads."""
     if target.file is not None:
-        return read_stl(target.file) if target.file.suffix.lower() == ".stl" else None
+        stl = target.file.suffix.lower() == ".stl"
+        return read_half_throw(target.file, target.scene, target.align) if stl else None
     return surface_of(target.scene, "half", _FACET_MM)
 
 

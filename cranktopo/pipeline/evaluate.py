@@ -11,6 +11,7 @@ from cranktopo.accuracy.stored_studies import key_of, load_study
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Evaluation, Progress, evaluate
 from cranktopo.evaluate.targets import Target, resolve_target
+from cranktopo.scene.assumed import SUPPORTS, THROW, among, assumed_text
 
 
 @dataclass(frozen=True)
@@ -66,11 +67,20 @@ def evaluate_targets(
         CranktopoError: no valid mesh, or a failed solve.
     """
     evaluations, missed = [], []
+    say_assumed(targets, (THROW, SUPPORTS), info)
     for target in targets:
         evaluation, reached = _evaluate(target, wanted or MeshRequest(), info)
         evaluations.append(evaluation)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
     return Evaluations(tuple(evaluations), tuple(missed))
+
+
+def say_assumed(targets: Sequence[Target], tables: Sequence[str], info: Progress) -> None:
+    """One line per target of what it does not say and a command uses of these tables of its scene."""
+    for target in targets:
+        found = among(target.assumed, tables)
+        if found:
+            info(f"{target.name}: {assumed_text(found)}")
 
 
 def _evaluate(target: Target, wanted: MeshRequest, info: Progress) -> tuple[Evaluation, bool]:

@@ -28,6 +28,7 @@ from cranktopo.pipeline.snapshots import snapshots
 from cranktopo.report.pages.run_page import run_page
 from cranktopo.report.pages.writing import REPORT, write_report
 from cranktopo.scene import Scene
+from cranktopo.scene.assumed import ENVELOPE, LOADS, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
 from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
@@ -44,6 +45,8 @@ from cranktopo.store import (
 from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 
 Info = Callable[[str], None]
+RUN_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE)
+"""What an optimisation uses of a scene."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,9 @@ def optimise_design(
     check_device()
     prepared = prepare(scene)
     announce(prepared, info)
+    assumed = assumptions(scene, RUN_TABLES)
+    if assumed:
+        info(assumed_text(assumed))
     run = create_run(
         design=scene.name,
         design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
@@ -87,6 +93,7 @@ def optimise_design(
         options={},
         command=command,
         inputs=input_files(scene),
+        assumed=assumed_json(assumed),
         out=out,
     )
     return _optimise(run, prepared, progress, began)
@@ -192,6 +199,7 @@ def _finish(
     metrics = optimise_metrics(
         run.name, prepared, problem, state, design.physical, result, original, surface or refusal, timing
     )
+    metrics["assumed"] = run.manifest().get("assumed", [])
     metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)
     designs = snapshots(run, domain, problem.chain)

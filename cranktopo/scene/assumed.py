@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ _CONSEQUENCES = {
     "rod_rotating_kg": "no centrifugal force of the rod's big end",
 }
 """What the default of a key means where the number alone does not say it."""
+_WIDTH = 110
 _QUIET = {"indicator_csv", "source", "name"}
 _WITH_INDICATOR = {"ambient_pressure_MPa"}
 """Keys of [engine.gas] that count where the pressure is measured."""
@@ -33,7 +34,8 @@ class Assumption:
     meaning: str
 
     def __str__(self) -> str:
-        return f"{self.key} = {self.value}" + (f" ({self.meaning})" if self.meaning else "")
+        value = self.value if isinstance(self.value, str) else f"{self.value:g}"
+        return f"{self.key} = {value}" + (f" ({self.meaning})" if self.meaning else "")
 
 
 def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
@@ -52,9 +54,26 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
     return tuple(found)
 
 
+def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption, ...]:
+    """Assumptions from the entries of `assumed` in a manifest."""
+    return tuple(Assumption(**entry) for entry in entries)
+
+
+def among(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
+    """Those assumptions that belong to some tables of the scene."""
+    return tuple(item for item in found if item.key.split(".")[0] in tables)
+
+
 def assumed_text(found: Sequence[Assumption]) -> str:
-    """One line for the terminal; empty when everything is given."""
-    return f"assumed: {'; '.join(map(str, found))}" if found else ""
+    """For the terminal, wrapped to its lines; empty when everything is given."""
+    if not found:
+        return ""
+    lines = ["assumed:"]
+    for item in found:
+        piece = f" {item}{'' if item is found[-1] else ';'}"
+        lines += [" "] if len(lines[-1] + piece) > _WIDTH else []
+        lines[-1] += piece
+    return "\n".join(lines)
 
 
 def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:

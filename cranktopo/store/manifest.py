@@ -51,6 +51,7 @@ def new_manifest(
     scene: Mapping[str, Any],
     options: Mapping[str, Any],
     inputs: Mapping[str, Path],
+    assumed: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """Manifest of a run that starts now.
 
@@ -77,6 +78,7 @@ def new_manifest(
         "versions": versions(),
         "options": dict(options),
         "scene": dict(scene),
+        "assumed": [dict(entry) for entry in assumed],
     }
 
 

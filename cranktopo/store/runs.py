@@ -150,6 +150,7 @@ def create_run(
     options: Mapping[str, Any],
     command: Sequence[str],
     inputs: Mapping[str, Path] | None = None,
+    assumed: Sequence[Mapping[str, Any]] = (),
     out: Path | None = None,
     root: Path = RUNS,
 ) -> RunStore:
@@ -163,6 +164,7 @@ def create_run(
         scene: the resolved scene, plain values.
         options: what the command line added to the scene, plain values.
         inputs: other input files by role, hashed into the manifest.
+        assumed: what the scene does not say and is assumed.
         out: directory to use; it must not exist or be empty. By default
             `root/<date-time>_<design>_<hash>`, hash over scene and options.
 
@@ -179,6 +181,7 @@ def create_run(
         scene=scene,
         options=options,
         inputs=inputs or {},
+        assumed=assumed,
     )
     with _unfinished(root if out is None else out.parent) as folder:
         write_text(folder / _DESIGN, design_toml)

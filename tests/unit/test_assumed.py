@@ -63,7 +63,7 @@ def test_without_an_engine_or_an_envelope_nothing_of_them_is_assumed() -> None:
 
 def test_the_line_says_what_the_number_means() -> None:
     text = assumed_text(assumptions(scene_with(), (THROW,)))
-    assert text == "assumed: throw.main_journal.fillet_mm = 0.0 (sharp)"
+    assert text == "assumed: throw.main_journal.fillet_mm = 0 (sharp)"
     assert assumed_text(()) == ""
 
 

@@ -136,12 +136,16 @@ def _provenance(record: RunRecord) -> Section:
         ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
         ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
     ]
+    assumed = [
+        (entry["key"], f"{entry['value']} {entry['meaning']}".strip()) for entry in metrics.get("assumed", ())
+    ]
     files = [(what, name) for what, name in metrics["files"].items()]
     return Section(
         "provenance",
         "Where this comes from",
         tables=(
             ("Run", pairs(rows)),
+            *([("Assumed, because the design does not say it", pairs(assumed))] if assumed else []),
             ("Versions", versions_table(manifest["versions"])),
             ("Files beside this page", pairs(files)),
         ),
