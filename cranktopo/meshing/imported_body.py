@@ -94,7 +94,7 @@ def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
 
 
 def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float, str]:
-    """The half throw of a STEP file in the open session, in its place; its volume in the web; what was done."""
+    """Half throw of a STEP file in the open session, in its place; volume in the web; what was done."""
     check_step(path, f"'{path}'")
     occ = gmsh.model.occ
     body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]
