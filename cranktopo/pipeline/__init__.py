@@ -1,1 +1,1 @@
-"""The stages in order, and the files that they leave: what a command runs."""
+"""Pipeline: what each command does, as one function: the stages in order, and the files that they leave."""
