@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-_SIDE, _REPEATS = 700, 3
+_NUMBERS, _REPEATS = 1_000_000, 5
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,14 @@ class Machine:
 
 
 def this_machine() -> Machine:
-    """This machine, its speed measured now: the least time of three dense factorisations."""
+    """This machine, its speed measured now: the least time of five to sort a million numbers on one core."""
     import numpy as np
 
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    matrix, times = np.eye(_SIDE) * _SIDE + 1.0, []
+    numbers, times = np.random.default_rng(0).random(_NUMBERS), []
     for _ in range(_REPEATS):
         began = time.perf_counter()
-        np.linalg.cholesky(matrix)
+        np.sort(numbers)
         times.append(time.perf_counter() - began)
     return Machine(_processor(), cores, min(times))
 
