@@ -15,14 +15,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.domain.grid import Extent, Grid, plan_grid
-from cranktopo.domain.outline import (
+from cranktopo.domain.envelope_section import (
     SECTIONS,
     disc,
     envelope_bounds_mm,
     envelope_outline,
     envelope_sections,
 )
+from cranktopo.domain.grid import Extent, Grid, plan_grid
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_sizes import check_envelope_reach
 from cranktopo.scene.features import Body, web_bodies, web_contains

@@ -123,7 +123,7 @@ def unfinished_run(folder: Path, scene: Scene) -> Path:
 def test_a_surface_that_is_no_solid_is_refused(
     name: str, tmp_path: Path, mikron: Scene, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """As the surface of a run, as a file to be judged: one clear line, exit code 3, nothing written."""
+    """As the surface of a run, as a file to be evaluated: one clear line, exit code 3, nothing written."""
     make, message = BAD_SURFACES[name]
     run = unfinished_run(tmp_path, mikron)
     (run / "web.stl").write_bytes(make())

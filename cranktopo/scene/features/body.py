@@ -1,6 +1,6 @@
 """What every feature of a web can say about itself: the table in the scene, and its bodies in the web.
 
-A feature never says how it is meshed, sampled or drawn: rooms above loop over features and ask.
+A feature knows neither meshes nor cells nor pages: rooms above loop over features and ask.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Point membership of plane shapes: discs and the design envelope.
+"""Cross-sections of the design envelope, and discs, as point membership.
 
 Each shape is a function of coordinate arrays x, y (mm) that returns a boolean array.
 """
