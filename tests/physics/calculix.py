@@ -1,4 +1,4 @@
-"""A half throw as a CalculiX deck: the judge's mesh, its rigid section by CalculiX's own rigid body."""
+"""A half throw as a CalculiX deck: mesh of the evaluation, rigid section by CalculiX's own rigid body."""
 
 from __future__ import annotations
 

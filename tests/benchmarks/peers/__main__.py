@@ -3,7 +3,7 @@
 The peers run in an environment of their own (`--environment`, made on the first run from
 `requirements.txt` beside this file), every code in its own process, one after the other: same grid, load,
 volume fraction 0.3, filter of 1.5 cells, move 0.2, optimality criteria, number of iterations. Seconds are the
-medians of the design iterations after the first. The last design of every code is judged by the same solver.
+medians of the design iterations after the first. The last design of every code is assessed by one solver.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def compliance(density: NDArray[np.float64], cells: Cells) -> float:
 
 
 def _run(command: list[str], cells: Cells, limit_s: float) -> Row:
-    """Seconds, memory and judged design of one code, or why there are none."""
+    """Seconds, memory and assessed design of one code, or why there are none."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "density.npy"
         try:
