@@ -13,6 +13,7 @@ from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, rule_options
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.errors import ExitCode
 
 
 @click.command("iterate")
@@ -83,3 +84,5 @@ def command(
     data = outcome.as_json()
     files = {what: str(outcome.folder / name) for what, name in LOOP_FILES.items()}
     click.echo(json.dumps({**data, "files": files}) if as_json else loop_summary(data, outcome.folder))
+    if outcome.lost:
+        raise click.exceptions.Exit(ExitCode.NOT_CONVERGED)

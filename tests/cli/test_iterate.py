@@ -295,6 +295,29 @@ def test_interrupted_loop_goes_on_where_it_was(
         assert {**one, "seconds": 0} == {**other, "seconds": 0}
 
 
+def test_a_lost_step_keeps_the_earlier_ones_and_says_which_is_best(
+    quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    out, finished = tmp_path / "loop", loop.evaluate
+
+    def failing(target: Any, size: float | None) -> Any:
+        if target.name.endswith("step-2"):
+            raise CranktopoError("mesh: no tetrahedra were made.")
+        return finished(target, size)
+
+    monkeypatch.setattr(loop, "evaluate", failing)
+    assert main([*ARGUMENTS, "--out", str(out)]) == 5
+    printed = capsys.readouterr().out
+    assert "ended: step 2 was lost, the steps before it stand: mesh: no tetrahedra" in printed
+    data = json.loads((out / "iterate.json").read_text())
+    assert [one["number"] for one in data["steps"]] == [0, 1]
+    assert data["lost_step"].startswith("step 2 was lost")
+    assert best_line(data) in printed
+    monkeypatch.setattr(loop, "evaluate", finished)
+    assert main(["iterate", "--resume", str(out)]) == 0
+    assert json.loads((out / "iterate.json").read_text())["lost_step"] is None
+
+
 def test_rules_hold_in_every_step(
     quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +99,7 @@ class Outcome:
         stop_reason: why it ended.
         best: the step that gains most and beats the original web, if one does.
         notices: what a user may not expect, in sentences.
+        lost: why the last step has no result; empty where every step has.
     """
 
     folder: Path
@@ -108,6 +109,7 @@ class Outcome:
     best: LoopStep | None
     settings: Settings
     notices: tuple[str, ...] = ()
+    lost: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """The content of iterate.json."""
@@ -119,6 +121,7 @@ class Outcome:
             "least_transition_mm": self.settings.least_transition_mm,
             "best_step": None if self.best is None else self.best.number,
             "notices": list(self.notices),
+            "lost_step": self.lost or None,
             "steps": [step.as_json(original) for step in self.steps],
         }
 
@@ -204,6 +207,7 @@ def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Ca
     scenes = [scene]
     steps = [_original(run.path / "original", scene, settings, info)]
     reason = f"all {settings.steps} steps done"
+    lost = ""
     durations: list[float] = []
     for number in range(1, settings.steps + 1):
         folder = run.path / f"step-{number:02d}"
@@ -212,7 +216,14 @@ def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Ca
         began = time.monotonic()
         if not (folder / STEP_FILE).is_file():
             info(f"step {number} of {settings.steps}{guess}")
-            _step(folder, number, scenes, settings, info)
+            try:
+                _step(folder, number, scenes, settings, info)
+            except CranktopoError as error:
+                if number == 1 or error.code == ExitCode.INTERRUPTED:
+                    raise
+                lost = reason = f"step {number} was lost, the steps before it stand: {error}"
+                info(reason)
+                break
             durations.append(time.monotonic() - began)
         steps.append(LoopStep(**read_json(folder / STEP_FILE)["step"]))
         scenes.append(scene_from_dict(read_json(folder / STEP_FILE)["scene"], str(folder)))
@@ -224,7 +235,7 @@ def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Ca
         check()
         if left > 1:
             _write_page(run, _outcome(run, scene, steps, f"step {number} of {settings.steps} done", settings))
-    outcome = _outcome(run, scene, steps, reason, settings)
+    outcome = replace(_outcome(run, scene, steps, reason, settings), lost=lost)
     _write_page(run, outcome)
     return outcome
 
