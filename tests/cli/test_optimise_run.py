@@ -22,7 +22,6 @@ import trimesh
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem import equilibrium
-from cranktopo.optimise import loop
 from cranktopo.optimise.state import State
 from cranktopo.pipeline.optimise import optimise_design
 from cranktopo.scene import Scene
@@ -224,15 +223,15 @@ def test_ctrl_c_that_a_library_swallows_is_not_lost(mikron: Scene, tmp_path: Pat
     assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
 
 
-@pytest.mark.parametrize("stage", ["build_problem", "init"])
+@pytest.mark.parametrize("stage", ["pipeline.optimise.build_problem", "optimise.loop.init"])
 def test_ctrl_c_before_the_first_iteration_is_recorded(
     stage: str, mikron: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(loop, "build_problem", lambda *_: None)
-    monkeypatch.setattr(loop, stage, interrupted)
+    monkeypatch.setattr("cranktopo.pipeline.optimise.build_problem", lambda *_: None)
+    monkeypatch.setattr(f"cranktopo.{stage}", interrupted)
     with pytest.raises(CranktopoError, match="interrupted"):
         optimise_design(coarse(mikron), tmp_path / "run")
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "interrupted"
