@@ -10,9 +10,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.domain.envelope_section import (
@@ -23,14 +25,16 @@ from cranktopo.domain.envelope_section import (
     envelope_sections,
 )
 from cranktopo.domain.grid import Extent, Grid, plan_grid
+from cranktopo.domain.stl_envelope import bounds_mm, envelope_from_file
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_sizes import check_envelope_reach
 from cranktopo.scene.features import Body, web_bodies, web_contains
 from cranktopo.scene.geometry import Envelope, Journal
-from cranktopo.scene.polygons import Coordinates, Shape
+from cranktopo.scene.polygons import Coordinates, Shape, polygons
 from cranktopo.scene.schema import Scene
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
+ORIGINAL_KEY = "original.file"
 GridContent = Literal["envelope", "web"]
 Array = NDArray[np.float64]
 SAMPLES = 32
@@ -161,10 +165,20 @@ def _annulus(journal: Journal, y_mm: float) -> Shape:
 
 
 def _own_web(scene: Scene) -> list[_Layer]:
-    """The web of the scene as slabs, each with the section in its middle."""
+    """The web of the scene, or the body named as the original, as slabs with the section in their middle."""
+    if scene.original is not None:
+        return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
     bodies, found = web_bodies(scene), []
     for z in _slabs(scene, [z for body in bodies for z in body.layers_mm(SECTIONS)]):
         shape = _section(bodies, sum(z) / 2)
+        found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
+    return found
+
+
+def _body_from_file(scene: Scene, body: Manifold) -> list[_Layer]:
+    found = []
+    for z in _slabs(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
+        shape = polygons([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
         found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
     return found
 
@@ -222,6 +236,8 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     reach = max(main, pin)
     bounds = [(-reach, reach, -main, r + pin)]
     bounds += [(*body.x_range_mm, *body.y_range_mm) for body in web_bodies(scene) if body.adds]
+    if scene.original is not None:
+        bounds.append(bounds_mm(Path(scene.original.file), key=ORIGINAL_KEY))
     if target == "envelope":
         bounds.append(envelope_bounds_mm(_envelope(scene)))
         check_envelope_reach(scene, bounds[-1])

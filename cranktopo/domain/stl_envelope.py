@@ -1,4 +1,4 @@
-"""Design envelopes given as files: closed surface meshes, or STEP bodies, which become meshes here."""
+"""Envelopes and original webs given as files: closed surfaces, or STEP bodies, which become surfaces here."""
 
 from __future__ import annotations
 
@@ -24,24 +24,25 @@ _LEAST_MM = 2.0
 """No web is smaller, in metres every one is."""
 
 
-def envelope_from_file(path: Path, symmetric: bool = False) -> Manifold:
+def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> Manifold:
     """The closed body in an STL or STEP file, mm, in the frame of `cranktopo.frames`.
 
     Args:
         path: the file.
         symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made
             so from the side x >= 0.
+        key: of the file in the scene, for messages.
 
     Raises:
         CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or not
             symmetric though it should be.
     """
-    return _body(_symmetric_surface(path)[0] if symmetric else _closed_surface(path), path)
+    return _body(_symmetric_surface(path)[0] if symmetric else _closed_surface(path, key), path)
 
 
-def bounds_mm(path: Path, symmetric: bool = False) -> tuple[float, float, float, float]:
+def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[float, float, float, float]:
     """Range of the body: (x_min, x_max, y_min, y_max), mm."""
-    box = envelope_from_file(path, symmetric).bounding_box()
+    box = envelope_from_file(path, symmetric, key).bounding_box()
     return box[0], box[3], box[1], box[4]
 
 
@@ -78,7 +79,7 @@ def _body(surface: SurfaceMesh, path: Path) -> Manifold:
 @lru_cache(maxsize=4)
 def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
     """The surface, symmetric in x, and by how much of its volume the sides differed."""
-    surface = _closed_surface(path)
+    surface = _closed_surface(path, _KEY)
     body = _body(surface, path)
     share = mirror_difference(body)
     if share > _MESHED:
@@ -95,20 +96,20 @@ def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
 
 
 @lru_cache(maxsize=4)
-def _closed_surface(path: Path) -> SurfaceMesh:
-    name = f"{_KEY} = '{path}'"
+def _closed_surface(path: Path, key: str) -> SurfaceMesh:
+    name = f"{key} = '{path}'"
     surface = step_surface(path, name) if path.suffix.lower() in STEP_SUFFIXES else read_stl(path, name)
     if len(surface.faces) == 0:
-        raise invalid(_KEY, str(path), "holds no triangles", "Export the surface again as STL, mm.")
+        raise invalid(key, str(path), "holds no triangles", "Export the surface again as STL, mm.")
     largest = float(np.ptp(surface.vertices_mm, axis=0).max())
     if largest < _LEAST_MM:
-        raise invalid(_KEY, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
+        raise invalid(key, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
     mesh = surface.as_trimesh()
     if not mesh.is_watertight:
-        raise invalid(_KEY, str(path), "must be a closed surface", "Close its holes.")
+        raise invalid(key, str(path), "must be a closed surface", "Close its holes.")
     if not mesh.is_winding_consistent or surface.volume_mm3 <= 0:
-        raise invalid(_KEY, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
+        raise invalid(key, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
     bodies = int((shell_volumes_mm3(surface) > 0).sum())
     if bodies > 1:
-        raise invalid(_KEY, str(path), f"holds {bodies} separate bodies", "Remove the loose parts.")
+        raise invalid(key, str(path), f"holds {bodies} separate bodies", "Remove the loose parts.")
     return surface

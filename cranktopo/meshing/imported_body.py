@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.cad.session import cad_session
-from cranktopo.cad.step_surface import check_step, kernel_surface
+from cranktopo.cad.step_surface import STEP_SUFFIXES, check_step, kernel_surface
 from cranktopo.cad.throw_solid import SolidProperties, solid_properties
 from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError
@@ -188,6 +188,21 @@ def _half_throw(path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, Pla
 
 def _note(motion: Placement | None) -> str:
     return f"moved to where the journals are: it {motion.words}" if motion else ""
+
+
+def half_throw_surface(path: Path, scene: Scene) -> SurfaceMesh:
+    """The closed surface of the half throw in an STL or STEP file, its ends on their planes.
+
+    Raises:
+        CranktopoError: as `mesh_file`.
+    """
+    if path.suffix.lower() not in STEP_SUFFIXES:
+        return read_half_throw(path, scene)
+    with cad_session(f"solid of {path}") as gmsh:
+        _solid(gmsh, path, scene, align=False)
+        gmsh.model.occ.synchronize()
+        surface = kernel_surface(gmsh)
+    return SurfaceMesh(_on_planes(surface.vertices_mm, scene, _ROUNDING), surface.faces)
 
 
 def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:

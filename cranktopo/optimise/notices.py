@@ -45,10 +45,12 @@ def _die(scene: Scene, domain: Domain) -> str:
 
 
 def baseline_notice(scene: Scene) -> str:
-    """What "original" means where the envelope is a file, whose body may be taken for it; else empty."""
+    """What "original" means where it is a body from CAD, or the envelope is one; else empty."""
+    if scene.original is not None:
+        return f"the original web is that of the body in '{Path(scene.original.file).name}' ([original])"
     if scene.envelope is None or scene.envelope.shape != "stl":
         return ""
     return (
         "the original web is that of [web] in the design, not the body in "
-        f"'{Path(scene.envelope.file).name}', which is the envelope only"
+        f"'{Path(scene.envelope.file).name}', which is the envelope only; [original] file = ... names a body"
     )

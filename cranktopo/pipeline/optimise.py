@@ -20,6 +20,7 @@ from cranktopo.optimise.problem import DensityProblem, build_problem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
+from cranktopo.pipeline.original import check_original
 from cranktopo.pipeline.run_files import history_rows, write_run_files
 from cranktopo.pipeline.run_record import record_of
 from cranktopo.pipeline.run_status import working_in
@@ -81,6 +82,7 @@ def optimise_design(
     began = time.perf_counter() if began is None else began
     check_destination(out)
     check_device()
+    check_original(scene)
     prepared = prepare(scene)
     announce(prepared, info)
     assumed = assumptions(scene, RUN_TABLES)

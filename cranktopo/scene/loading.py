@@ -18,7 +18,7 @@ from cranktopo.scene.schema import Scene
 from cranktopo.store import runs_named
 
 # Keys of the scene that name a file, relative to the design.
-FILE_KEYS = (("engine", "gas", "indicator_csv"), ("envelope", "file"))
+FILE_KEYS = (("engine", "gas", "indicator_csv"), ("envelope", "file"), ("original", "file"))
 _GEOMETRY = {".stl": "an STL", ".step": "a STEP", ".stp": "a STEP", ".iges": "an IGES", ".igs": "an IGES"}
 _HEADS = {"ISO-10303-21": "a STEP", "solid ": "an STL", "{": "a JSON"}
 _TOML_HINT = "Fix that line; `cranktopo designs new FILE` writes a design to start from."

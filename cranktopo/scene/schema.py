@@ -152,6 +152,13 @@ class Published(SceneTable):
     """Printed torsional stiffness."""
 
 
+class Original(SceneTable):
+    """The web that gains are measured against, as a body from CAD; by default it is that of `[web]`."""
+
+    file: str = Field(examples=["original.step"])
+    """STL in mm or STEP of the half throw, z along the crank and y along the throw; relative to this file."""
+
+
 class Scene(SceneTable):
     """One throw, its loads, its design space and the settings of each stage."""
 
@@ -171,6 +178,7 @@ class Scene(SceneTable):
     engine: Engine | None = None
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
+    original: Original | None = None
     effects: Effects = Effects()
     optimise: Optimise = Optimise()
     fatigue: Fatigue = Fatigue()

@@ -51,13 +51,13 @@ def web_bores(scene: Scene) -> Manifold:
     return sum(bores, Manifold())
 
 
-def drilled_later(scene: Scene) -> Manifold:
-    """What is drilled after forging or casting: the bores, and holes through the envelope in thin slices."""
+def envelope_holes(scene: Scene) -> Manifold:
+    """Holes through the envelope, drilled after forging or casting as bores are; in slices, a hair wider."""
     start, end = envelope_z_mm(scene)
     edges = np.linspace(start, end, _SLICES + 1)
     holes = through_holes(scene, ((edges[1:] + edges[:-1]) / 2).tolist())
     edges[0], edges[-1] = scene.web_z_mm[0] - _BEYOND_MM, scene.web_z_mm[1] + _BEYOND_MM
-    drilled = web_bores(scene)
+    drilled = Manifold()
     for contours, low, high in zip(holes, edges[:-1], edges[1:], strict=True):
         if contours:
             wider = CrossSection(contours, FillRule.NonZero).offset(_OVERLAP_MM, JoinType.Miter)

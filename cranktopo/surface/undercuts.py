@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.solids import drilled_later, web_region
+from cranktopo.surface.solids import envelope_holes, web_bores, web_region
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 Array = NDArray[np.float64]
@@ -53,12 +54,14 @@ class Undercuts:
 
 
 def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
-    """Undercuts of a web along x on either side of the plane x = 0, bores and holes drilled later filled.
+    """Undercuts of a web along x on either side of the plane x = 0, bores and drilled holes filled.
 
     Args:
         scene: its bores and the holes of its envelope, which are drilled after the die.
     """
-    body = solid_of(web, "web") + drilled_later(scene)
+    body = solid_of(web, "web") + web_bores(scene)
+    holes = envelope_holes(scene)
+    filled = body if holes.is_empty() else body + holes
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
     ends = low[X] - _BEYOND_MM, high[X] + _BEYOND_MM
     y, z = (_centres(low[axis], high[axis], step_mm) for axis in (Y, Z))
@@ -66,10 +69,10 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
     met, voids = 0, []
     for v in y.tolist():
         for w in z.tolist():
-            hits = body.ray_cast((ends[0], v, w), (ends[1], v, w))
-            met += bool(hits)
-            cuts = np.array([hit.position[X] for hit in hits])
-            voids += [_void_mm(cuts), _void_mm(-cuts[::-1])]
+            cuts = _cuts(body, ends, v, w)
+            within = cuts if filled is body else _cuts(filled, ends, v, w)
+            met += bool(len(cuts))
+            voids += [_void_mm(cuts, within), _void_mm(-cuts[::-1], -within[::-1])]
     lengths = np.array(voids).reshape(-1, 2)
     caught = int((lengths > _TOUCH_MM).any(axis=1).sum())
     return Undercuts(met, caught, float(lengths.max()), float(lengths.sum() * area), web.volume_mm3)
@@ -87,7 +90,19 @@ def _centres(low: float, high: float, step: float) -> Array:
     return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5), dtype=np.float64)
 
 
-def _void_mm(cuts: Array) -> float:
-    """Length of void between x = 0 and the outermost solid at x > 0, for sorted entries and exits."""
-    inside = cuts.reshape(-1, 2).clip(min=0.0) if len(cuts) % 2 == 0 else np.zeros((0, 2))
-    return float(inside.max() - np.diff(inside).sum()) if len(inside) else 0.0
+def _cuts(body: Manifold, ends: tuple[float, float], y: float, z: float) -> Array:
+    """Sorted x of the entries into a body and exits from it along a ray."""
+    return np.array([hit.position[X] for hit in body.ray_cast((ends[0], y, z), (ends[1], y, z))])
+
+
+def _void_mm(cuts: Array, within: Array) -> float:
+    """Length of void between x = 0 and the outermost solid at x > 0.
+
+    Args:
+        cuts: of the web.
+        within: of the web with its holes filled, which count as solid only within the web.
+    """
+    if len(cuts) % 2 or len(within) % 2:  # grazes an edge
+        return 0.0
+    outermost = float(cuts.max(initial=0.0))
+    return outermost - float(np.diff(within.reshape(-1, 2).clip(min=0.0, max=outermost)).sum())

@@ -85,7 +85,7 @@ def test_what_is_not_one_solid_is_refused(build: Any, message: str, tmp_path: Pa
 
 def test_unreadable_step_is_refused(tmp_path: Path) -> None:
     (tmp_path / "text.step").write_text("no STEP file")
-    for name, message in (("text.step", "cannot be read as STEP"), ("absent.step", "no such file")):
+    for name, message in (("text.step", "is no STEP file"), ("absent.step", "cannot be read: No such file")):
         with pytest.raises(CranktopoError, match=rf"envelope\.file.*{message}"):
             envelope_from_file(tmp_path / name)
 

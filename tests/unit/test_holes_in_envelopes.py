@@ -76,8 +76,16 @@ def test_a_web_with_such_holes_leaves_its_die(mikron: Scene, tmp_path: Path) -> 
     web = block().trim_by_plane((0, 0, 1), start).trim_by_plane((0, 0, -1), -end)
     for void in voids:
         web -= void
-    assert undercuts(mesh_of(web), scene, 2.0).released
-    assert not undercuts(mesh_of(web - hole(20, 60)), scene, 2.0).released
+    assert undercuts(mesh_of(web), scene, 2.0).negligible
+    assert not undercuts(mesh_of(web - hole(20, 60)), scene, 2.0).negligible
+
+
+def test_a_hole_beside_the_web_is_no_solid(mikron: Scene, tmp_path: Path) -> None:
+    """The web ends short of the hole: nothing of it lies outside of the gap between them."""
+    scene = forged(mikron, tmp_path, [hole(22, 24)])
+    start, end = scene.web_z_mm
+    slim = Manifold.cube((24, HIGH - LOW, end - start)).translate((-12, LOW, start))
+    assert undercuts(mesh_of(slim), scene, 2.0).negligible
 
 
 def test_another_void_is_said_to_cost_material(mikron: Scene, tmp_path: Path) -> None:
@@ -97,6 +105,6 @@ def test_the_original_is_named_where_the_envelope_is_a_file(mikron: Scene, tmp_p
     told = notices(scene, build_domain(scene, 6.0))
     assert told == (
         "the original web is that of [web] in the design, not the body in 'envelope.stl', which is the "
-        "envelope only",
+        "envelope only; [original] file = ... names a body",
     )
     assert notices(mikron, build_domain(mikron, 6.0)) == ()

@@ -10,6 +10,7 @@ from typing import Any
 
 from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.effects import planned_scene
+from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Evaluation, evaluate
 from cranktopo.evaluate.targets import Target
@@ -20,6 +21,7 @@ from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_so
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.transition import transition_mm
 from cranktopo.pipeline.optimise import announce, optimise_design, resume_optimisation
+from cranktopo.pipeline.original import check_original, original_file, write_original
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.fit import fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -164,6 +166,7 @@ def start_loop(
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
     check_destination(out)
+    check_original(scene)
     announce(stage.prepare(scene), info)
     settings = settings or loop_settings(scene)
     run = create_run(
@@ -266,8 +269,12 @@ def _original(folder: Path, scene: Scene, settings: Settings, info: Info) -> Loo
     if not (folder / STEP_FILE).is_file():
         info("evaluating the original web")
         folder.mkdir(exist_ok=True)
-        write_solids(scene, folder)
-        step = step_of(0, _evaluated(scene, settings), transition_mm(read_web(folder), scene))
+        file = original_file(scene)
+        if file is None:
+            write_solids(scene, folder)
+        else:
+            write_original(file, scene, folder)
+        step = step_of(0, _evaluated(scene, settings, file), transition_mm(read_web(folder), scene))
         write_json(folder / STEP_FILE, {"step": vars(step), "scene": scene.model_dump(mode="json")})
     return LoopStep(**read_json(folder / STEP_FILE)["step"])
 
@@ -283,7 +290,12 @@ def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings
     fitted = fit_web(surface, bounded, settings.rules)
     near = shape_error(fitted.scene, surface)
     scene = scenes[0].model_copy(
-        update={"web": fitted.scene.web, "name": f"{scenes[0].name}-step-{number}", "published": None}
+        update={
+            "web": fitted.scene.web,
+            "name": f"{scenes[0].name}-step-{number}",
+            "published": None,
+            "original": None,
+        }
     )
     write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {scenes[0].name}"))
     write_solids(scene, folder)
@@ -338,8 +350,9 @@ def _optimised(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
     return read_half_throw(folder / "web.stl", scene)
 
 
-def _evaluated(scene: Scene, settings: Settings) -> Evaluation:
-    return evaluate(Target(scene.name, planned_scene(scene)), settings.element_size_mm)
+def _evaluated(scene: Scene, settings: Settings, file: Path | None = None) -> Evaluation:
+    kept: tuple[Feature, ...] = ("bores", "fillets") if file else ()
+    return evaluate(Target(scene.name, planned_scene(scene, kept), file), settings.element_size_mm)
 
 
 def _line(steps: Sequence[LoopStep]) -> str:

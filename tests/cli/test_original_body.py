@@ -1,0 +1,86 @@
+"""A body from CAD as the original web: on the cells, in the loop's first step, and where it does not fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cranktopo.cad.solid_files import export_solid
+from cranktopo.cad.volume import web_volume_mm3
+from cranktopo.domain.build import build_domain
+from cranktopo.errors import CranktopoError
+from cranktopo.optimise.notices import baseline_notice
+from cranktopo.pipeline.iterate.solids import HALF, read_web
+from cranktopo.pipeline.original import check_original, write_original
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.loading import input_files
+from cranktopo.triangles.surface_files import read_stl
+from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+
+
+@pytest.fixture(scope="module")
+def body_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    def write(scene: Scene, suffix: str = ".step") -> Path:
+        path = tmp_path_factory.mktemp("original") / f"body{suffix}"
+        export_solid(scene, "half", path, 1.0)
+        return path
+
+    return write
+
+
+def naming(scene: Scene, path: Path) -> Scene:
+    return scene_from_dict(
+        scene.model_dump(mode="json", exclude_none=True) | {"original": {"file": str(path)}}
+    )
+
+
+def web_mm3(scene: Scene, **grid: Any) -> float:
+    domain = build_domain(scene, 3.0, "web", **grid)
+    return float((domain.web * domain.volume_mm3).sum()) / domain.share / 2
+
+
+@pytest.mark.parametrize("suffix", [".step", ".stl"])
+def test_cells_hold_the_web_of_the_body(suffix: str, body_of: Callable[..., Path], mikron: Scene) -> None:
+    """A web 6 mm wider than the design's; the fillets lie outside the web."""
+    wider = mikron_with(2.5, width_mm=56.0)
+    scene = naming(mikron, body_of(wider, suffix))
+    check_original(scene)
+    assert web_mm3(scene, extent="half") == pytest.approx(web_volume_mm3(wider), rel=2e-3)
+    assert web_mm3(mikron, extent="half") == pytest.approx(web_volume_mm3(mikron), rel=2e-3)
+    assert "'body" in baseline_notice(scene)
+    assert input_files(scene)["original.file"].name == f"body{suffix}"
+
+
+def test_the_first_step_of_a_loop_is_the_body(
+    body_of: Callable[..., Path], mikron: Scene, tmp_path: Path
+) -> None:
+    wider = mikron_with(2.5, width_mm=56.0)
+    path = body_of(wider)
+    write_original(path, naming(mikron, path), tmp_path)
+    assert read_web(tmp_path).volume_mm3 == pytest.approx(web_volume_mm3(wider), rel=1e-3)
+    half = read_stl(tmp_path / f"{HALF}.stl").vertices_mm
+    assert (half[:, 2].min(), half[:, 2].max()) == (0.0, mikron.pitch_mm / 2)
+
+
+def test_a_body_elsewhere_is_refused(body_of: Callable[..., Path], mikron: Scene) -> None:
+    throw = mikron.throw.model_copy(update={"radius_mm": 44.0})
+    with pytest.raises(CranktopoError, match="does not lie where the throw is"):
+        check_original(naming(mikron, body_of(mikron.model_copy(update={"throw": throw}))))
+
+
+def test_a_lopsided_body_needs_both_sides(body_of: Callable[..., Path], mikron: Scene) -> None:
+    path = body_of(mikron_with(2.5, pocket=[LOPSIDED]))
+    with pytest.raises(CranktopoError, match=r"original\.file.*the side x >= 0 only"):
+        check_original(naming(mikron, path))
+    both = mikron.model_copy(
+        update={"effects": mikron.effects.model_copy(update={"lateral_symmetry": "off"})}
+    )
+    check_original(naming(both, path))
+
+
+def test_a_file_that_is_gone_is_named(mikron: Scene, tmp_path: Path) -> None:
+    with pytest.raises(CranktopoError, match="cannot be read: No such file"):
+        check_original(naming(mikron, tmp_path / "gone.step"))
