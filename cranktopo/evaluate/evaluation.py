@@ -10,6 +10,7 @@ from typing import Any
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.condense import condense
 from cranktopo.evaluate.elasticity import Order, assemble
+from cranktopo.evaluate.mesh_memory import check_element_size
 from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
@@ -148,6 +149,7 @@ def evaluate(
         CranktopoError: impossible geometry or a failed solve.
     """
     size = element_size_mm or default_element_size_mm(target.scene)
+    check_element_size(target.scene, size)
     coarse = evaluate_on_mesh(target, size * RATIO, progress=progress)
     fine = evaluate_on_mesh(target, size, progress=progress)
     return evaluation(coarse, fine, coarse.seconds + fine.seconds)
@@ -169,6 +171,7 @@ def evaluate_on_mesh(
     Raises:
         CranktopoError: impossible geometry or a failed solve.
     """
+    check_element_size(target.scene, element_size_mm)
     progress(f"{target.name}: element size {element_size_mm:.3g} mm")
     start = time.perf_counter()
     meshed = mesh_target(target, element_size_mm, graded)

@@ -155,3 +155,17 @@ def test_error_as_json(capsys: pytest.CaptureFixture[str]) -> None:
 def test_misspelt_word_of_an_option(typed: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["optimise", "--process", typed]) == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["evaluate", "shaft"])
+def test_elements_too_fine_say_what_fits(
+    command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cranktopo.evaluate.mesh_memory.available_memory_MiB", lambda: 8 * 1024.0)
+    assert main([command, "mikron-iiic", "--element-size-mm", "0.3", "--quiet"]) == 3
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    (line,) = captured.err.splitlines()
+    assert "element size = 0.3: too fine: at least 2" in line
+    finest = float(line.split("about ")[-1].split(" mm")[0])
+    assert 0.6 < finest < 1.5
