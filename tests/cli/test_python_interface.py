@@ -96,7 +96,7 @@ def test_machine_is_checked() -> None:
 
 def test_solids_and_shafts(mikron: Scene, tmp_path: Path) -> None:
     assert cranktopo.export_solid(mikron, "web", tmp_path / "web.stl", 4.0) > 0
-    assert cranktopo.evaluate_shaft(mikron, "rigid", 20.0).mass_kg > 0
+    assert cranktopo.evaluate_shaft(cranktopo.resolve_target("mikron-iiic"), "rigid", 20.0).mass_kg > 0
 
 
 class AskedError(Exception):
