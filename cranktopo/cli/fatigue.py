@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS
+from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS, body_options
 from cranktopo.cli.parameters import Choice, Number
 from cranktopo.cli.verbosity import info, verbosity_options
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     type=Number(0.01, 0.5),
     help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
 )
-@click.option("--design", help="Design for the journals, loads and material of STEP targets.")
+@body_options
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -55,6 +55,7 @@ def command(
     baseline: str | None,
     fillet_fraction: float | None,
     design: str | None,
+    align: bool,
     out: Path | None,
     as_json: bool,
 ) -> None:
@@ -76,7 +77,7 @@ def command(
         names = (baseline, *names)
     index = None if baseline is None else names.index(baseline)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
-    found = assess_fatigue(names, method, loads, index, fraction, out, info, design)
+    found = assess_fatigue(names, method, loads, index, fraction, out, info, design, align)
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
 
 

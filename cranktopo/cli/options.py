@@ -53,15 +53,22 @@ def seconds(context: click.Context, parameter: click.Parameter, value: str | Non
     return number
 
 
+def body_options(function: Any) -> Any:
+    """Add --design and --align, for targets that are bodies from CAD, to a command."""
+    function = click.option(
+        "--align",
+        is_flag=True,
+        help="Move STL and STEP bodies that lie elsewhere to where the journals are.",
+    )(function)
+    return click.option(
+        "--design", help="Design for the journals, loads and material of STL and STEP targets."
+    )(function)
+
+
 def mesh_options(function: Any) -> Any:
     """Add --element-size-mm, --accuracy, --budget, --design and --align to a command."""
     for option in (
-        click.option(
-            "--align",
-            is_flag=True,
-            help="Move STL and STEP bodies that lie elsewhere to where the journals are.",
-        ),
-        click.option("--design", help="Design for the journals and material of STL and STEP targets."),
+        body_options,
         click.option("--accuracy", metavar="PERCENT", callback=percent, help="Wanted error, such as 1%."),
         click.option(
             "--budget", metavar="TIME", callback=seconds, help="Time for each target, such as 30s or 2min."

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.options import DEFAULT_DESIGN, body_options
 from cranktopo.cli.parameters import CELL_MM, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
-@click.option("--design", help="Design for the journals, engine and material of an STL or STEP target.")
+@body_options
 @click.option(
     "--bearings",
     type=Choice(["rigid", "spring", "free"]),
@@ -31,7 +31,12 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
 @verbosity_options
 def command(
-    target: str, design: str | None, bearings: str, element_size_mm: float | None, as_json: bool
+    target: str,
+    design: str | None,
+    align: bool,
+    bearings: str,
+    element_size_mm: float | None,
+    as_json: bool,
 ) -> None:
     """Chain the throws of TARGET by its firing order: torsional stiffness and natural frequencies.
 
@@ -45,7 +50,7 @@ def command(
     from cranktopo.evaluate.shaft_assembly import Bearings
     from cranktopo.evaluate.targets import resolve_target
 
-    resolved = resolve_target(target, design)
+    resolved = resolve_target(target, design, align=align)
     info(f"{resolved.name}: condensing one throw")
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     shaft = evaluate_shaft(resolved, support, element_size_mm)

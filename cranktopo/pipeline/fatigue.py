@@ -66,6 +66,7 @@ def assess_fatigue(
     out: Path | None = None,
     info: Progress = lambda _: None,
     design: str | None = None,
+    align: bool = False,
 ) -> FatigueAssessment:
     """Fatigue safety of targets whose fillets have a radius.
 
@@ -77,6 +78,7 @@ def assess_fatigue(
         out: folder for fatigue.json, and VTU and picture of each target.
         info: called with lines of progress, and with notes about the mesh.
         design: design for the journals, loads and material of STEP targets.
+        align: move STEP bodies that lie elsewhere to where the journals are.
 
     Raises:
         CranktopoError: a target without fillets or strength, a failed solve, or files asked of M53.
@@ -85,7 +87,7 @@ def assess_fatigue(
         _check_files(method, out)
     typed = [target for target in targets if isinstance(target, str)]
     given = [target for target in targets if isinstance(target, Target)]
-    resolved = given or resolve_targets(typed, design, fillets=True)
+    resolved = given or resolve_targets(typed, design, fillets=True, align=align)
     for target in resolved:
         check_inputs(target, method, loads)
     say_assumed(resolved, (THROW, LOADS, SUPPORTS, FATIGUE), info)

@@ -1,4 +1,4 @@
-"""The body that a scene names as the original: checked before a run, written as the first step of a loop."""
+"""The body that a scene names as the original: which file, and does it fit?"""
 
 from __future__ import annotations
 
@@ -8,11 +8,8 @@ from cranktopo.domain.build import laterally_symmetric
 from cranktopo.domain.stl_envelope import mirror_difference
 from cranktopo.errors import invalid
 from cranktopo.meshing.imported_body import half_throw_surface
-from cranktopo.pipeline.iterate.solids import HALF, WEB
 from cranktopo.scene import Scene
-from cranktopo.surface.solids import web_region
-from cranktopo.triangles.surface_files import write_stl
-from cranktopo.triangles.surface_mesh import mesh_of, solid_of
+from cranktopo.triangles.surface_mesh import solid_of
 
 _KEY = "original.file"
 _SIDES = 5e-4
@@ -41,14 +38,3 @@ def check_original(scene: Scene) -> None:
             f"its sides differ by {100 * share:.3g} % of its volume, and the model has the side x >= 0 only",
             'Set effects.lateral_symmetry = "off".',
         )
-
-
-def write_original(path: Path, scene: Scene, folder: Path) -> None:
-    """Write the half throw of a file and its web as the solids of a loop's step.
-
-    Raises:
-        CranktopoError: as `check_original`, or a file cannot be written.
-    """
-    surface = half_throw_surface(path, scene)
-    write_stl(folder / f"{HALF}.stl", surface)
-    write_stl(folder / WEB, mesh_of(web_region(solid_of(surface, str(path)), scene)))

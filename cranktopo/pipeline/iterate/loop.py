@@ -17,11 +17,11 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
 from cranktopo.optimise.notices import baseline_notice
-from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_solids
+from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.transition import transition_mm
 from cranktopo.pipeline.optimise import announce, optimise_design, resume_optimisation
-from cranktopo.pipeline.original import check_original, original_file, write_original
+from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.fit import fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits

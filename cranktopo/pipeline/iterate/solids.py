@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from cranktopo.cad.solid_files import export_solid
 from cranktopo.frames import X
+from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.scene import Scene
+from cranktopo.surface.solids import web_region
 from cranktopo.triangles.surface_files import read_stl, write_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
@@ -29,6 +31,17 @@ def write_solids(scene: Scene, folder: Path) -> None:
     export_solid(scene, "half", folder / f"{HALF}.step")
     export_solid(scene, "half", folder / f"{HALF}.stl", FACET_MM)
     export_solid(scene, "web", folder / WEB, FACET_MM)
+
+
+def write_original(path: Path, scene: Scene, folder: Path) -> None:
+    """Write the half throw of a body from CAD and its web as the solids of a step.
+
+    Raises:
+        CranktopoError: it is no half throw where the journals are, or a file cannot be written.
+    """
+    surface = half_throw_surface(path, scene)
+    write_stl(folder / f"{HALF}.stl", surface)
+    write_stl(folder / WEB, mesh_of(web_region(solid_of(surface, str(path)), scene)))
 
 
 def read_web(folder: Path) -> SurfaceMesh:
