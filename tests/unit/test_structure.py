@@ -91,6 +91,23 @@ def test_the_evaluation_never_imports_the_optimiser() -> None:
     assert not {room_of(file) for file in found} & {"fem", "optimise"}
 
 
+def imported_at_once(file: Path) -> set[Path]:
+    """Files that run when a file is imported, its own packages apart."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    now = [node for node in tree.body if isinstance(node, ast.ImportFrom) and node.module]
+    names = {f"{node.module}.{alias.name}" for node in now for alias in node.names}
+    own = {folder / "__init__.py" for folder in file.parents}
+    return {f for name in names if name.startswith("cranktopo.") for f in files_of(name)} - own - {file}
+
+
+def test_no_module_waits_for_itself() -> None:
+    """No circles of imports: whichever module is imported first, the others are complete."""
+    waits = {file: imported_at_once(file) for file in PACKAGE.rglob("*.py")}
+    while free := {file for file, others in waits.items() if not others & waits.keys()}:
+        waits = {file: others for file, others in waits.items() if file not in free}
+    assert not sorted(str(file.relative_to(PACKAGE)) for file in waits)
+
+
 def test_reports_only_show() -> None:
     """Pages, figures and tables are functions of finished results: nothing is solved, meshed or extracted."""
     files = (PACKAGE / "report").rglob("*.py")
