@@ -1,4 +1,4 @@
-"""`cranktopo export`: STEP and STL of a design's exact solid."""
+"""`cranktopo export`: STEP and STL of a design's exact solid, and its workshop drawing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.parameters import Choice, Number
-from cranktopo.formats import PARTS, SOLIDS, SolidPart
+from cranktopo.formats import PARTS, PLOTS, SOLIDS, SolidPart
 
 
 @click.command()
@@ -18,16 +18,25 @@ from cranktopo.formats import PARTS, SOLIDS, SolidPart
 @click.option("--facet-mm", type=Number(0.1, 100), default=1.0, show_default=True, help="STL facets.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 def command(design: str, file: Path, part: SolidPart, facet_mm: float, force: bool) -> None:
-    """Write the exact solid of DESIGN to FILE (.step or .stl), mm.
+    """Write the exact solid of DESIGN to FILE (.step or .stl), or its workshop drawing (.pdf, .svg or .png).
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
+    The drawing is an A3 sheet at a true scale, dimensions in mm.
 
     Example: cranktopo export mikron-iiic throw.step
     """
-    from cranktopo.cad.solid_files import export_solid
     from cranktopo.scene import load_scene
     from cranktopo.store import check_file
 
-    check_file(file, "file", SOLIDS, replace=force)
-    volume = export_solid(load_scene(design), part, file, facet_mm)
+    check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
+    scene = load_scene(design)
+    if file.suffix.lower() in PLOTS:
+        from cranktopo.pipeline.drawing import export_drawing
+
+        export_drawing(scene, file)
+        click.echo(f"{file}: workshop drawing, A3")
+        return
+    from cranktopo.cad.solid_files import export_solid
+
+    volume = export_solid(scene, part, file, facet_mm)
     click.echo(f"{file}: {part}, {volume:.1f} mm3")

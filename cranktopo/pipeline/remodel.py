@@ -97,27 +97,8 @@ def write_remodel(
     export_solid(scene, "half", folder / files["step"])
     export_solid(scene, "half", folder / files["stl"], _FACET_MM)
     drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
-    write_drawing(scene, surface_of(scene, "half"), surface, drawing_notes(fitted, near), drawings)
+    write_drawing(scene, surface_of(scene, "half"), drawings, surface)
     return files
-
-
-def drawing_notes(fitted: FittedWeb, near: ShapeError) -> list[str]:
-    """Lines of the drawing's title block: material, mass, how well it fits, what each step gained."""
-    scene = fitted.scene
-    density = density_kg_per_mm3(scene.material.density_kg_m3)
-    lines = [
-        f"material {scene.material.name}, web {density * near.web_volume_mm3:.3f} kg "
-        f"(extracted body {density * near.body_web_volume_mm3:.3f} kg)",
-        f"overlap (IoU): web {100 * near.web_iou:.1f} %, half throw {100 * near.iou:.1f} %",
-        f"surface distance: mean {near.mean_distance_mm:.2f} mm, largest {near.max_distance_mm:.2f} mm",
-        "",
-        "overlap of the web with ... (+ kept)",
-    ]
-    lines += [
-        f"  {trial.step}: {trial.iou_percent:.1f} %, {trial.gain_percent:+.2f}{' +' if trial.kept else ''}"
-        for trial in fitted.trials
-    ]
-    return lines
 
 
 def _surface(target: Target, scene: Scene) -> SurfaceMesh:

@@ -78,3 +78,18 @@ def hatched(axes: Any, polygons: list[Any], hatch: str = "////") -> None:
 
     path = Path.make_compound_path(*(Path(np.vstack([p, p[:1]]), closed=True) for p in polygons))
     axes.add_patch(PathPatch(path, fc=STEEL, ec=INK, lw=1.4, hatch=hatch))
+
+
+def frame(axes: Any, x: float, y: float, width: float, height: float, line: float) -> None:
+    """A rectangle from its lower left corner."""
+    from matplotlib.patches import Rectangle
+
+    axes.add_patch(Rectangle((x, y), width, height, fc="none", ec=INK, lw=line))
+
+
+def projection_symbol(axes: Any, x: float, y: float) -> None:
+    """The sign of first-angle projection (ISO 5456-2): a cone from its side and from its end; 14 x 6 mm."""
+    axes.plot([x, x + 6, x + 6, x, x], [y - 1.5, y - 3, y + 3, y + 1.5, y - 1.5], color=INK, lw=0.8)
+    for radius in (1.5, 3.0):
+        circle(axes, radius, y, "-", 0.8, x=x + 11)
+    axes.plot([x - 1.5, x + 15.5], [y, y], color=THIN, lw=0.4, ls="-.")

@@ -1,86 +1,178 @@
-"""Drawing of a parametric web: front view, sections and the table of its dimensions, in mm."""
+"""Workshop drawing of a throw: views at a true scale on A3, title block, tolerances, table of dimensions.
+
+Lengths are in mm. The projection is first angle (ISO 5456-2), the title block holds the fields of ISO 7200,
+general tolerances are those of ISO 2768.
+"""
 
 from __future__ import annotations
 
+import datetime
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.errors import invalid
-from cranktopo.report.figures.drafting import GHOST, INK
+from cranktopo.loads.balance import throw_balance
+from cranktopo.report.figures.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
 from cranktopo.report.figures.drawing_views import Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.scene import Scene
+from cranktopo.scene.features import ProfileWeb
+from cranktopo.scene.symmetry import web_asymmetry
+from cranktopo.units import density_kg_per_mm3
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+_WIDTH_MM, _HEIGHT_MM, _BORDER_MM = 420.0, 297.0, 10.0
+_TABLE_MM, _TITLE_MM = 112.0, 62.0
+_SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+"""Scales of ISO 5455."""
+_MM_PER_INCH = 25.4
+_NOTES = (
+    "General tolerances ISO 2768-mK unless stated.",
+    "Journals and fillets ground, Ra 0.4 µm; bores Ra 3.2 µm;",
+    "all other surfaces as forged or milled, Ra 6.3 µm.",
+    "Break sharp edges 0.3 mm.",
+)
 
 
 def write_drawing(
-    scene: Scene, fitted: SurfaceMesh, body: SurfaceMesh, notes: list[str], paths: list[Path]
+    scene: Scene, half_throw: SurfaceMesh, paths: Sequence[Path], body: SurfaceMesh | None = None
 ) -> None:
-    """Draw a profile web with its dimensions over the outline of the body it was fitted to.
+    """Draw the half throw of a scene with its dimensions.
 
     Args:
-        body: closed surface of the extracted half throw, drawn as dashed lines.
+        half_throw: its exact solid, triangulated.
         paths: files to write; each ending gives its format.
-
-    Raises:
-        CranktopoError: another outline than a profile.
+        body: closed surface that the web was fitted to, drawn as dashed lines.
     """
+    figure = drawing_figure(scene, half_throw, body)
+    for path in paths:
+        figure.savefig(path, dpi=150)
+
+
+def drawing_figure(scene: Scene, half_throw: SurfaceMesh, body: SurfaceMesh | None = None) -> Figure:
+    """The drawing as a figure of A3; arguments as `write_drawing`."""
     from matplotlib.figure import Figure
 
     from cranktopo.triangles.surface_mesh import solid_of
 
-    if scene.web.outline != "profile":
-        raise invalid("web.outline", scene.web.outline, "only a profile web has a drawing")
-    sheet = Sheet(
-        scene,
-        scene.web,
-        solid_of(fitted, "fitted half throw"),
-        solid_of(body, "surface to be re-modelled"),
-    )
-    figure = Figure(figsize=(16.5, 11.7))
-    grid = figure.add_gridspec(
-        2,
-        3,
-        width_ratios=(1.35, 0.95, 0.85),
-        height_ratios=(1.75, 1),
-        left=0.04,
-        right=0.98,
-        top=0.94,
-        bottom=0.05,
-        wspace=0.12,
-        hspace=0.16,
-    )
-    front_view(figure.add_subplot(grid[0, 0]), sheet)
-    lengthwise_section(figure.add_subplot(grid[0, 1]), sheet)
-    cross_section(figure.add_subplot(grid[1, 0]), sheet)
-    _tables(figure.add_subplot(grid[:, 2]), sheet)
-    _title_block(figure.add_subplot(grid[1, 1]), notes)
-    figure.suptitle(
-        f"{scene.name}: crank web, dimensions in mm", x=0.04, ha="left", fontsize=14, weight="bold"
-    )
-    for path in paths:
-        figure.savefig(path, dpi=130)
+    ghost = None if body is None else solid_of(body, "surface to be re-modelled")
+    sheet = Sheet(scene, solid_of(half_throw, "half throw"), ghost)
+    figure = Figure(figsize=(_WIDTH_MM / _MM_PER_INCH, _HEIGHT_MM / _MM_PER_INCH))
+    views = (front_view, lengthwise_section, cross_section)
+    scale = _scale(sheet)
+    (front, long, across), (x, y) = (sheet.front, sheet.lengthwise, sheet.across), _origin(sheet, scale)
+    places = ((x, y), (x + front.size_mm(scale)[0], y), (x, y - across.size_mm(scale)[1]))
+    for view, room, place in zip(views, (front, long, across), places, strict=True):
+        axes = _axes(figure, place, room.size_mm(scale))
+        axes.set_xlim(*room.x_limits(scale))
+        axes.set_ylim(*room.y_limits(scale))
+        view(axes, sheet, scale)
+    page = _axes(figure, (0.0, 0.0), (_WIDTH_MM, _HEIGHT_MM))
+    page.set_xlim(0, _WIDTH_MM)
+    page.set_ylim(0, _HEIGHT_MM)
+    page.axis("off")
+    frame(page, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
+    _table(page, sheet)
+    _title_block(page, sheet, scale)
+    return figure
 
 
-def _tables(axes: Any, sheet: Sheet) -> None:
-    """Stations and features with every number that the scene holds."""
-    web = sheet.web
-    stations = enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), start=1)
-    _legend(axes)
-    lines = ["OUTLINE      y   half-width", *(f"   {i:2d}  {y:8.2f}  {h:8.2f}" for i, (y, h) in stations)]
+def _scale(sheet: Sheet) -> float:
+    """The largest standard scale at which all views fit beside the table."""
+    for scale in _SCALES:
+        (front_x, front_y), (long_x, long_y), (across_x, across_y) = (
+            room.size_mm(scale) for room in (sheet.front, sheet.lengthwise, sheet.across)
+        )
+        wide = max(front_x + long_x, across_x) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
+        if wide and max(front_y, long_y) + across_y <= _HEIGHT_MM - 2 * _BORDER_MM:
+            return scale
+    return _SCALES[-1]
+
+
+def _origin(sheet: Sheet, scale: float) -> tuple[float, float]:
+    """Lower left corner of the front view on the sheet: the views stand in the middle of their room."""
+    front, long, across = (room.size_mm(scale) for room in (sheet.front, sheet.lengthwise, sheet.across))
+    free_x = _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM - front[0] - long[0]
+    free_y = _HEIGHT_MM - 2 * _BORDER_MM - max(front[1], long[1]) - across[1]
+    return _BORDER_MM + free_x / 2, _BORDER_MM + free_y / 2 + across[1]
+
+
+def _axes(figure: Figure, corner: tuple[float, float], size: tuple[float, float]) -> Any:
+    (x, y), (width, height) = corner, size
+    return figure.add_axes((x / _WIDTH_MM, y / _HEIGHT_MM, width / _WIDTH_MM, height / _HEIGHT_MM))
+
+
+def _table(page: Any, sheet: Sheet) -> None:
+    """Every number that the scene holds of the web: outline first, then its features."""
+    lines = [*_journal_lines(sheet.scene), *_outline_lines(sheet.scene)]
     for feature in sheet.features:
         lines += feature.lines
-    axes.text(0, 1, "\n".join(lines), va="top", family="monospace", fontsize=9, transform=axes.transAxes)
-    axes.axis("off")
+    size = min(8.0, 8.0 * 60 / max(len(lines), 1))
+    left, top = _WIDTH_MM - _BORDER_MM - _TABLE_MM + 4, _HEIGHT_MM - _BORDER_MM - 4
+    page.text(left, top, "\n".join(lines), va="top", family="monospace", fontsize=size, linespacing=1.25)
 
 
-def _title_block(axes: Any, notes: list[str]) -> None:
-    axes.text(0, 1, "\n".join(notes), va="top", fontsize=9, transform=axes.transAxes, linespacing=1.5)
-    axes.axis("off")
+def _journal_lines(scene: Scene) -> list[str]:
+    lines = []
+    for (journal, _), name in zip(scene.throw.journals, ("MAIN JOURNAL", "CRANKPIN"), strict=True):
+        bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ", solid"
+        fillet = f", fillets R{journal.fillet_mm:g}" if journal.fillet_mm else ", no fillets"
+        lines.append(f"{name:13}⌀{journal.outer_diameter_mm:g}{bore}")
+        lines.append(f"{'':13}length {journal.length_mm:g}{fillet}")
+    return [*lines, f"{'THROW':13}radius {scene.throw.radius_mm:g}, pitch {scene.pitch_mm:g}", ""]
 
 
-def _legend(axes: Any) -> None:
-    axes.plot([], [], color=INK, lw=1.6, label="parametric web")
-    axes.plot([], [], color=GHOST, lw=1, ls="--", label="extracted body")
-    axes.legend(loc="lower left", frameon=False, fontsize=9)
+def _outline_lines(scene: Scene) -> list[str]:
+    web = scene.web
+    if not isinstance(web, ProfileWeb):
+        kept = web.model_dump(exclude={"bevel", "pocket", "outline"})
+        numbers = {key: value for key, value in kept.items() if isinstance(value, float)}
+        return [f"OUTLINE {web.outline}", *(f"   {key:24}{value:10.3f}" for key, value in numbers.items())]
+    ends = ", ".join(
+        f"{name} {'round' if closed else 'straight'}"
+        for name, closed in zip(("lower end", "upper end"), web.round_ends, strict=True)
+    )
+    rows = enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), start=1)
+    return [
+        "OUTLINE  cubic spline (degree 3, C2) through",
+        "         these points, over chord length;",
+        f"         {ends}:",
+        "         a round end crosses x = 0 at 90 deg",
+        "  no.         y    half-width x",
+        *(f"   {number:2d}  {y:9.3f}     {half:9.3f}" for number, (y, half) in rows),
+    ]
+
+
+def _title_block(page: Any, sheet: Sheet, scale: float) -> None:
+    """Fields of ISO 7200 in the lower right corner, the notes above them."""
+    scene = sheet.scene
+    left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    web_kg = density * sheet.web_volume_mm3
+    rows = (
+        ("Title", f"{scene.name}: crank throw, half of it shown"),
+        ("Material", scene.material.name),
+        ("Mass", f"throw {throw_balance(scene).mass_kg:.3f} kg, one web {web_kg:.3f} kg"),
+        ("Scale", f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"),
+        ("Date", f"{datetime.date.today():%Y-%m-%d}"),
+        ("Units", "mm, degrees; A3, first-angle projection"),
+    )
+    step = (_TITLE_MM - 22) / len(rows)
+    frame(page, left, bottom, _TABLE_MM, _TITLE_MM, 1.0)
+    for number, (name, text) in enumerate(reversed(rows)):
+        y = bottom + number * step
+        frame(page, left, y, _TABLE_MM, step, 0.5)
+        page.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
+        page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
+    projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
+    symmetric = () if web_asymmetry(scene) else ("Web symmetric in x.",)
+    notes = "\n".join((*_NOTES, *symmetric))
+    page.text(left + 2, bottom + _TITLE_MM - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
+    if sheet.body is not None:
+        page.plot([left + 2, left + 12], [bottom + _TITLE_MM + 4] * 2, color=GHOST, lw=1, ls="--")
+        page.text(
+            left + 14, bottom + _TITLE_MM + 4, "body that was re-modelled", fontsize=TEXT_SIZE, va="center"
+        )

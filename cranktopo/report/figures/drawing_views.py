@@ -1,8 +1,12 @@
-"""Views of a profile web: front, section through both axes, section across; dimensions in mm."""
+"""Views of a half throw: front, section through both axes, section across; no dimension over the body.
+
+Distances from the body to its dimension lines are millimetres of paper, so that they look alike at any scale.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,12 +16,40 @@ from cranktopo.report.figures.drafting import INK, TEXT_SIZE, THIN, circle, dime
 from cranktopo.scene import Scene
 from cranktopo.scene.features import ProfileWeb
 from cranktopo.scene.features.primitives import Circle, Dimension, FeatureDrawing, Polyline
+from cranktopo.surface.solids import web_region
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
 Array = NDArray[np.float64]
 _POINTS = 400
+_GAP_MM, _LINE_MM = 8.0, 8.0
+"""Paper from the body to the first dimension line, and from one line to the next."""
+_TEXT_MM = 46.0
+"""Paper beside the front view for the stations of the outline."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """Extent of a view: of what is drawn, mm, and of the paper around it, mm: left, right, below, above."""
+
+    x_mm: tuple[float, float]
+    y_mm: tuple[float, float]
+    paper_mm: tuple[float, float, float, float]
+
+    def size_mm(self, scale: float) -> tuple[float, float]:
+        """Width and height on paper."""
+        left, right, below, above = self.paper_mm
+        (x0, x1), (y0, y1) = self.x_mm, self.y_mm
+        return scale * (x1 - x0) + left + right, scale * (y1 - y0) + below + above
+
+    def x_limits(self, scale: float) -> tuple[float, float]:
+        """What the width shows, mm of the body."""
+        return self.x_mm[0] - self.paper_mm[0] / scale, self.x_mm[1] + self.paper_mm[1] / scale
+
+    def y_limits(self, scale: float) -> tuple[float, float]:
+        """What the height shows, mm of the body."""
+        return self.y_mm[0] - self.paper_mm[2] / scale, self.y_mm[1] + self.paper_mm[3] / scale
 
 
 @dataclass(frozen=True)
@@ -25,81 +57,145 @@ class Sheet:
     """What is drawn.
 
     Attributes:
-        solid: its exact half throw, triangulated.
-        body: the extracted half throw, drawn as a ghost.
+        solid: the exact half throw, triangulated.
+        body: another half throw, drawn as a ghost, or None.
     """
 
     scene: Scene
-    web: ProfileWeb
     solid: Manifold
-    body: Manifold
+    body: Manifold | None = None
 
-    @property
+    @cached_property
     def features(self) -> list[FeatureDrawing]:
         """How each feature of the web appears."""
-        return [feature.drawing(self.scene) for _, _, feature in self.web.features()]
+        return [feature.drawing(self.scene) for _, _, feature in self.scene.web.features()]
+
+    @cached_property
+    def web_volume_mm3(self) -> float:
+        """Volume between the web faces."""
+        return float(web_region(self.solid, self.scene).volume())
+
+    @property
+    def y_range_mm(self) -> tuple[float, float]:
+        """Extent of web and journals along the throw."""
+        throw = self.scene.throw
+        low, high = self.scene.web.y_range_mm(throw.radius_mm)
+        reach = throw.radius_mm + throw.crankpin.radius_mm
+        return min(low, -throw.main_journal.radius_mm), max(high, reach)
+
+    @property
+    def front(self) -> Room:
+        """Room of the front view."""
+        half = self.scene.web.largest_half_width_mm
+        text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
+        return Room((-half, half), self.y_range_mm, (_GAP_MM + 2.5 * _LINE_MM, text, 2.2 * _GAP_MM, _GAP_MM))
+
+    @property
+    def lengthwise(self) -> Room:
+        """Room of the section through both axes."""
+        side = _GAP_MM + 3.5 * _LINE_MM
+        return Room(
+            (0.0, self.scene.pitch_mm / 2), self.y_range_mm, (side, side, 2.2 * _GAP_MM, 2.2 * _GAP_MM)
+        )
+
+    @property
+    def across(self) -> Room:
+        """Room of the section across the throw."""
+        half = self.scene.web.largest_half_width_mm
+        side = _GAP_MM + 1.5 * _LINE_MM
+        return Room((-half, half), self.scene.web_z_mm, (side, side, 2.2 * _GAP_MM, 2.5 * _GAP_MM))
 
 
-def front_view(axes: Any, sheet: Sheet) -> None:
+def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     """View along the crank axis from the crankpin side: outline with its stations, features."""
-    web, radius = sheet.web, sheet.scene.throw.radius_mm
+    web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
+    gap, line = _GAP_MM / scale, _LINE_MM / scale
     low, high = web.y_range_mm(radius)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, _POINTS))
     half = web.half_width_mm(radius, y)
     hatched(axes, [np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])], "")
-    ghost(axes, sheet.body.project().to_polygons())
+    if sheet.body is not None:
+        ghost(axes, sheet.body.project().to_polygons())
     _journals(axes, sheet.scene)
     for stroke in (stroke for feature in sheet.features for stroke in feature.front):
         _edges(axes, stroke)
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
-    dimension(axes, (-widest, place), (widest, place), (0, low - 9 - place), f"{2 * widest:.2f}")
-    dimension(axes, (-widest - 9, low), (-widest - 9, high), (-5, 0), f"{high - low:.2f}")
-    dimension(axes, (-widest - 2, low), (-widest - 2, 0), (-4, 0), f"{-low:.2f}")
-    dimension(axes, (-widest - 2, 0), (-widest - 2, radius), (-4, 0), f"{radius:g}")
-    for station, width in zip(web.stations_mm, web.half_widths_mm, strict=True):
-        axes.plot([width, widest + 4], [station, station], color=THIN, lw=0.5)
-        axes.plot(width, station, "o", ms=3.2, color=INK)
-        label = f"y {station:.2f}   half-width {width:.2f}"
-        axes.text(widest + 5, station, label, fontsize=TEXT_SIZE, va="center")
-    axes.set_xlim(-widest - 20, widest + 40)
-    axes.set_ylim(low - 13, high + 5)
-    finish(axes, "front, from the crankpin side")
+    under = sheet.y_range_mm[0]
+    dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
+    for number, (start, end) in enumerate(((low, 0.0), (low, high))):
+        dimension(axes, (0, start), (0, end), (-widest - gap - number * line, 0), f"{end - start:.2f}")
+    dimension(axes, (0, 0), (0, radius), (-widest - gap, 0), f"{radius:g}")
+    if isinstance(web, ProfileWeb):
+        for number, (station, width) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
+            axes.plot([width, widest + 4 / scale], [station, station], color=THIN, lw=0.4)
+            axes.plot(width, station, "o", ms=3.0, color=INK)
+            text = f"{number}:  y {station:.2f}, x {width:.2f}"
+            axes.text(widest + 5 / scale, station, text, fontsize=TEXT_SIZE, va="center")
+    finish(axes, "Front, from the crankpin side")
 
 
-def lengthwise_section(axes: Any, sheet: Sheet) -> None:
+def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
     """Section through both axes: crank axis to the right, throw upward."""
-    scene, web = sheet.scene, sheet.web
-    start, end = scene.web_z_mm
-    low, high = web.y_range_mm(scene.throw.radius_mm)
-    solid, body = (_section_x(which) for which in (sheet.solid, sheet.body))
-    hatched(axes, solid)
-    ghost(axes, body)
-    for centre in (0.0, scene.throw.radius_mm):
-        axes.plot([-3, scene.pitch_mm / 2 + 3], [centre, centre], color=THIN, lw=0.6, ls="-.")
-    dimension(axes, (start, low), (end, low), (0, -8), f"{web.thickness_mm:g}")
+    scene = sheet.scene
+    throw, end, (start, stop) = scene.throw, scene.pitch_mm / 2, scene.web_z_mm
+    gap, line, (low, high) = _GAP_MM / scale, _LINE_MM / scale, sheet.y_range_mm
+    hatched(axes, _section_x(sheet.solid))
+    if sheet.body is not None:
+        ghost(axes, _section_x(sheet.body))
+    for centre in (0.0, throw.radius_mm):
+        axes.plot([-3 / scale, end + 3 / scale], [centre, centre], color=THIN, lw=0.6, ls="-.")
+    main, pin = throw.main_journal, throw.crankpin
+    for a, b, edge, text in (
+        (0.0, start, low, f"{main.length_mm / 2:g}"),
+        (start, stop, low, f"{scene.web.thickness_mm:g}"),
+        (stop, end, high, f"{pin.length_mm / 2:g}"),
+    ):
+        dimension(axes, (a, edge), (b, edge), (0, -gap if edge == low else gap), text)
+    for journal, y, z, side in ((main, 0.0, 0.0, -1), (pin, throw.radius_mm, end, 1)):
+        for number, diameter in enumerate(
+            filter(None, (journal.bore_diameter_mm, journal.outer_diameter_mm))
+        ):
+            ends = (z, y - diameter / 2), (z, y + diameter / 2)
+            dimension(axes, *ends, (side * (gap + number * line), 0), f"⌀{diameter:g}")
+        if journal.fillet_mm:
+            face = start if side < 0 else stop
+            corner = (
+                face + side * 0.3 * journal.fillet_mm,
+                y + side * (journal.radius_mm + 0.3 * journal.fillet_mm),
+            )
+            place = (corner[0] + side * 0.4 * journal.length_mm / 2, corner[1] + side * 0.55 * gap)
+            axes.annotate(
+                f"R{journal.fillet_mm:g}",
+                corner,
+                place,
+                fontsize=TEXT_SIZE,
+                ha="center",
+                va="center",
+                arrowprops={"arrowstyle": "-", "lw": 0.5, "color": THIN},
+                bbox={"fc": "white", "ec": "none", "pad": 0.6},
+            )
     for feature in sheet.features:
-        _dimensions(axes, feature.lengthwise)
-    axes.set_xlim(-8, scene.pitch_mm / 2 + 8)
-    axes.set_ylim(low - 13, high + 9)
-    finish(axes, "section x = 0")
+        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line)
+    finish(axes, "Section x = 0")
 
 
-def cross_section(axes: Any, sheet: Sheet) -> None:
+def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     """Section where a feature shows best, or half-way between the axes: x to the right, crank axis upward."""
-    scene, web = sheet.scene, sheet.web
+    scene, web = sheet.scene, sheet.scene.web
     start, end = scene.web_z_mm
+    gap = _GAP_MM / scale
     shown = next((feature for feature in sheet.features if feature.section_y_mm is not None), None)
     y = scene.throw.radius_mm / 2 if shown is None or shown.section_y_mm is None else shown.section_y_mm
     half = float(web.half_width_mm(scene.throw.radius_mm, np.array([y]))[0])
-    hatched(axes, _section_y(sheet.solid, y))
-    ghost(axes, _section_y(sheet.body, y))
-    dimension(axes, (-half, start), (half, start), (0, -6), f"{2 * half:.2f}")
-    dimension(axes, (-half, start), (-half, end), (-7, 0), f"{web.thickness_mm:g}")
+    hatched(axes, _section_y(web_region(sheet.solid, scene), y))
+    if sheet.body is not None:
+        ghost(axes, _section_y(web_region(sheet.body, scene), y))
+    dimension(axes, (-half, start), (half, start), (0, -gap), f"{2 * half:.2f}")
+    dimension(axes, (-half, start), (-half, end), (-gap, 0), f"{web.thickness_mm:g}")
     if shown is not None:
-        _dimensions(axes, shown.across)
-    axes.set_xlim(-half - 16, half + 18)
-    axes.set_ylim(start - 12, end + 12)
-    finish(axes, f"section y = {y:.2f}")
+        for one in shown.across:
+            dimension(axes, one.start, one.end, one.shift, one.text)
+    finish(axes, f"Section y = {y:.2f}")
 
 
 def _section_x(solid: Manifold) -> list[Array]:
@@ -116,18 +212,13 @@ def _section_y(solid: Manifold, y_mm: float) -> list[Array]:
 
 def _journals(axes: Any, scene: Scene) -> None:
     throw = scene.throw
-    for journal, y, name in (
-        (throw.main_journal, 0.0, "main journal"),
-        (throw.crankpin, throw.radius_mm, "crankpin"),
-    ):
-        circle(axes, journal.radius_mm, y, "--" if name == "main journal" else "-", 1.0)
+    for journal, y, style in ((throw.main_journal, 0.0, "--"), (throw.crankpin, throw.radius_mm, "-")):
+        circle(axes, journal.radius_mm, y, style, 1.0)
         if journal.bore_radius_mm:
             circle(axes, journal.bore_radius_mm, y, "-", 1.4, "white")
-        bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ""
-        fillet = f"\nfillet R{journal.fillet_mm:g}" if journal.fillet_mm else ""
-        text = f"{name}\n⌀{journal.outer_diameter_mm:g}{bore}{fillet}"
-        clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
-        axes.text(0, y, text, ha="center", va="center", fontsize=TEXT_SIZE, color=INK, bbox=clear)
+        reach = 1.15 * journal.radius_mm
+        for ends in (([-reach, reach], [y, y]), ([0, 0], [y - reach, y + reach])):
+            axes.plot(*ends, color=THIN, lw=0.5, ls="-.")
 
 
 def _edges(axes: Any, stroke: Circle | Polyline) -> None:
@@ -141,6 +232,12 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
         axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=width, ls=style)
 
 
-def _dimensions(axes: Any, found: tuple[Dimension, ...]) -> None:
+def _dimensions(axes: Any, found: tuple[Dimension, ...], span: tuple[float, float], away: float) -> None:
+    """Dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
-        dimension(axes, one.start, one.end, one.shift, one.text)
+        shift = one.shift
+        if shift[0] < 0:
+            shift = (span[0] - away - min(one.start[0], one.end[0]), 0.0)
+        elif shift[0] > 0:
+            shift = (span[1] + away - max(one.start[0], one.end[0]), 0.0)
+        dimension(axes, one.start, one.end, shift, one.text)

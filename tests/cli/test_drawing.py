@@ -1,0 +1,84 @@
+"""Workshop drawings: fields of the title block, every dimension, true scale, nothing over the body."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from manifold3d import CrossSection, FillRule
+
+from cranktopo.cad.solid_files import surface_of
+from cranktopo.cli.main import main
+from cranktopo.report.figures.drawing import drawing_figure
+from cranktopo.scene import Scene, load_scene
+from cranktopo.triangles.surface_mesh import SurfaceMesh
+from tests.unit.remodel_cases import WHOLE, known_scene
+
+A3_MM = (420.0, 297.0)
+
+
+@pytest.fixture(scope="module", params=["mikron-iiic", "known"])
+def drawn(request: pytest.FixtureRequest) -> tuple[Scene, SurfaceMesh]:
+    scene = load_scene("mikron-iiic")
+    scene = scene if request.param == "mikron-iiic" else known_scene(scene, WHOLE)
+    return scene, surface_of(scene, "half", 2.0)
+
+
+def texts(figure: object) -> list[str]:
+    return [text.get_text() for axes in figure.axes for text in axes.texts]  # type: ignore[attr-defined]
+
+
+def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
+    scene, half = drawn
+    found = "\n".join(texts(drawing_figure(scene, half)))
+    throw = scene.throw
+    for wanted in (scene.name, scene.material.name, "1:1", "first-angle", "ISO 2768", "Ra"):
+        assert wanted in found
+    for journal in (throw.main_journal, throw.crankpin):
+        assert f"⌀{journal.outer_diameter_mm:g}" in found
+        assert f"length {journal.length_mm:g}" in found
+        assert f"R{journal.fillet_mm:g}" in found
+    if scene.web.outline == "profile":
+        assert "cubic spline (degree 3, C2)" in found
+        assert all(
+            f"{y:9.3f}     {h:9.3f}" in found
+            for y, h in zip(scene.web.stations_mm, scene.web.half_widths_mm, strict=True)
+        )
+
+
+def test_views_have_the_scale_of_the_title_block(drawn: tuple[Scene, SurfaceMesh]) -> None:
+    scene, half = drawn
+    figure = drawing_figure(scene, half)
+    scale = float(next(re.sub(":1", "", t) for t in texts(figure) if re.fullmatch(r"\d+:1", t)))
+    assert np.allclose(figure.get_size_inches() * 25.4, A3_MM)
+    for axes in figure.axes[:3]:
+        (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
+        box = axes.get_position()
+        assert box.width * A3_MM[0] == pytest.approx(scale * (x1 - x0))
+        assert box.height * A3_MM[1] == pytest.approx(scale * (y1 - y0))
+
+
+def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> None:
+    """Middles of all dimension lines, against the cut or outlined area of their view."""
+    scene, half = drawn
+    for axes in drawing_figure(scene, half).axes[:3]:
+        path = axes.patches[0].get_path()
+        body = CrossSection([p[:-1] for p in path.to_polygons()], FillRule.EvenOdd)
+        arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None) and not text.get_text()]
+        assert arrows
+        for arrow in arrows:
+            middle = (np.array(arrow.xy) + np.array(arrow.xyann)) / 2
+            spot = CrossSection.circle(0.05, 8).translate(tuple(middle))
+            assert (spot ^ body).area() == 0.0, (axes.get_title(loc="left"), middle)
+
+
+@pytest.mark.parametrize("ending", [".svg", ".pdf"])
+def test_export_writes_it(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / f"drawing{ending}"
+    assert main(["export", "mikron-iiic", str(path)]) == 0
+    assert "workshop drawing" in capsys.readouterr().out
+    assert path.stat().st_size > 10_000
+    assert main(["export", "mikron-iiic", str(path)]) == 2
+    assert main(["export", "mikron-iiic", str(tmp_path / "drawing.dwg")]) == 2
