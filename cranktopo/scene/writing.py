@@ -6,12 +6,8 @@ from cranktopo.scene.schema import Scene
 
 
 def toml_text(scene: Scene, heading: str) -> str:
-    """The scene as TOML; values that were left out or are None stay out.
-
-    Args:
-        heading: comment for the first line.
-    """
-    import tomli_w
+    """The scene as TOML below a comment; values that were left out or are None stay out."""
+    import tomlkit
 
     data = scene.model_dump(mode="json", exclude_none=True)
-    return f"# {heading}\n{tomli_w.dumps(data)}"
+    return f"# {heading}\n{tomlkit.dumps(data)}"
