@@ -37,6 +37,7 @@ from cranktopo.scene.features import ObroundWeb
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import create_run
+from cranktopo.store.manifest import settings_hash
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
 from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
@@ -334,6 +335,7 @@ def test_rules_hold_in_every_step(
     assert main(["iterate", "--resume", str(out)]) == 130
     manifest = json.loads((out / "manifest.json").read_text())
     del manifest["options"]["iterate"]["rules"]
+    manifest["settings_sha256"] = settings_hash(manifest["scene"], manifest["options"])
     (out / "manifest.json").write_text(json.dumps(manifest))
     assert main(["iterate", "--resume", str(out)]) == 130
     asked = ManufacturingLimits(min_wall_mm=4.0, min_radius_mm=7.0, min_draft_deg=5.0, cell_mm=2.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from cranktopo.scene.loading import design_text, designs_folder, input_files
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import RunStore, create_run
+from cranktopo.store.manifest import settings_hash
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 from tests.unit.test_indicator import write as write_indicator
 
@@ -97,7 +99,12 @@ def test_a_folder_without_a_manifest_is_no_run(run: RunStore, capsys: pytest.Cap
 def test_a_manifest_without_a_sound_scene_is_named(run: RunStore, capsys: pytest.CaptureFixture[str]) -> None:
     path = run.path / "manifest.json"
     whole = path.read_text(encoding="utf-8")
-    path.write_text(whole.replace('"radius_mm": 48.0', '"radius_mm": -48.0'), encoding="utf-8")
+    path.write_text(whole.replace('"radius_mm": 48.0', '"radius_mm": 47.0'), encoding="utf-8")
+    assert main(["evaluate", str(run.path)]) == 3
+    assert "changed by hand" in capsys.readouterr().err
+    data = json.loads(whole.replace('"radius_mm": 48.0', '"radius_mm": -48.0'))
+    data["settings_sha256"] = settings_hash(data["scene"], data["options"])
+    path.write_text(json.dumps(data), encoding="utf-8")
     assert main(["evaluate", str(run.path)]) == 3
     assert f"{path}: throw.radius_mm = -48.0" in capsys.readouterr().err
     path.write_text(whole.replace('"scene":', '"seen":'), encoding="utf-8")
