@@ -190,16 +190,16 @@ def _note(motion: Placement | None) -> str:
     return f"moved to where the journals are: it {motion.words}" if motion else ""
 
 
-def half_throw_surface(path: Path, scene: Scene) -> SurfaceMesh:
+def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
     """The closed surface of the half throw in an STL or STEP file, its ends on their planes.
 
     Raises:
         CranktopoError: as `mesh_file`.
     """
     if path.suffix.lower() not in STEP_SUFFIXES:
-        return read_half_throw(path, scene)
+        return read_half_throw(path, scene, align)
     with cad_session(f"solid of {path}") as gmsh:
-        _solid(gmsh, path, scene, align=False)
+        _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
         surface = kernel_surface(gmsh)
     return SurfaceMesh(_on_planes(surface.vertices_mm, scene, _ROUNDING), surface.faces)

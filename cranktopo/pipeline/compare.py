@@ -12,7 +12,7 @@ from cranktopo.evaluate.case_stress import case_stress
 from cranktopo.evaluate.evaluation import Progress
 from cranktopo.evaluate.targets import Target, resolve_targets
 from cranktopo.loads import LoadCase, analyse, load_cases
-from cranktopo.meshing.imported_body import read_half_throw
+from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
 from cranktopo.report.comparison import Comparison, Entry, check_supports, compare
@@ -100,8 +100,7 @@ def comparison_record(
     scene = found.targets[found.comparison.baseline].scene
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
-    surfaces = [(target, _surface(target)) for target in found.targets]
-    known = [(target, mesh) for target, mesh in surfaces if mesh is not None]
+    known = [(target, _surface(target)) for target in found.targets]
     return ComparisonRecord(
         comparison=found.comparison,
         bodies=tuple(_body(target, mesh, cases, stress_progress) for target, mesh in known),
@@ -129,11 +128,9 @@ def _body(
     return Body(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress)
 
 
-def _surface(target: Target) -> SurfaceMesh | None:
-    """Facets of a target; none for a STEP file, which only the mesh generator reads."""
+def _surface(target: Target) -> SurfaceMesh:
     if target.file is not None:
-        stl = target.file.suffix.lower() == ".stl"
-        return read_half_throw(target.file, target.scene, target.align) if stl else None
+        return half_throw_surface(target.file, target.scene, target.align)
     return surface_of(target.scene, "half", _FACET_MM)
 
 

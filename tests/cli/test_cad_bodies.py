@@ -12,13 +12,14 @@ import pytest
 
 from cranktopo.cad.session import cad_session
 from cranktopo.cad.solid_files import export_solid
+from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.safety_field import check_inputs
 from cranktopo.evaluate.stress_model import solve_stresses
 from cranktopo.evaluate.targets import Target, load_simulated
 from cranktopo.meshing.found_fillets import FilletRing, ring_of
-from cranktopo.meshing.imported_body import fillets_of_step, mesh_step_for_stress
+from cranktopo.meshing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
 from cranktopo.scene import Scene
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
@@ -135,6 +136,17 @@ def test_the_shaft_of_a_body_is_that_of_its_design(
     stiffness = [data["torsion"]["end_to_end_Nm_per_rad"] for data in found]
     assert stiffness[1] == pytest.approx(stiffness[0], rel=0.02)
     assert body["natural_frequencies_Hz"] == pytest.approx(design["natural_frequencies_Hz"], rel=0.01)
+
+
+def test_the_surface_of_a_body_is_closed_and_ends_on_its_planes(
+    step_of: Callable[..., Path], mikron: Scene
+) -> None:
+    """What a comparison shows of it, and where rays look for undercuts."""
+    mesh = half_throw_surface(step_of(mikron, "body"), mikron)
+    assert mesh.as_trimesh().is_watertight
+    assert mesh.volume_mm3 == pytest.approx(half_throw_volume_mm3(mikron), rel=5e-4)
+    z = mesh.vertices_mm[:, 2]
+    assert (z.min(), z.max()) == (0.0, mikron.pitch_mm / 2)
 
 
 def test_a_step_of_two_parts_is_no_body(tmp_path: Path, mikron: Scene) -> None:
