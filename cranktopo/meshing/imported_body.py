@@ -50,8 +50,9 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
     if path.suffix.lower() == ".stl":
         return _mesh_stl(path, scene, element_size_mm, align)
     with cad_session(f"solid of {path}") as gmsh:
-        _, half, web_volume, note = _solid(gmsh, path, scene, align)
-        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=False)
+        body, half, web_volume, note = _solid(gmsh, path, scene, align)
+        mirrored = _halved(gmsh.model.occ, body, scene)
+        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored)
     return MeshedThrow(mesh, half, web_volume, note)
 
 
@@ -74,9 +75,7 @@ def mesh_step_for_stress(
         body, half, web_volume, note = _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
         scene = with_found_fillets(gmsh, scene, str(path))
-        mirrored = scene.effects.lateral_symmetry != "off" and _sides_alike(gmsh.model.occ, body, scene)
-        if mirrored:
-            positive_x(gmsh.model.occ, body, scene.pitch_mm)
+        mirrored = _halved(gmsh.model.occ, body, scene)
         mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored, fillet_fraction=fillet_fraction)
     return MeshedThrow(mesh, half, web_volume, note), scene
 
@@ -112,6 +111,14 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
     return body, solid_properties(occ, body), web_volume, _note(motion)
+
+
+def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
+    """Leave the half x >= 0 of a body that is its own mirror image; whether that was done."""
+    if scene.effects.lateral_symmetry == "off" or not _sides_alike(occ, body, scene):
+        return False
+    positive_x(occ, body, scene.pitch_mm)
+    return True
 
 
 def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
