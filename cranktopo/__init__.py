@@ -14,10 +14,12 @@ importing the package costs nothing.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = (
+    False  # as type checkers know it; `typing` would take longer to load than the command's own start
+)
 if TYPE_CHECKING:
+    from typing import Any
+
     from cranktopo.cad.solid_files import export_solid
     from cranktopo.effects import EffectPlan, plan
     from cranktopo.errors import CranktopoError
@@ -155,6 +157,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """A public name, its module imported now."""
+    from importlib import import_module
+
     if name not in _HOMES:
         raise AttributeError(f"module 'cranktopo' has no attribute '{name}'")
     return getattr(import_module(f"cranktopo.{_HOMES[name]}"), name)

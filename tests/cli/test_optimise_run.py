@@ -164,7 +164,7 @@ def test_stopped_run_continues_to_the_same_result(short: Path, tmp_path: Path) -
 
 def begun(out: Path, rows: int, *arguments: str) -> subprocess.Popen[str]:
     """A run in its own process that has done at least `rows` iterations."""
-    command = [sys.executable, "-c", "from cranktopo.cli.main import main; main()", *arguments]
+    command = [sys.executable, "-c", "from cranktopo.cli.launch import main; main()", *arguments]
     process = subprocess.Popen(
         command,
         stderr=subprocess.PIPE,

@@ -19,7 +19,7 @@ import pytest
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 OPTIONS = ["optimise", "--resolution-mm", "4.5", "--max-iterations", "6"]
-COMMAND = [sys.executable, "-c", "from cranktopo.cli.main import main; main()"]
+COMMAND = [sys.executable, "-c", "from cranktopo.cli.launch import main; main()"]
 STOPPED = 5
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
