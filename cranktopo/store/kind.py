@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Literal
@@ -47,7 +48,7 @@ def shown_results(run: RunStore) -> Iterator[None]:
 
 def resume_command(run: RunStore) -> str:
     """The command line that continues a run; raises CranktopoError when its manifest cannot be used."""
-    return f"cranktopo {kind_of(run)} --resume {run.path}"
+    return shlex.join(["cranktopo", kind_of(run), "--resume", str(run.path)])
 
 
 def require_kind(run: RunStore, wanted: RunKind) -> None:
@@ -58,7 +59,8 @@ def require_kind(run: RunStore, wanted: RunKind) -> None:
     """
     found = kind_of(run)
     if found != wanted:
+        show = shlex.join(["cranktopo", "runs", "show", str(run.path)])
         raise CranktopoError(
             f"run '{run.path}': was made by `cranktopo {found}`; this needs one of `cranktopo {wanted}`.",
-            hint=f"See what it holds: cranktopo runs show {run.path}; or continue it: {resume_command(run)}",
+            hint=f"See what it holds: {show}; or continue it: {resume_command(run)}",
         )

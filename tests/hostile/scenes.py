@@ -210,7 +210,8 @@ def _envelope(r: random.Random, data: Table) -> Table:
 
 def _settings(r: random.Random, data: Table) -> Table:
     """Settings that belong to no dimension: effects, supports, process, engine."""
-    engine = dict(data.get("engine", {}))
+    engine = dict(data["engine"]) if isinstance(data.get("engine"), dict) else {}
+    whole = dict(engine)
     engine["cylinders"] = r.choice([1, 2, 3, 48, 49])
     engine["firing_order"] = [r.randint(0, 5) for _ in range(r.randint(0, 6))]
     engine["gas"] = r.choice([{"indicator_csv": "p.csv"}, {}, engine.get("gas", {})])
@@ -218,7 +219,7 @@ def _settings(r: random.Random, data: Table) -> Table:
     return r.choice(
         [
             {**data, "engine": engine},
-            {**data, "engine": {**data.get("engine", {}), "masses": masses}},
+            {**data, "engine": {**whole, "masses": masses}},
             {**data, "effects": {key: r.choice(["on", "off", "auto"]) for key in EFFECTS}},
             {**data, "supports": {"torsion": "spring", "bearing_clearance_mm": 10 ** r.uniform(-6, 3)}},
             {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,15 @@ import pytest
 
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError
-from cranktopo.store import RunStore, create_run, load_checkpoint, load_iteration, read_json, saved_iterations
+from cranktopo.store import (
+    RunStore,
+    create_run,
+    load_checkpoint,
+    load_iteration,
+    read_json,
+    resume_command,
+    saved_iterations,
+)
 
 
 @pytest.fixture
@@ -96,3 +105,8 @@ def test_one_damaged_run_does_not_hide_the_others(run: RunStore, capsys: pytest.
     assert json.loads(capsys.readouterr().out)["runs"][0]["result"] == "unreadable"
     assert main(["runs", "show", run.name, "--root", root]) == 3
     assert "its results are damaged (KeyError" in capsys.readouterr().err
+
+
+def test_the_command_that_resumes_is_quoted_for_the_shell(run: RunStore, tmp_path: Path) -> None:
+    moved = run.path.rename(tmp_path / "my run; ls")
+    assert shlex.split(resume_command(RunStore(moved))) == ["cranktopo", "optimise", "--resume", str(moved)]
