@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from manifold3d import Manifold
 
 from cranktopo.cad.solid_files import export_solid
 from cranktopo.errors import CranktopoError
@@ -15,7 +16,9 @@ from cranktopo.meshing.imported_body import mesh_file
 from cranktopo.meshing.remesh import tetrahedralise
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.surface.solids import journal_halves, web_bores
+from cranktopo.triangles.surface_files import write_stl
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
 from tests.physics.evaluation_cases import mikron_with
 
 SIZE = 12.0
@@ -69,20 +72,20 @@ def test_two_bodies_are_refused(mikron: Scene, tmp_path: Path) -> None:
 
 
 def test_the_mirror_is_used_only_where_both_sides_are_alike(mikron: Scene, tmp_path: Path) -> None:
-    """A block of twice 20 mm; the same with a dent of 2 mm3 on one side."""
-    path, length = tmp_path / "block.stl", mikron.pitch_mm / 2
-    block = trimesh.creation.box([40, 30, length]).subdivide().subdivide().subdivide()
-    block.apply_translation([0, 0, length / 2])
-    dent = trimesh.creation.box([2, 1, 2]).apply_translation([12, 15, 20])
-    dented = trimesh.boolean.difference([block, dent], engine="manifold")
-    for surface, alike in ((block, True), (dented, False)):
-        surface.export(path)
+    """Both journals and a block between them; the same with a dent of 2 mm3 on one side."""
+    path, (start, end) = tmp_path / "body.stl", mikron.web_z_mm
+    main, pin = journal_halves(mikron)
+    block = Manifold.cube((56, 104, end - start)).translate((-28, -28, start)) - web_bores(mikron)
+    body = main + block + pin
+    dent = Manifold.cube((2, 1, 2), True).translate((12, 76, 30))
+    for surface, alike in ((body, True), (body - dent, False)):
+        write_stl(path, mesh_of(surface))
         assert mesh_file(path, mikron, SIZE).mesh.mirrored == alike
 
 
 def test_a_surface_in_metres_is_told(tmp_path: Path, mikron: Scene) -> None:
     block = trimesh.creation.box(bounds=[[-0.03, -0.03, 0.0], [0.03, 0.08, 0.057]])
     block.export(tmp_path / "metres.stl")
-    with pytest.raises(CranktopoError, match=r"0\.057 mm") as caught:
+    with pytest.raises(CranktopoError, match=r"0\.057 long") as caught:
         mesh_file(tmp_path / "metres.stl", mikron, 5.0)
     assert "in metres" in caught.value.hint
