@@ -12,6 +12,7 @@ import pytest
 
 from cranktopo.cad.session import cad_session
 from cranktopo.cad.solid_files import export_solid
+from cranktopo.cad.throw_solid import add_half_throw
 from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError
@@ -62,6 +63,26 @@ def test_a_torus_is_known_by_its_points() -> None:
 def test_fillets_are_the_body_s_and_not_the_design_s(step_of: Callable[..., Path], mikron: Scene) -> None:
     path = step_of(with_fillets(3.25, 1.75), "other")
     assert radii_of(fillets_of_step(path, mikron)) == (3.25, 1.75)
+
+
+def test_fillets_that_another_program_rolled(mikron: Scene, tmp_path: Path) -> None:
+    """Edges of a sharp body rounded by the kernel, not turned with the journals as this program does it."""
+    path, rings = tmp_path / "rolled.step", ((0.0, mikron.web_z_mm[0]), (48.0, mikron.web_z_mm[1]))
+    with cad_session("rolled") as gmsh:
+        (body,) = add_half_throw(gmsh.model.occ, mikron_with(0.0))
+        gmsh.model.occ.synchronize()
+        edges = []
+        for dim, tag in gmsh.model.getEntities(1):
+            low, high = gmsh.model.getParametrizationBounds(dim, tag)
+            points = gmsh.model.getValue(dim, tag, np.linspace(low[0], high[0], 9)).reshape(-1, 3)
+            for y, z in rings:
+                wanted = np.column_stack([np.full(9, 21.0), np.full(9, z)])
+                found = np.column_stack([np.hypot(points[:, 0], points[:, 1] - y), points[:, 2]])
+                edges += [tag] if np.allclose(found, wanted, atol=1e-6) else []
+        gmsh.model.occ.fillet([body[1]], edges, [2.0])
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    assert radii_of(fillets_of_step(path, mikron)) == (2.0, 2.0)
 
 
 @pytest.mark.parametrize(("main_mm", "pin_mm", "where"), [(0.0, 2.5, "main journal"), (2.5, 0.0, "crankpin")])
