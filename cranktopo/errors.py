@@ -45,7 +45,7 @@ class CranktopoError(Exception):
 
 
 def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoError:
-    """An invalid-input error in the house style: key path, value, allowed range, next step.
+    """An invalid-input error in the common form: key path, value, allowed range, next step.
 
     Args:
         key: dotted path of the key, e.g. `throw.main_journal.bore_diameter_mm`.

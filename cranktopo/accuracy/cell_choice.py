@@ -15,7 +15,7 @@ from cranktopo.domain.resolution import (
     available_memory_MiB,
     check_resolution,
     estimated_cells,
-    estimated_memory_MiB,
+    optimiser_memory_MiB,
 )
 from cranktopo.effects import CostRates, plan, simulated_scene
 from cranktopo.errors import CranktopoError, ExitCode
@@ -101,7 +101,7 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     simulated = simulated_scene(scene, effects)
     quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
     sizes, available = cell_sizes(simulated), available_memory_MiB()
-    usable = [cell for cell in sizes if estimated_memory_MiB(simulated, cell, quarter, cases) <= available]
+    usable = [cell for cell in sizes if optimiser_memory_MiB(simulated, cell, quarter, cases) <= available]
     if not usable:
         nearest = sizes[0] if sizes else scene.optimise.resolution_mm
         check_resolution(simulated, nearest, quarter, cases, available)

@@ -68,15 +68,15 @@ def evaluate_to(
 
 def first_level(wanted: ErrorTarget, measured: StoredStudy | None) -> int:
     """Number of the level to start on."""
-    starts = []
+    first_levels = []
     if wanted.percent is not None:
         enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= wanted.percent]
-        starts.append(enough[0] if enough else len(LEVELS) - 1)
+        first_levels.append(enough[0] if enough else len(LEVELS) - 1)
     if wanted.budget_s is not None:
         seconds = [_expected_seconds(level, measured) for level in LEVELS]
         fit = [n for n, s in enumerate(seconds) if s is not None and s <= wanted.budget_s]
-        starts.append(fit[-1] if fit else 0)
-    return min(starts, default=0)
+        first_levels.append(fit[-1] if fit else 0)
+    return min(first_levels, default=0)
 
 
 def _coarser(mesh: EvaluationMesh) -> EvaluationMesh:

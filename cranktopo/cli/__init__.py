@@ -1,1 +1,1 @@
-"""Command line: one file per command, a thin skin over the stages."""
+"""Command line: one file per command, a thin layer over the stages."""

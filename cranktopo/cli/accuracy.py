@@ -55,11 +55,11 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
 
 
 def _text(result: dict[str, Any]) -> str:
-    from cranktopo.report.pages.accuracy_page import headline
+    from cranktopo.report.pages.accuracy_page import accuracy_headline
     from cranktopo.report.tables.accuracy_tables import level_tables, limit_lines, recommendation_table
     from cranktopo.report.tables.result_table import terminal
 
-    lines = [f"{result['design']}: {headline(result)}"]
+    lines = [f"{result['design']}: {accuracy_headline(result)}"]
     for study, table in level_tables(result):
         lines += ["", f"{study} (* on the Pareto front)", terminal(table)]
     lines += ["", *limit_lines(result), "", terminal(recommendation_table(result))]

@@ -52,7 +52,7 @@ def command(
     out: Path | None,
     resume: str | None,
     as_json: bool,
-    **rules: Any,
+    **limits: Any,
 ) -> None:
     """Remove a little of DESIGN's envelope, extract, re-model, evaluate, and go on inside the new solid.
 
@@ -77,7 +77,7 @@ def command(
         scene = loop_scene(scene) if process is None else scene.with_optimise(process=process)
         scene = scene.with_optimise(volume_fraction=volume_fraction, resolution_mm=resolution_mm)
         settings = loop_settings(
-            scene, steps, least_transition_mm, element_size_mm, ManufacturingLimits(**rules)
+            scene, steps, least_transition_mm, element_size_mm, ManufacturingLimits(**limits)
         )
         command_line = ["cranktopo", *sys.argv[1:]]
         outcome = start_loop(scene, settings, out, design_text(name), command_line, info)

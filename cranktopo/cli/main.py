@@ -102,7 +102,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _check_words(arguments: list[str]) -> None:
-    """No word of a command line may be empty: it is a variable that was never set, no wish for defaults."""
+    """No word of a command line may be empty: it comes from a variable that was never set."""
     for before, word in zip(["", *arguments], arguments, strict=False):
         option, equals, value = word.partition("=")
         if not word.strip() or (equals and option.startswith("--") and not value.strip()):

@@ -26,7 +26,7 @@ def command(
     out: Path | None,
     no_evaluation: bool,
     as_json: bool,
-    **rules: Any,
+    **limits: Any,
 ) -> None:
     """Fit a web that a die or a mill can make to the extracted body of RUN.
 
@@ -39,5 +39,5 @@ def command(
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.tables.remodel_text import remodel_text
 
-    data = remodel_run(run, out, ManufacturingLimits(**rules), not no_evaluation, info)
+    data = remodel_run(run, out, ManufacturingLimits(**limits), not no_evaluation, info)
     click.echo(json.dumps(data) if as_json else remodel_text(data))

@@ -148,7 +148,7 @@ def build_domain(
 
 
 def _layers(scene: Scene, target: GridContent) -> list[_Layer]:
-    """The half throw as slabs along z: main journal, web (cut where its section changes), crankpin."""
+    """The half throw as layers along z: main journal, web (cut where its section changes), crankpin."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
     layers = [_Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
@@ -165,11 +165,11 @@ def _annulus(journal: Journal, y_mm: float) -> Shape:
 
 
 def _own_web(scene: Scene) -> list[_Layer]:
-    """The web of the scene, or the body named as the original, as slabs with the section in their middle."""
+    """The web of the scene, or the body named as the original, as layers with the section in their middle."""
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
     bodies, found = web_bodies(scene), []
-    for z in _slabs(scene, [z for body in bodies for z in body.layers_mm(SECTIONS)]):
+    for z in _ranges_mm(scene, [z for body in bodies for z in body.layers_mm(SECTIONS)]):
         shape = _section(bodies, sum(z) / 2)
         found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
     return found
@@ -177,7 +177,7 @@ def _own_web(scene: Scene) -> list[_Layer]:
 
 def _body_from_file(scene: Scene, body: Manifold) -> list[_Layer]:
     found = []
-    for z in _slabs(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
+    for z in _ranges_mm(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
         shape = polygons([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
         found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
     return found
@@ -188,12 +188,12 @@ def _section(bodies: list[Body], z_mm: float) -> Shape:
 
 
 def _design_space(scene: Scene) -> list[_Layer]:
-    """The envelope less the bores as slabs; in a clearance only the journal goes on."""
+    """The envelope less the bores as layers; in a clearance only the journal goes on."""
     (start, stop), envelope, throw = scene.web_z_mm, _envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
     bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
     found = []
-    for z in _slabs(scene, [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]):
+    for z in _ranges_mm(scene, [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]):
         middle = sum(z) / 2
         if low < middle < high:
             shape = _without(envelope_outline(envelope, middle), bores)
@@ -205,7 +205,7 @@ def _design_space(scene: Scene) -> list[_Layer]:
     return found
 
 
-def _slabs(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:
+def _ranges_mm(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:
     start, stop = scene.web_z_mm
     return list(pairwise(sorted({start, stop, *(z for z in cuts if start < z < stop)})))
 
@@ -252,18 +252,18 @@ def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Exten
 
 
 def _fractions(
-    grid: Grid, slabs: list[tuple[tuple[float, float], Shape | None]], sampled: dict[Shape, Array]
+    grid: Grid, layers: list[tuple[tuple[float, float], Shape | None]], sampled: dict[Shape, Array]
 ) -> Array:
     """Filled fraction of every cell for shapes extruded between z values."""
     result = np.zeros(grid.cells)
     heights = np.diff(grid.z_mm)
-    for (low, high), shape in slabs:
+    for (low, high), shape in layers:
         if shape is None:
             continue
         overlap = (
             np.clip(np.minimum(grid.z_mm[1:], high) - np.maximum(grid.z_mm[:-1], low), 0, None) / heights
         )
-        # Rounding must not leave 1e-16 of a slab in its neighbour: that would be a void cell with stiffness.
+        # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
         overlap[overlap < 1e-9] = 0.0
         if shape not in sampled:
             sampled[shape] = _plane_fraction(grid, shape)

@@ -10,7 +10,7 @@ from cranktopo.scene.geometry import Envelope
 from cranktopo.scene.polygons import Shape, polygons
 
 SECTIONS = 32
-"""Slabs of a body whose section changes along the crank axis."""
+"""Layers of a body whose section changes along the crank axis."""
 
 
 def disc(radius_mm: float, y_mm: float = 0.0, x_mm: float = 0.0) -> Shape:
@@ -28,7 +28,7 @@ def envelope_outline(envelope: Envelope, z_mm: float) -> Shape:
 
 
 def envelope_sections(envelope: Envelope) -> int:
-    """Slabs that the envelope is cut into."""
+    """Layers that the envelope is cut into."""
     return SECTIONS if envelope.stl_file else 1
 
 

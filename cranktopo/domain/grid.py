@@ -18,13 +18,13 @@ Extent = Literal["quarter", "half", "full"]
 
 @dataclass(frozen=True)
 class Grid:
-    """Node coordinates of a structured grid; uniform along x and y, one cell height per slab along z.
+    """Node coordinates of a structured grid; uniform along x and y, one cell height per layer along z.
 
     Attributes:
         x_mm: nodes along x (nx + 1,), mm.
         y_mm: nodes along y.
         z_mm: nodes along z; the web faces are among them.
-        padding: cells added beyond the body along (x, y), void, and slab cells added along z.
+        padding: cells added beyond the body along (x, y), void, and cells added along z.
         levels: how often all axes can be halved.
     """
 
@@ -80,10 +80,10 @@ def plan_grid(
     """
     left, right, step = _lateral_counts(x_range, resolution_mm)
     along = _count(y_range, resolution_mm)
-    slabs = [_count(pair, resolution_mm) for pair in pairwise(z_planes)]
-    levels = _levels(left + right, along, sum(slabs))
+    layers = [_count(pair, resolution_mm) for pair in pairwise(z_planes)]
+    levels = _levels(left + right, along, sum(layers))
     factor = 1 << levels
-    grown = _grow_slabs(slabs, z_planes, factor)
+    grown = _grow_layers(layers, z_planes, factor)
     first = 0 if extent == "quarter" else left
     pad_x, pad_y = -(first + right) % factor, -along % factor
     dy = (y_range[1] - y_range[0]) / along
@@ -91,7 +91,7 @@ def plan_grid(
         x_mm=(step * np.arange(-first, right + pad_x + 1)).astype(np.float64),
         y_mm=y_range[0] + dy * np.arange(along + pad_y + 1).astype(np.float64),
         z_mm=_axial_nodes(z_planes, grown, extent == "full"),
-        padding=(pad_x, pad_y, sum(grown) - sum(slabs)),
+        padding=(pad_x, pad_y, sum(grown) - sum(layers)),
         levels=levels,
     )
 
@@ -123,9 +123,9 @@ def _levels(nx: int, ny: int, nz: int) -> int:
     raise AssertionError("no grid that fits in memory gets here")
 
 
-def _grow_slabs(slabs: list[int], planes: tuple[float, ...], factor: int) -> list[int]:
+def _grow_layers(layers: list[int], planes: tuple[float, ...], factor: int) -> list[int]:
     """Add cells where they are tallest until the total divides by the factor."""
-    grown = list(slabs)
+    grown = list(layers)
     while sum(grown) % factor:
         heights = [(b - a) / n for a, b, n in zip(planes, planes[1:], grown, strict=False)]
         grown[heights.index(max(heights))] += 1

@@ -36,7 +36,7 @@ def check_resolution(
             f"too coarse: the thinnest journal wall is {wall:g} mm and needs {WALL_CELLS} cells",
             f"Use at most {wall / WALL_CELLS:g} mm.",
         )
-    needed = estimated_memory_MiB(scene, resolution_mm, quarter, cases)
+    needed = optimiser_memory_MiB(scene, resolution_mm, quarter, cases)
     if needed > available_MiB:
         finest = finest_resolution_mm(scene, quarter, cases, available_MiB)
         raise invalid(
@@ -53,7 +53,7 @@ def thinnest_wall_mm(scene: Scene) -> float:
     return min(journal.radius_mm - journal.bore_radius_mm for journal in journals)
 
 
-def estimated_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
+def optimiser_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
     """Estimated peak memory of an optimisation at a cell size, MiB.
 
     Args:
@@ -85,7 +85,7 @@ def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB:
     Args:
         quarter: whether the lateral mirror halves the model.
     """
-    at_one = estimated_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
+    at_one = optimiser_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
     room = max(available_MiB - BASE_MIB, 1e-3)
     return math.ceil(math.cbrt(at_one / room) * 100) / 100
 

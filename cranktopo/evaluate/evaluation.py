@@ -242,10 +242,10 @@ def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluati
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     return Evaluation(
         target=target.name,
-        throw_kg=throw_mass_kg(meshed, scene),
+        throw_kg=meshed_throw_kg(meshed, scene),
         web_kg=density * meshed.web_volume_mm3,
         inertia_kg_mm2=throw_inertia_kg_mm2(meshed, scene),
-        unbalance_kg_mm=throw_mass_kg(meshed, scene) * meshed.half.centre_mm[1],
+        unbalance_kg_mm=meshed_throw_kg(meshed, scene) * meshed.half.centre_mm[1],
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,
@@ -255,7 +255,7 @@ def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluati
     )
 
 
-def throw_mass_kg(meshed: MeshedThrow, scene: Scene) -> float:
+def meshed_throw_kg(meshed: MeshedThrow, scene: Scene) -> float:
     """Mass of the whole throw, from the exact volume of its half."""
     return 2 * density_kg_per_mm3(scene.material.density_kg_m3) * meshed.half.volume_mm3
 

@@ -26,7 +26,7 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
         CranktopoError: it cannot, with the finest size that may.
     """
     available = available_memory_MiB()
-    needed = estimated_memory_MiB(scene, element_size_mm)
+    needed = evaluation_memory_MiB(scene, element_size_mm)
     if needed <= available:
         return
     finest = element_size_mm * math.cbrt((needed - BASE_MIB) / max(available - BASE_MIB, 1.0))
@@ -38,7 +38,7 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
     )
 
 
-def estimated_memory_MiB(scene: Scene, element_size_mm: float) -> float:
+def evaluation_memory_MiB(scene: Scene, element_size_mm: float) -> float:
     """Least peak memory of an evaluation, MiB: of the quarter throw where the web is symmetric in x."""
     journals = (scene.throw.main_journal, scene.throw.crankpin)
     volume = web_volume_mm3(scene) + sum(

@@ -15,8 +15,8 @@ from cranktopo.evaluate.evaluation import (
     bound_percent,
     default_element_size_mm,
     mesh_target,
+    meshed_throw_kg,
     throw_inertia_kg_mm2,
-    throw_mass_kg,
 )
 from cranktopo.evaluate.shaft_assembly import (
     Bearings,
@@ -85,7 +85,7 @@ def evaluate_shaft(
     )
     inertia = throw_inertia_kg_mm2(meshes[-1], scene)
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
-    mass = len(angles) * throw_mass_kg(meshes[-1], scene)
+    mass = len(angles) * meshed_throw_kg(meshes[-1], scene)
     error = bound_percent(coarse.by_name(), stiffness.by_name())
     return ShaftEvaluation(target.name, angles, bearings, mass, stiffness, error, disks)
 

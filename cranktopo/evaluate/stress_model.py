@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
-from cranktopo.evaluate.evaluation import default_element_size_mm, throw_mass_kg
+from cranktopo.evaluate.evaluation import default_element_size_mm, meshed_throw_kg
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
@@ -146,7 +146,7 @@ def solve_stresses(
     return StressModel(
         target.name,
         scene,
-        throw_mass_kg(meshed, scene),
+        meshed_throw_kg(meshed, scene),
         tuple(f.kind for f in fields),
         surface,
         stress,

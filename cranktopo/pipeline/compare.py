@@ -15,11 +15,11 @@ from cranktopo.loads import LoadCase, analyse, load_cases
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
-from cranktopo.report.comparison import Comparison, Entry, check_supports, compare
+from cranktopo.report.comparison import Comparison, Entry, check_same_supports, compare
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
 from cranktopo.report.pages.writing import check_report_path, write_report
-from cranktopo.report.tables.undercuts import DieRelease
-from cranktopo.report.viewer.scene3d import Body
+from cranktopo.report.tables.undercuts import DesignUndercuts
+from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.surface.undercuts import half_throw_undercuts
@@ -62,7 +62,7 @@ def compare_targets(
     every = list(names) if baseline in names else [baseline, *names]
     index = every.index(baseline)
     targets = resolve_targets(every, design, align=align)
-    check_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
+    check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     safety = None
     if fatigue is not None:
         filleted = resolve_targets(every, design, fillets=True, align=align)
@@ -104,7 +104,7 @@ def comparison_record(
     return ComparisonRecord(
         comparison=found.comparison,
         bodies=tuple(_body(target, mesh, cases, stress_progress) for target, mesh in known),
-        undercuts=tuple(die_release(target.name, mesh, target.scene) for target, mesh in known),
+        undercuts=tuple(design_undercuts(target.name, mesh, target.scene) for target, mesh in known),
         effects=effects,
         cases=cases,
         loads=analyse(scene) if scene.engine else None,
@@ -115,17 +115,17 @@ def comparison_record(
     )
 
 
-def die_release(name: str, half_throw: SurfaceMesh, scene: Scene) -> DieRelease:
+def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> DesignUndercuts:
     """What would keep a design with this closed surface from being made."""
     hollows = int((shell_volumes_mm3(half_throw) < 0).sum())
-    return DieRelease(name, hollows, half_throw_undercuts(half_throw, scene, _RAYS_MM))
+    return DesignUndercuts(name, hollows, half_throw_undercuts(half_throw, scene, _RAYS_MM))
 
 
 def _body(
     target: Target, mesh: SurfaceMesh, cases: Sequence[LoadCase], stress_progress: Progress | None
-) -> Body:
+) -> ShownBody:
     stress = case_stress(target, cases, progress=stress_progress) if stress_progress else None
-    return Body(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress)
+    return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress)
 
 
 def _surface(target: Target) -> SurfaceMesh:

@@ -128,11 +128,11 @@ def cores() -> Check:
 
 def memory() -> Check:
     """Memory that a run may take now."""
-    from cranktopo.domain.resolution import available_memory_MiB, estimated_memory_MiB
+    from cranktopo.domain.resolution import available_memory_MiB, optimiser_memory_MiB
     from cranktopo.scene import load_scene
 
     scene, available = load_scene(_EXAMPLE), available_memory_MiB()
-    needed = estimated_memory_MiB(scene, scene.optimise.resolution_mm, quarter=True, cases=2)
+    needed = optimiser_memory_MiB(scene, scene.optimise.resolution_mm, quarter=True, cases=2)
     text = f"{available:.0f} MiB available, the default run needs {needed:.0f} MiB"
     if available >= needed:
         return Check("memory", "ok", text)

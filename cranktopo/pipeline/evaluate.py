@@ -67,7 +67,7 @@ def evaluate_targets(
         CranktopoError: no valid mesh, or a failed solve.
     """
     evaluations, missed = [], []
-    say_assumed(targets, (THROW, SUPPORTS), info)
+    print_assumed(targets, (THROW, SUPPORTS), info)
     for target in targets:
         evaluation, reached = _evaluate(target, wanted or MeshRequest(), info)
         evaluations.append(evaluation)
@@ -75,7 +75,7 @@ def evaluate_targets(
     return Evaluations(tuple(evaluations), tuple(missed))
 
 
-def say_assumed(targets: Sequence[Target], tables: Sequence[str], info: Progress) -> None:
+def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Progress) -> None:
     """One line per target of what it does not say and a command uses of these tables of its scene."""
     for target in targets:
         found = among(target.assumed, tables)

@@ -14,7 +14,7 @@ from cranktopo.evaluate.safety_field import FatigueField, FieldMethod, check_inp
 from cranktopo.evaluate.stress_model import RULE_FRACTION
 from cranktopo.evaluate.targets import Target, resolve_targets
 from cranktopo.loads.histories import HistoryKind
-from cranktopo.pipeline.evaluate import say_assumed
+from cranktopo.pipeline.evaluate import print_assumed
 from cranktopo.report.figures.fatigue_picture import save_fatigue_picture
 from cranktopo.report.tables.fatigue_tables import FatigueComparison, compare_fatigue, fatigue_json
 from cranktopo.report.vtu import write_fatigue_vtu
@@ -90,7 +90,7 @@ def assess_fatigue(
     resolved = given or resolve_targets(typed, design, fillets=True, align=align)
     for target in resolved:
         check_inputs(target, method, loads)
-    say_assumed(resolved, (THROW, LOADS, SUPPORTS, FATIGUE), info)
+    print_assumed(resolved, (THROW, LOADS, SUPPORTS, FATIGUE), info)
     if method == "m53":
         checks = tuple(check_rule(target, loads, fillet_fraction, info) for target in resolved)
         return FatigueAssessment(method, loads, (), checks, baseline)

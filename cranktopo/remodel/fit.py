@@ -40,7 +40,7 @@ class FittedWeb:
         names: names of the parameters.
         values: their fitted values before rounding, mm or degrees.
         trials: which stations and features were tried, and what each gained.
-        overlaps: overlap of the fills from each start of the final fit, the best first.
+        overlaps: overlap of the fills from each initial guess of the final fit, the best first.
         residual_regions: where the family cannot follow the body.
     """
 

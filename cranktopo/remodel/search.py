@@ -156,17 +156,17 @@ class Fit:
         return part_constraints(self.layout.parts, points, self._parts(values), problem.scene, problem.limits)
 
 
-def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
+def search(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
     """Fit the parameters from one initial guess, with ever sharper steps.
 
     Args:
-        start: first values.
+        guess: initial values.
         widths_mm: half-widths of the smooth step, one search each.
 
     Returns:
         Values that keep the constraints, and their misfit; the misfit is infinite when none were found.
     """
-    values, error = start, np.inf
+    values, error = guess, np.inf
     for width in widths_mm:
         values, error = _minimise(fit, values, width)
         if not np.isfinite(error):
@@ -174,11 +174,11 @@ def search(fit: Fit, start: Array, widths_mm: tuple[float, ...]) -> tuple[Array,
     return values, error
 
 
-def _minimise(fit: Fit, start: Array, width_mm: float) -> tuple[Array, float]:
+def _minimise(fit: Fit, guess: Array, width_mm: float) -> tuple[Array, float]:
     import nlopt
 
-    best, least = start, np.inf
-    low, high = np.maximum(fit.bounds[0], start - _REACH), np.minimum(fit.bounds[1], start + _REACH)
+    best, least = guess, np.inf
+    low, high = np.maximum(fit.bounds[0], guess - _REACH), np.minimum(fit.bounds[1], guess + _REACH)
 
     def value(values: Array, gradient: Array) -> float:
         nonlocal best, least
@@ -194,14 +194,14 @@ def _minimise(fit: Fit, start: Array, width_mm: float) -> tuple[Array, float]:
             gradient[:] = fit.slopes(values)
         result[:] = fit.constraints(values)
 
-    optimiser = nlopt.opt(nlopt.LD_SLSQP, len(start))
+    optimiser = nlopt.opt(nlopt.LD_SLSQP, len(guess))
     optimiser.set_min_objective(value)
-    optimiser.add_inequality_mconstraint(constrain, np.full(len(fit.constraints(start)), _FEASIBLE))
+    optimiser.add_inequality_mconstraint(constrain, np.full(len(fit.constraints(guess)), _FEASIBLE))
     optimiser.set_lower_bounds(low)
     optimiser.set_upper_bounds(high)
     optimiser.set_xtol_abs(_TOLERANCE)
     optimiser.set_ftol_rel(_FLAT)
     optimiser.set_maxeval(_EVALUATIONS)
     with suppress(nlopt.RoundoffLimited):
-        optimiser.optimize(np.clip(start, low, high))
+        optimiser.optimize(np.clip(guess, low, high))
     return best, least

@@ -51,16 +51,16 @@ def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
     """
     body = solid_of(surface, "surface to be re-modelled")
     half, web = (_solid(scene, part) for part in ("half", "web"))
-    slab = web_region(body, scene)
-    mean, largest, where = surface_distance_mm(mesh_of(web), mesh_of(slab))
+    region = web_region(body, scene)
+    mean, largest, where = surface_distance_mm(mesh_of(web), mesh_of(region))
     return ShapeError(
         overlap(half, body),
-        overlap(web, slab),
+        overlap(web, region),
         mean,
         largest,
         where,
         float(web.volume()),
-        float(slab.volume()),
+        float(region.volume()),
     )
 
 

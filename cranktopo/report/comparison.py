@@ -110,11 +110,11 @@ def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison 
         raise CranktopoError(
             f"baseline '{baseline}' is not among the targets {', '.join(names)}.", code=ExitCode.USAGE
         )
-    check_supports((e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries)
+    check_same_supports((e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries)
     return Comparison(tuple(entries), names.index(baseline), fatigue)
 
 
-def check_supports(supports: Iterable[tuple[str, str]]) -> None:
+def check_same_supports(supports: Iterable[tuple[str, str]]) -> None:
     """Check that targets with these supports in torsion and in bending can be compared.
 
     Raises:

@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from cranktopo.errors import invalid
 from cranktopo.scene.base import Length, LengthOrZero, Place, SceneTable
-from cranktopo.scene.polygons import Coordinates, polygons, self_crossing
+from cranktopo.scene.polygons import Coordinates, polygons, self_intersection
 
 
 class Journal(SceneTable):
@@ -155,9 +155,9 @@ class OutlineEnvelope(_EnvelopeBase):
     def check(self) -> None:
         points = np.array(self.points_mm)
         closed = len(points) > 3 and (points[0] == points[-1]).all()
-        crossing = self_crossing(points[:-1] if closed else points)
-        if crossing is not None:
-            x, y = crossing
+        crossed_at = self_intersection(points[:-1] if closed else points)
+        if crossed_at is not None:
+            x, y = crossed_at
             raise invalid(
                 "envelope.points_mm",
                 self.points_mm,

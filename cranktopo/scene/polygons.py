@@ -21,9 +21,9 @@ def polygons(contours: list[Coordinates]) -> Shape:
     def inside(x: Coordinates, y: Coordinates) -> NDArray[np.bool_]:
         edge, row = np.nonzero((starts[:, None, 1] <= y.ravel()) != (ends[:, None, 1] <= y.ravel()))
         (x1, y1), (x2, y2) = starts[edge].T, ends[edge].T
-        crossings = x1 + (y.ravel()[row] - y1) * (x2 - x1) / (y2 - y1)
+        cuts = x1 + (y.ravel()[row] - y1) * (x2 - x1) / (y2 - y1)
         # A point is inside if the ray towards -x crosses the boundary an odd number of times.
-        first = np.searchsorted(x.ravel(), crossings, side="right")
+        first = np.searchsorted(x.ravel(), cuts, side="right")
         turns = np.zeros((x.size + 1, y.size), dtype=bool)
         np.logical_xor.at(turns, (first, row), True)
         return np.logical_xor.accumulate(turns, axis=0)[:-1]
@@ -31,7 +31,7 @@ def polygons(contours: list[Coordinates]) -> Shape:
     return inside
 
 
-def self_crossing(points: Coordinates) -> tuple[float, float] | None:
+def self_intersection(points: Coordinates) -> tuple[float, float] | None:
     """Where a closed polygon (n, 2) crosses, touches or runs back along itself; None if it is simple."""
     ends = np.roll(points, -1, axis=0)
     steps = ends - points

@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from cranktopo.domain.resolution import estimated_memory_MiB
+from cranktopo.domain.resolution import optimiser_memory_MiB
 from cranktopo.scene import load_scene
 
 CELLS_MM = (3.0, 2.0, 1.5, 1.0, 0.8)
@@ -45,7 +45,7 @@ def main() -> None:
             scene = load_scene(str(design))
             for cell in CELLS_MM:
                 count, peak = measured_MiB(design, cell)
-                estimate = estimated_memory_MiB(scene, cell, True, cases)
+                estimate = optimiser_memory_MiB(scene, cell, True, cases)
                 print(f"| {cases} | {cell:g} | {count:,} | {peak:,.0f} | {estimate:,.0f} |", flush=True)
 
 

@@ -1,10 +1,10 @@
-"""What the solver costs on a cantilever: `python -m tests.benchmarks.solver [--json FILE] [--ladder]`.
+"""What the solver costs on a cantilever: `python -m tests.benchmarks.solver [--json FILE] [--fine-grids]`.
 
 Every grid runs in its own process without stored compilations, so that memory and compiling are its own.
 Per grid: medians over the design iterations after the first, the product with the stiffness against the
 memory bandwidth of this machine, the cycle in float32 against float64, and two load cases against one.
-`--ladder` adds grids up to 2 million cells; the exponent of the cost is fitted. Where JAX finds a GPU every
-grid has a row on it as well.
+`--fine-grids` adds grids up to 2 million cells; the exponent of the cost is fitted. Where JAX finds a GPU
+every grid has a row on it as well.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from cranktopo.fem.precision import CompileClock, double_precision, sized_for
 from tests.studies.cantilever import TOLERANCE, cantilever, moduli, optimise
 
 GRIDS = ("48x24x24", "96x48x48", "160x80x80")
-LADDER = ("48x24x24", "64x32x32", "96x48x48", "128x64x64", "160x80x80", "192x96x112")
+FINE_GRIDS = ("48x24x24", "64x32x32", "96x48x48", "128x64x64", "160x80x80", "192x96x112")
 ITERATIONS = 12
 REPEATS = 7
 PRODUCTS = 10
@@ -49,7 +49,7 @@ def main() -> None:
     if options.one:
         print(json.dumps(measure(options.one, options.iterations)))
         return
-    grids = options.grids or (LADDER if options.ladder else GRIDS)
+    grids = options.grids or (FINE_GRIDS if options.fine_grids else GRIDS)
     rows = []
     _print_header()
     for device, grid in product(_devices(), grids):
@@ -225,7 +225,7 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("grids", nargs="*", help="e.g. 48x24x24")
     parser.add_argument("--json", metavar="FILE")
-    parser.add_argument("--ladder", action="store_true", help="grids from 28 thousand to 2 million cells")
+    parser.add_argument("--fine-grids", action="store_true", help="grids from 28 thousand to 2 million cells")
     parser.add_argument("--iterations", type=int, default=ITERATIONS)
     parser.add_argument("--one", metavar="GRID", help=argparse.SUPPRESS)
     return parser.parse_args()

@@ -12,7 +12,7 @@ import trimesh
 from cranktopo.report.figures.plot import picture
 from cranktopo.report.pages.html import html
 from cranktopo.report.pages.page import Page
-from cranktopo.report.viewer.scene3d import Body, DesignSnapshot, Scene3D
+from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 from tests.browser.conftest import NEXT_FRAMES
@@ -28,7 +28,9 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     grid = DensityGrid(np.array([-10.0, -15.0, 10.0]), np.array([10.0, 10.0, 5.0]), density)
     box = trimesh.creation.box(bounds=[[-10, -15, 0], [10, 15, 30]])
     mesh = SurfaceMesh(np.asarray(box.vertices, np.float64), np.asarray(box.faces, np.int64))
-    scene3d = Scene3D((Body("box", mesh, (10.0, 20.0), 30.0),), (DesignSnapshot(7, grid),), ("made by hand",))
+    scene3d = Scene3D(
+        (ShownBody("box", mesh, (10.0, 20.0), 30.0),), (DesignSnapshot(7, grid),), ("made by hand",)
+    )
     still = picture("still", "a box without any meaning", lambda axes: axes.plot([0, 1]))
     path = tmp_path_factory.mktemp("page") / "cells.html"
     path.write_text(html(Page("Cells", "by hand", "None.", (), (), scene3d, still)), encoding="utf-8")

@@ -15,7 +15,7 @@ from cranktopo.loads import LoadCase
 from cranktopo.report.figures.plot import picture
 from cranktopo.report.pages.html import html
 from cranktopo.report.pages.page import Page
-from cranktopo.report.viewer.scene3d import Body, DesignSnapshot, Scene3D
+from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh
@@ -31,7 +31,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cases = tuple(LoadCase(name, "bending", radial_N=1000.0) for name in ("rising", "falling"))
     stress = CaseStress(cases, points, np.stack([rising, 100 - rising]), False, 1.0)
     grid = DensityGrid(np.array([-10.0, -15.0, 10.0]), np.array([10.0, 15.0, 10.0]), np.ones((2, 2, 1)))
-    body = Body("box", mesh, (10.0, 20.0), 30.0, stress)
+    body = ShownBody("box", mesh, (10.0, 20.0), 30.0, stress)
     scene3d = Scene3D((body,), (DesignSnapshot(7, grid),), ("by hand",), stress_scales([(mesh, stress)]))
     still = picture("still", "a box without any meaning", lambda axes: axes.plot([0, 1]))
     path = tmp_path_factory.mktemp("page") / "stress.html"
@@ -86,7 +86,7 @@ def test_steps_show_densities(visit: Any, page: Path) -> None:
 
 @pytest.mark.slow
 def test_run_gets_stresses_of_its_own_surface(visit: Any, run: Path) -> None:
-    """The judge solves the run's surface once; the next report finds the stresses in the run."""
+    """The evaluation solves the run's surface once; the next report finds the stresses in the run."""
     assert main(["report", str(run), "--stress", "--quiet"]) == 0
     kept = (run / "stress.npz").stat().st_mtime_ns
     assert main(["report", str(run)]) == 0

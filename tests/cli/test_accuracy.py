@@ -48,10 +48,10 @@ def test_a_budget_buys_levels_a_table_a_plot_and_a_stored_study(
     result: dict[str, Any] = json.loads(captured.out)
     assert result["schema_version"] == 1
     assert result["design"] == "opposed-piston-casting"
-    assert {rung["ladder"] for rung in result["rungs"]} == {"judge"}
+    assert {level["ladder"] for level in result["rungs"]} == {"judge"}
     first, second = result["rungs"]
     assert first["settings"]["graded"] is False
-    assert all(rung["seconds"] > 0 and rung["peak_memory_MiB"] > 50 for rung in result["rungs"])
+    assert all(level["seconds"] > 0 and level["peak_memory_MiB"] > 50 for level in result["rungs"])
     limit = result["limits"]["judge"]["torsion_Nm_per_rad"]
     assert limit["uncertainty_percent"] > 0
     assert first["torsion_Nm_per_rad"] > second["torsion_Nm_per_rad"] > limit["value"]
@@ -165,7 +165,7 @@ def test_all_studies_of_a_design(cache: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert main(["accuracy", "--budget", "90s", "--out", str(out), "-q"]) == 0
     result = json.loads((out / "accuracy.json").read_text())
-    assert {rung["ladder"] for rung in result["rungs"]} == {"judge", "fillet stress", "optimiser"}
-    shape = next(rung for rung in result["rungs"] if rung["ladder"] == "optimiser")
+    assert {level["ladder"] for level in result["rungs"]} == {"judge", "fillet stress", "optimiser"}
+    shape = next(level for level in result["rungs"] if level["ladder"] == "optimiser")
     assert abs(shape["model_errors_percent"]["torsion_Nm_per_rad"]) < 5.0
     assert 0 < shape["model_errors_percent"]["bending_N_per_mm"] < 14.0

@@ -152,7 +152,7 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         calls.append(f"inside {kind}")
         return mesh_of(Manifold.cube((1, 1, 1)))
 
-    def fit(surface: SurfaceMesh, scene: Scene, rules: Any) -> Any:
+    def fit(surface: SurfaceMesh, scene: Scene, limits: Any) -> Any:
         """An obround whose volume is what the optimiser would have left."""
         volume = web_volume_mm3(scene.model_copy(update={"web": _web_inside(scene)}))
         target = scene.optimise.volume_fraction * volume
@@ -319,14 +319,14 @@ def test_a_lost_step_keeps_the_earlier_ones_and_says_which_is_best(
     assert json.loads((out / "iterate.json").read_text())["lost_step"] is None
 
 
-def test_rules_hold_in_every_step(
+def test_manufacturing_limits_hold_in_every_step(
     quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     """As given at the start, when it is continued, and the usual ones for a loop that kept none."""
     out, seen = tmp_path / "loop", []
 
-    def fit(surface: SurfaceMesh, scene: Scene, rules: ManufacturingLimits) -> Any:
-        seen.append(rules)
+    def fit(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits) -> Any:
+        seen.append(limits)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(loop, "fit_web", fit)

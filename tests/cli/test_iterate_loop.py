@@ -19,7 +19,7 @@ KG_PER_MM3 = 7850e-9
 
 @pytest.mark.slow
 def test_two_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Solids that are closed and weigh what the table says, and a last web that is judged alike alone."""
+    """Solids that are closed and weigh what the table says, and a last web that is evaluated alike alone."""
     out = tmp_path / "loop"
     arguments = ["mikron-iiic", "--steps", "2", "--resolution-mm", "4.5", "--out", str(out)]
     assert main(["iterate", *arguments, "--json"]) == 0

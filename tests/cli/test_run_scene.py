@@ -66,7 +66,7 @@ def check(scene: Scene, folder: Path) -> None:
     assert (scene.optimise.volume_fraction, scene.optimise.process) == (0.123, "cast")
 
 
-def test_a_run_is_judged_with_its_own_scene(run: RunStore, tmp_path: Path) -> None:
+def test_a_run_is_evaluated_with_its_own_scene(run: RunStore, tmp_path: Path) -> None:
     check(scene_of_run(run), tmp_path.resolve() / "made")
     check(resolve_target(str(run.path)).scene, tmp_path.resolve() / "made")
 
@@ -77,7 +77,7 @@ def test_a_run_is_re_modelled_with_its_own_scene(
     """What the fit is given, and the text that is written of it."""
     given: list[Scene] = []
 
-    def fit(surface: Any, scene: Scene, rules: ManufacturingLimits) -> Any:
+    def fit(surface: Any, scene: Scene, limits: ManufacturingLimits) -> Any:
         given.append(scene)
         raise CranktopoError("enough")
 

@@ -39,9 +39,9 @@ def body(mikron: Scene) -> Manifold:
 def test_voxel_fill_has_the_volume_of_the_web(mikron: Scene, body: Manifold) -> None:
     """Chords are exact in x; three lines per cell in y and z leave 1e-3."""
     start, end = mikron.web_z_mm
-    slab = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+    region = body.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
     for cell in (2.0, 1.0):
-        assert voxel_fill(body, mikron, cell).volume_mm3 == pytest.approx(slab.volume(), rel=1e-3)
+        assert voxel_fill(body, mikron, cell).volume_mm3 == pytest.approx(region.volume(), rel=1e-3)
 
 
 def test_voxel_fill_is_the_mean_of_both_sides(mikron: Scene) -> None:
@@ -77,7 +77,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
 
 
 def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifold) -> None:
-    """Starts are read from the body; lengths come back to 1 % or 0.06 mm on cells of 1.25 mm.
+    """Initial guesses are read from the body; lengths come back to 1 % or 0.06 mm on cells of 1.25 mm.
 
     Crowns and draft, which move the surface by hundredths of a millimetre, take the finer cells below.
     """

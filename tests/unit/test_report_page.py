@@ -18,10 +18,10 @@ from cranktopo.pipeline.snapshots import MOST_CELLS, coarsened, evenly_spread
 from cranktopo.report.figures.plot import picture
 from cranktopo.report.pages.markdown_page import write_markdown
 from cranktopo.report.pages.page import Fact, Page, Section
-from cranktopo.report.pages.verdict import fatigue_fact, headline, release_fact
+from cranktopo.report.pages.verdict import fatigue_fact, headline, run_undercuts_fact
 from cranktopo.report.tables.result_table import ResultTable
 from cranktopo.report.verdict_sentence import run_changes_percent, worse_line
-from cranktopo.report.viewer.scene3d import MOST_FACES, Body, DesignSnapshot, Scene3D, packed
+from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
@@ -81,7 +81,7 @@ def test_terminal_names_what_got_worse() -> None:
     ],
 )
 def test_release(surface: dict[str, Any], value: str, status: str, words: str) -> None:
-    fact = release_fact({"surface": surface})
+    fact = run_undercuts_fact({"surface": surface})
     assert (fact.value, fact.status) == (value, status)
     assert words in fact.note
 
@@ -109,7 +109,9 @@ def test_packed_scene_is_the_body_and_the_densities() -> None:
     grid = DensityGrid(np.array([1.0, 2.0, 3.0]), np.array([0.5, 1.5, 2.5]), density)
     header, arrays = unpacked(
         packed(
-            Scene3D((Body("cone", mesh_of(cone), (10.0, 20.0), 31.0),), (DesignSnapshot(5, grid),), ("n",))
+            Scene3D(
+                (ShownBody("cone", mesh_of(cone), (10.0, 20.0), 31.0),), (DesignSnapshot(5, grid),), ("n",)
+            )
         )
     )
     body = header["bodies"][0]
@@ -137,7 +139,7 @@ def mesh_volume(points: np.ndarray, faces: np.ndarray) -> float:
 def test_large_surfaces_are_simplified() -> None:
     sphere = trimesh.creation.icosphere(subdivisions=7, radius=40.0)
     assert len(sphere.faces) > 2 * MOST_FACES
-    text = packed(Scene3D((Body("sphere", mesh_of(sphere), (-10.0, 10.0), 40.0),)))
+    text = packed(Scene3D((ShownBody("sphere", mesh_of(sphere), (-10.0, 10.0), 40.0),)))
     header, arrays = unpacked(text)
     body = header["bodies"][0]
     faces = arrays[body["faces"]].reshape(-1, 3)

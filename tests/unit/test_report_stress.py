@@ -16,7 +16,7 @@ from cranktopo.loads import LoadCase
 from cranktopo.pipeline.run_stress import read_run_stress, solve_run_stress
 from cranktopo.report.pages.page import Section
 from cranktopo.report.pages.stress_section import stress_section
-from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import quantiles_MPa, stress_scales
 from cranktopo.scene import Scene
 from cranktopo.store import RunStore
@@ -54,7 +54,7 @@ def test_scale_is_that_of_the_most_stressed_body() -> None:
 
 
 def section(bodies: int) -> Section:
-    bodies_ = tuple(Body(f"box {n}", box(), (10.0, 20.0), 30.0, along_x()) for n in range(bodies))
+    bodies_ = tuple(ShownBody(f"box {n}", box(), (10.0, 20.0), 30.0, along_x()) for n in range(bodies))
     stressed = [(body.mesh, body.stress) for body in bodies_ if body.stress]
     return stress_section(Scene3D(bodies_, stress_scales=stress_scales(stressed)), "")
 

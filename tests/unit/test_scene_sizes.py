@@ -14,7 +14,7 @@ from cranktopo.domain.stl_envelope import envelope_from_file
 from cranktopo.errors import CranktopoError
 from cranktopo.scene import Scene
 from cranktopo.scene.loading import designs_folder, parse_scene
-from cranktopo.scene.polygons import self_crossing
+from cranktopo.scene.polygons import self_intersection
 from cranktopo.triangles.surface_files import read_stl
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
@@ -81,7 +81,7 @@ SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
 
 
 @pytest.mark.parametrize(
-    ("points", "crossing"),
+    ("points", "expected"),
     [
         (SQUARE, None),
         (SQUARE[::-1], None),
@@ -96,9 +96,9 @@ SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
     ],
 )
 def test_where_a_polygon_crosses_itself(
-    points: list[tuple[float, float]], crossing: tuple[float, float] | None
+    points: list[tuple[float, float]], expected: tuple[float, float] | None
 ) -> None:
-    assert self_crossing(np.array(points, float)) == crossing
+    assert self_intersection(np.array(points, float)) == expected
 
 
 def test_random_polygons() -> None:
@@ -109,10 +109,10 @@ def test_random_polygons() -> None:
         if np.diff(np.append(angle, angle[0] + 2 * np.pi)).max() > 3:
             continue
         points = (rng.uniform(1, 2, n) * np.array([np.cos(angle), np.sin(angle)])).T
-        assert self_crossing(points) is None
+        assert self_intersection(points) is None
         swapped = points.copy()
         swapped[[0, n // 2]] = points[[n // 2, 0]]
-        assert self_crossing(swapped) is not None
+        assert self_intersection(swapped) is not None
 
 
 def test_a_bow_tie_is_refused() -> None:

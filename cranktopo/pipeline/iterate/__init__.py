@@ -2,12 +2,11 @@
 
 from cranktopo.pipeline.iterate.loop import (
     Outcome,
-    Settings,
     continue_loop,
     loop_scene,
-    loop_settings,
     start_loop,
 )
+from cranktopo.pipeline.iterate.settings import Settings, loop_settings
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict
 
 __all__ = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
 from cranktopo.optimise.notices import baseline_notice
+from cranktopo.pipeline.iterate.settings import Settings, loop_settings
 from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.transition import transition_mm
@@ -24,7 +25,6 @@ from cranktopo.pipeline.optimise import announce, optimise_design, resume_optimi
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.fit import fit_web
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import shape_error
 from cranktopo.report.figures.steps_plot import save_steps_plot
 from cranktopo.report.pages.iterate_page import iterate_page
@@ -32,7 +32,7 @@ from cranktopo.report.pages.writing import REPORT, write_report
 from cranktopo.report.tables.result_table import comma_separated
 from cranktopo.report.tables.run_text import LOOP_FILES
 from cranktopo.report.tables.steps_table import steps_table
-from cranktopo.report.viewer.scene3d import Body
+from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.loading import input_files
@@ -56,40 +56,7 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh
 STEP_FILE = "step.json"
 MOST_KEPT = 0.98
 """Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
-THIN_SHARE = 0.4
-"""Least thickness beside a journal over that of the web, by default."""
 Info = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What the loop is asked to do.
-
-    Attributes:
-        steps: number of steps in which the volume falls to the design's volume fraction.
-        least_transition_mm: thickness of the web around its journals below which the loop ends.
-        element_size_mm: of the body-fitted mesh; None for its default.
-        rules: bounds of the re-modelled webs.
-    """
-
-    steps: int
-    least_transition_mm: float
-    element_size_mm: float | None = None
-    rules: ManufacturingLimits = field(default_factory=ManufacturingLimits)
-
-    @classmethod
-    def from_json(cls, data: dict[str, Any]) -> Settings:
-        """Settings as a manifest keeps them; one of an older version has no rules, which are the usual.
-
-        Raises:
-            CranktopoError: keys are missing or unknown.
-        """
-        try:
-            return cls(**{**data, "rules": ManufacturingLimits(**data.get("rules", {}))})
-        except (TypeError, AttributeError):
-            raise CranktopoError(
-                "manifest.json: the loop's settings are damaged.", hint="Start a new loop."
-            ) from None
 
 
 @dataclass(frozen=True)
@@ -128,18 +95,6 @@ class Outcome:
         }
 
 
-def loop_settings(
-    scene: Scene,
-    steps: int = 6,
-    least_transition_mm: float | None = None,
-    element_size_mm: float | None = None,
-    rules: ManufacturingLimits | None = None,
-) -> Settings:
-    """Settings of a loop over a design; the least thickness is 40 % of the web's by default."""
-    least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
-    return Settings(steps, least_mm, element_size_mm, rules or ManufacturingLimits())
-
-
 def loop_scene(scene: Scene) -> Scene:
     """The design as a loop takes it where no process is asked for: forged unless it names one itself."""
     return scene.with_optimise(process="forged") if scene.optimise.process == "free" else scene
@@ -173,7 +128,7 @@ def start_loop(
         design=scene.name,
         design_toml=design_toml or toml_text(scene, f"Design of this loop: {scene.name}"),
         scene=scene.model_dump(mode="json"),
-        options={LOOP: asdict(settings)},
+        options={LOOP: settings.as_json()},
         command=command,
         inputs=input_files(scene),
         out=out,
@@ -257,12 +212,12 @@ def _write_page(run: RunStore, outcome: Outcome) -> None:
     write_report(iterate_page(outcome.as_json(), run.manifest(), bodies), run.path / REPORT)
 
 
-def _body(folder: Path, number: int) -> Body:
+def _body(folder: Path, number: int) -> ShownBody:
     name = "original web" if number == 0 else f"step {number}"
     place = folder / ("original" if number == 0 else f"step-{number:02d}")
     path = place / STEP_FILE
     scene = scene_from_dict(read_json(path)["scene"], str(path))
-    return Body(name, read_stl(place / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
+    return ShownBody(name, read_stl(place / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
 
 
 def _original(folder: Path, scene: Scene, settings: Settings, info: Info) -> LoopStep:
@@ -287,7 +242,7 @@ def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings
     info(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
     surface = _optimised(folder / "optimise", bounded, info)
     info("  re-modelling")
-    fitted = fit_web(surface, bounded, settings.rules)
+    fitted = fit_web(surface, bounded, settings.limits)
     near = shape_error(fitted.scene, surface)
     scene = scenes[0].model_copy(
         update={

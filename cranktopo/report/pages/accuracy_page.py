@@ -27,7 +27,7 @@ def accuracy_page(result: Mapping[str, Any], written: str) -> Page:
     return Page(
         title=f"What accuracy costs in time: {result['design']}",
         subtitle=f"{machine['processor']}, {machine['cores']} cores, {written}",
-        headline=headline(result),
+        headline=accuracy_headline(result),
         facts=tuple(
             Fact(study_name(study).capitalize(), *_cheapest(result, study), "neutral")
             for study in result["limits"]
@@ -49,7 +49,7 @@ def accuracy_page(result: Mapping[str, Any], written: str) -> Page:
     )
 
 
-def headline(result: Mapping[str, Any]) -> str:
+def accuracy_headline(result: Mapping[str, Any]) -> str:
     """The outcome in one sentence."""
     ended = "interrupted after" if result["interrupted"] else "in"
     return (

@@ -32,9 +32,9 @@ from cranktopo.report.quantities import (
 )
 from cranktopo.report.tables.comparison_tables import percent_table, published_table, value_table
 from cranktopo.report.tables.result_table import Column, tabulate
-from cranktopo.report.tables.undercuts import DieRelease, undercut_table
+from cranktopo.report.tables.undercuts import DesignUndercuts, undercut_table
 from cranktopo.report.verdict_sentence import comparison_sentence
-from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 
 _LABELS = {
@@ -59,8 +59,8 @@ class ComparisonRecord:
     """
 
     comparison: Comparison
-    bodies: tuple[Body, ...]
-    undercuts: tuple[DieRelease, ...]
+    bodies: tuple[ShownBody, ...]
+    undercuts: tuple[DesignUndercuts, ...]
     effects: EffectPlan
     cases: tuple[LoadCase, ...]
     loads: LoadAnalysis | None
@@ -94,7 +94,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
     )
 
 
-def undercut_fact(found: Sequence[DieRelease], designs: int) -> Fact:
+def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
     """How many of the designs a die releases; `found` are those that have a surface to look at."""
     caught = [one.name for one in found if not one.free]
     unknown = designs - len(found)
@@ -143,7 +143,7 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     return Fact(label, comparison.entries[row].name, note, status)
 
 
-def _variants(comparison: Comparison, undercuts: Sequence[DieRelease]) -> Section:
+def _variants(comparison: Comparison, undercuts: Sequence[DesignUndercuts]) -> Section:
     tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
     published = published_table(comparison)
     if published is not None:

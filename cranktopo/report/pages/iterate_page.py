@@ -11,12 +11,12 @@ from cranktopo.report.pages.page import Fact, Page, Section, Status
 from cranktopo.report.pages.sections import gallery_picture, origin_rows, pairs, versions_table
 from cranktopo.report.quantities import BENDING_PER_MASS, MASS, TORSION_PER_MASS, Quantity
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
-from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 
 _FACTS = (TORSION_PER_MASS, BENDING_PER_MASS, MASS)
 
 
-def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[Body, ...]) -> Page:
+def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
     """The report of a loop, finished or after any of its steps.
 
     Args:

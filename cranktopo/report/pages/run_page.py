@@ -26,7 +26,7 @@ from cranktopo.report.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.report.run_record import RunRecord
 from cranktopo.report.tables.result_table import ResultTable, Row
 from cranktopo.report.verdict_sentence import stiffness_of
-from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 
 _NAMES = ("original web", "optimised")
@@ -158,7 +158,7 @@ def _scene3d(record: RunRecord) -> Scene3D | None:
     rows = {row["iteration"]: row for row in record.history}
     notes = tuple(_note(rows.get(step.iteration, {})) for step in record.snapshots)
     scene, stress = record.scene, record.stress
-    body = Body("optimised", record.mesh, scene.web_z_mm, scene.pitch_mm / 2, stress)
+    body = ShownBody("optimised", record.mesh, scene.web_z_mm, scene.pitch_mm / 2, stress)
     scales = stress_scales([(record.mesh, stress)] if stress else [])
     return Scene3D((body,), record.snapshots, notes, scales)
 

@@ -12,7 +12,7 @@ from cranktopo.report.figures.plot import Picture, picture
 from cranktopo.report.figures.scatter import Point, draw_stiffness_over_mass
 from cranktopo.report.pages.page import Section
 from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
-from cranktopo.report.viewer.scene3d import Body
+from cranktopo.report.viewer.scene3d import ShownBody
 
 _Entry = Mapping[str, Any]
 _LOAD_COLUMNS: tuple[Column[_Entry], ...] = (
@@ -77,7 +77,7 @@ def _words(label: str, points: Sequence[Point]) -> str:
     return f"{label} over mass: {values}"
 
 
-def gallery_picture(bodies: Sequence[Body]) -> Picture:
+def gallery_picture(bodies: Sequence[ShownBody]) -> Picture:
     """Still picture of half throws, side by side."""
     alt = f"Half throws of {', '.join(body.name for body in bodies)}; journals grey, webs blue"
     figure = gallery_figure([(body.name, body.mesh, body.web_z_mm) for body in bodies])

@@ -14,7 +14,7 @@ from cranktopo.report.figures.plot import Picture
 from cranktopo.report.figures.shading import STRESS_COLOURS, ShadedMesh, shaded
 from cranktopo.report.pages.page import Section
 from cranktopo.report.tables.result_table import ResultTable, Row
-from cranktopo.report.viewer.scene3d import Body, Scene3D
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import SHARE, StressScale, quantiles_MPa
 
 if TYPE_CHECKING:
@@ -54,10 +54,10 @@ def stress_section(scene3d: Scene3D | None, command: str) -> Section:
     return Section("stress", _TITLE, _TEXT, (("Von Mises stress on the surface", table),), pictures)
 
 
-def _solved(body: Body) -> _Solved:
+def _solved(body: ShownBody) -> _Solved:
     assert body.stress is not None
-    skin = shaded(body.mesh, body.web_z_mm)
-    return body.name, skin, body.stress.at(skin.vertices_mm)[:, skin.faces].mean(axis=2)
+    mesh = shaded(body.mesh, body.web_z_mm)
+    return body.name, mesh, body.stress.at(mesh.vertices_mm)[:, mesh.faces].mean(axis=2)
 
 
 def _picture(solved: Sequence[_Solved], number: int, scale: StressScale) -> Picture:
@@ -72,16 +72,16 @@ def _figure(solved: Sequence[_Solved], number: int, scale: StressScale) -> Figur
 
     colours = LinearSegmentedColormap.from_list("stress", STRESS_COLOURS)
     norm = Normalize(0.0, scale.top_MPa)
-    skins = [
-        (name, replace(skin, colours=np.asarray(colours(norm(stress[number])))[:, :3]), PIN_SIDE)
-        for name, skin, stress in solved
+    panels = [
+        (name, replace(mesh, colours=np.asarray(colours(norm(stress[number])))[:, :3]), PIN_SIDE)
+        for name, mesh, stress in solved
     ]
-    if len(skins) == 1:
-        skins = [
-            ("from the journal side", skins[0][1], JOURNAL_SIDE),
-            ("from the crankpin side", *skins[0][1:]),
+    if len(panels) == 1:
+        panels = [
+            ("from the journal side", panels[0][1], JOURNAL_SIDE),
+            ("from the crankpin side", *panels[0][1:]),
         ]
-    figure, axes = gallery(skins)
+    figure, axes = gallery(panels)
     bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, shrink=0.7, extend="max", pad=0.01)
     bar.set_label(f"von Mises stress, MPa; {scale.label}")
     return figure

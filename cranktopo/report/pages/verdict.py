@@ -35,7 +35,7 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
         _mass(metrics),
         *_stiffness(metrics),
         fatigue_fact(record.fatigue, _NO_FILLETS.format(run=record.folder)),
-        release_fact(metrics),
+        run_undercuts_fact(metrics),
         _end(metrics),
     )
 
@@ -59,7 +59,7 @@ def fatigue_fact(fatigue: Mapping[str, Any] | None, otherwise: str) -> Fact:
     return Fact("Fatigue", f"{assessed['safety']:.2f}", note, "good" if assessed["safety"] >= 1 else "bad")
 
 
-def release_fact(metrics: Mapping[str, Any]) -> Fact:
+def run_undercuts_fact(metrics: Mapping[str, Any]) -> Fact:
     """Whether a die or a cutter can make it; `metrics` as metrics.json holds it."""
     surface = metrics["surface"]
     label = "Released by a die"

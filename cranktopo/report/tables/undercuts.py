@@ -11,7 +11,7 @@ from cranktopo.surface.undercuts import Undercuts
 
 
 @dataclass(frozen=True)
-class DieRelease:
+class DesignUndercuts:
     """What would keep a design from being made.
 
     Attributes:
@@ -29,7 +29,7 @@ class DieRelease:
         return not obstacles(self.hollows, self.undercuts.as_json())
 
 
-_COLUMNS: tuple[Column[DieRelease], ...] = (
+_COLUMNS: tuple[Column[DesignUndercuts], ...] = (
     Column("design", 0, lambda found: found.name),
     Column("die_releases_it", 0, lambda found: "yes" if found.free else "no"),
     Column("closed_hollows", 0, lambda found: float(found.hollows)),
@@ -38,7 +38,7 @@ _COLUMNS: tuple[Column[DieRelease], ...] = (
 )
 
 
-def undercut_table(found: Sequence[DieRelease]) -> ResultTable:
+def undercut_table(found: Sequence[DesignUndercuts]) -> ResultTable:
     """Hollows and undercuts of each design."""
     return tabulate(_COLUMNS, found)
 

@@ -31,7 +31,7 @@ _ALIGNMENT = 4
 
 
 @dataclass(frozen=True)
-class Body:
+class ShownBody:
     """A surface to look at.
 
     Attributes:
@@ -67,7 +67,7 @@ class Scene3D:
         stress_scales: what the colours of each load case mean, where every body has stresses.
     """
 
-    bodies: tuple[Body, ...]
+    bodies: tuple[ShownBody, ...]
     steps: tuple[DesignSnapshot, ...] = ()
     notes: tuple[str, ...] = ()
     stress_scales: tuple[StressScale, ...] = ()
@@ -116,29 +116,29 @@ def _stress(scales: Sequence[StressScale]) -> dict[str, Any] | None:
     return {"ramp": STRESS_COLOURS, "cases": cases}
 
 
-def _body(arrays: _Arrays, body: Body, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
-    skin = shaded(_simplified(body.mesh, most), body.web_z_mm, _STRESS_FACE_MM if scales else None)
-    low, high = skin.vertices_mm.min(axis=0), skin.vertices_mm.max(axis=0)
-    journal = np.zeros(len(skin.vertices_mm), np.uint8)
-    journal[skin.faces] = (skin.colours == JOURNAL_COLOUR).all(axis=1)[:, None]
+def _body(arrays: _Arrays, body: ShownBody, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
+    shading = shaded(_simplified(body.mesh, most), body.web_z_mm, _STRESS_FACE_MM if scales else None)
+    low, high = shading.vertices_mm.min(axis=0), shading.vertices_mm.max(axis=0)
+    journal = np.zeros(len(shading.vertices_mm), np.uint8)
+    journal[shading.faces] = (shading.colours == JOURNAL_COLOUR).all(axis=1)[:, None]
     return {
         "name": body.name,
         "half_pitch_mm": body.half_pitch_mm,
         "low_mm": low.tolist(),
         "size_mm": (high - low).tolist(),
-        "positions": arrays.add(_scaled((skin.vertices_mm - low) / (high - low), 65535, np.uint16)),
-        "normals": arrays.add(_scaled(skin.normals, 127, np.int8)),
+        "positions": arrays.add(_scaled((shading.vertices_mm - low) / (high - low), 65535, np.uint16)),
+        "normals": arrays.add(_scaled(shading.normals, 127, np.int8)),
         "journal": arrays.add(journal),
-        "faces": arrays.add(skin.faces.astype(np.uint32)),
-        "stress": [arrays.add(share) for share in _shares(skin, body.stress, scales)],
+        "faces": arrays.add(shading.faces.astype(np.uint32)),
+        "stress": [arrays.add(share) for share in _shares(shading, body.stress, scales)],
     }
 
 
-def _shares(skin: ShadedMesh, stress: CaseStress | None, scales: Sequence[StressScale]) -> list[NDArray[Any]]:
+def _shares(mesh: ShadedMesh, stress: CaseStress | None, scales: Sequence[StressScale]) -> list[NDArray[Any]]:
     """Stress at the corners of a body over the top of its scale, one array per load case."""
     if stress is None or not scales:
         return []
-    found = zip(stress.at(skin.vertices_mm), scales, strict=True)
+    found = zip(stress.at(mesh.vertices_mm), scales, strict=True)
     return [_scaled(np.minimum(values / scale.top_MPa, 1.0), 255, np.uint8) for values, scale in found]
 
 

@@ -44,15 +44,6 @@ class BevelArc:
         root = np.sqrt(np.maximum(radius**2 - (reach - centre) ** 2, 0.0))
         return np.asarray(np.clip(depth - root, 0.0, self.depth_mm))
 
-    def reach_at_mm(self, depth_mm: float) -> float:
-        """Reach up to which the web goes at a depth; infinite below the bevel."""
-        if depth_mm >= self.depth_mm:
-            return math.inf
-        if self.crown_mm < _FLAT_MM:
-            return float(self.start_mm + depth_mm / self.depth_mm * (self.end_mm - self.start_mm))
-        (depth, centre), radius = self.centre_mm, self.radius_mm
-        return float(centre + math.sqrt(radius**2 - (depth_mm - depth) ** 2))
-
     @property
     def chord_mm(self) -> float:
         """Length of the chord."""

@@ -93,7 +93,7 @@ class RectangularHole(Body):
         return (Box((x0, y0, low), (x1 - x0, y1 - y0, high - low)),)
 
 
-def bores(scene: Scene) -> list[RoundHole]:
+def bore_holes(scene: Scene) -> list[RoundHole]:
     """The bores of main journal and crankpin where they run through the web, in that order."""
     names = ("main_journal", "crankpin")
     return [
@@ -133,7 +133,7 @@ def check_cut(scene: Scene, body: Body) -> None:
         raise CranktopoError(
             f"{body.key}: lies outside the web's outline and removes nothing.", hint="Move or remove it."
         )
-    for bore in bores(scene):
+    for bore in bore_holes(scene):
         if body.distance_mm(bore.y_mm, middle) - bore.radius_mm < SHOULDER_MM:
             raise CranktopoError(
                 f"{body.key}: cuts the bore {bore.key} = {2 * bore.radius_mm:g} mm.",

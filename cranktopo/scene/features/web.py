@@ -22,7 +22,7 @@ from cranktopo.scene.features.box_pocket import BoxPocket, FittedBox
 from cranktopo.scene.features.cylinder_pocket import CylinderPocket, FittedCylinder
 from cranktopo.scene.features.fitted import FittedToSections
 from cranktopo.scene.features.fitted_pocket import FittedPocket
-from cranktopo.scene.features.hole import bores
+from cranktopo.scene.features.hole import bore_holes
 from cranktopo.scene.features.primitives import Curve, Extrusion, Solid
 from cranktopo.scene.features.side_pocket import FittedSlot, SidePocket
 
@@ -129,7 +129,7 @@ class OutlineBody(Body):
 def web_bodies(scene: Scene) -> list[Body]:
     """What the web is made of: its outline, the bores through it, its features."""
     outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
-    return [outline, *bores(scene), *feature_bodies(scene)]
+    return [outline, *bore_holes(scene), *feature_bodies(scene)]
 
 
 def feature_bodies(scene: Scene) -> list[Body]:

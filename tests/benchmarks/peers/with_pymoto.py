@@ -1,4 +1,4 @@
-"""The cantilever of `tests.benchmarks.cantilever` in pyMOTO: multigrid CG, density filter, its own OC.
+"""The cantilever of `tests.studies.cantilever` in pyMOTO: multigrid CG, density filter, its own OC.
 
 Runs in the peers' environment, without cranktopo: `python with_pymoto.py NX NY NZ ITERATIONS DENSITY.npy`.
 Set up as its multigrid example does: three levels, the coarsest factorised, residual 1e-5.

@@ -1,4 +1,4 @@
-"""The cantilever of `tests.benchmarks.cantilever` in PyTopo3D: its default problem and its direct solver.
+"""The cantilever of `tests.studies.cantilever` in PyTopo3D: its default problem and its direct solver.
 
 Runs in the peers' environment, without cranktopo: `python with_pytopo3d.py NX NY NZ ITERATIONS DENSITY.npy`.
 """
