@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from cranktopo.errors import CranktopoError
 from cranktopo.scene.base import SceneTable
 from cranktopo.scene.schema import Scene
 
@@ -55,8 +56,11 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
 
 
 def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption, ...]:
-    """Assumptions from the entries of `assumed` in a manifest."""
-    return tuple(Assumption(**entry) for entry in entries)
+    """Assumptions from the entries of `assumed` in a manifest; raises CranktopoError if damaged."""
+    try:
+        return tuple(Assumption(**entry) for entry in entries)
+    except TypeError:
+        raise CranktopoError("manifest.json: `assumed` is damaged.", hint="Start a new run.") from None
 
 
 def among(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:

@@ -23,6 +23,8 @@ _HEIGHTS, _PLACES = 8, 12
 _TOLERANCE = 1e-11
 """Largest change of an integral by halving an interval, over the whole."""
 _HALVINGS = 40
+_MOST_INTERVALS = 1000
+"""Open at a time; more are open only where rounding is all that is left to gain."""
 _REMOVED = -1000
 """Weight of a body that takes material away, among those that add it."""
 
@@ -136,10 +138,10 @@ def _integrate(function: Callable[[Array], Array], breaks: Array) -> Array:
         below, above = _quadrature(function, low, middle), _quadrature(function, middle, high)
         open_ = (np.abs(below + above - values) > _TOLERANCE * scale).any(axis=1)
         total += (below + above)[~open_].sum(axis=0)
-        if not open_.any():
-            return np.asarray(total)
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
         values = np.concatenate([below[open_], above[open_]])
+        if len(values) == 0 or len(values) > _MOST_INTERVALS:
+            break
     return np.asarray(total + values.sum(axis=0))
 
 

@@ -34,13 +34,13 @@ _PACKAGES = (
 _KEYS: dict[str, type] = {
     "run": str,
     "design": str,
-    "command": list,
     "scene": dict,
     "options": dict,
     "settings_sha256": str,
     "status": str,
     "started": str,
 }
+_LISTS: dict[str, type] = {"command": str, "resumed": str, "assumed": dict}
 
 
 def new_manifest(
@@ -131,12 +131,12 @@ def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
             f"'{path}': schema_version {shown(version)}, this program reads {SCHEMA_VERSION}.",
             hint="Use the version of cranktopo that made the run, or start a new one.",
         )
-    missing = [key for key in _KEYS if key not in manifest]
+    missing = [key for key in (*_KEYS, "command") if key not in manifest]
     if missing:
         raise CranktopoError(f"'{path}': incomplete, {', '.join(missing)} missing.", hint="Start a new run.")
     wrong = [key for key, kind in _KEYS.items() if not isinstance(manifest[key], kind)]
     wrong += [] if _is_inputs(manifest.get("inputs", {})) else ["inputs"]
-    wrong += [] if all(isinstance(word, str) for word in manifest["command"]) else ["command"]
+    wrong += [key for key, kind in _LISTS.items() if not _is_list(manifest.get(key, []), kind)]
     if wrong:
         raise CranktopoError(
             f"'{path}': damaged, {', '.join(wrong)} not as written.", hint="Start a new run."
@@ -146,6 +146,10 @@ def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
             f"'{path}': changed by hand, its scene and options do not match settings_sha256.",
             hint="Restore it; to change settings, edit the design and start a new run.",
         )
+
+
+def _is_list(value: Any, kind: type) -> bool:
+    return isinstance(value, list) and all(isinstance(item, kind) for item in value)
 
 
 def _is_inputs(inputs: Any) -> bool:

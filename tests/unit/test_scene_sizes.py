@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,10 @@ from cranktopo.domain.build import throw_ranges_mm
 from cranktopo.domain.stl_envelope import envelope_from_file
 from cranktopo.errors import CranktopoError
 from cranktopo.scene import Scene
+from cranktopo.scene.geometry import Throw
 from cranktopo.scene.loading import designs_folder, parse_scene
 from cranktopo.scene.polygons import self_intersection
+from cranktopo.scene.web_moments import web_moments
 from cranktopo.triangles.surface_files import read_stl
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
@@ -151,3 +154,24 @@ def test_files_that_are_no_step(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "x.step").write_bytes(content)
     with pytest.raises(CranktopoError, match=r"x: (is no STEP file|cannot be read as STEP|holds 0 solids)"):
         step_surface(tmp_path / "x.step", "x")
+
+
+def test_a_web_balanced_about_the_crank_axis_has_moments_at_once() -> None:
+    """Its first moment is zero but for rounding, which no halving of intervals removes."""
+    disc = 'outline = "tapered"\nmain_radius_mm = 80.0\npin_radius_mm = 30.0'
+    solid = scene('outline = "obround"\nwidth_mm = 50.0', disc)
+    bore = np.pi * 12.0**2 * 19.0
+    began = time.perf_counter()
+    found = web_moments(solid)
+    assert time.perf_counter() - began < 5
+    assert found.volume == pytest.approx(np.pi * 80.0**2 * 19.0 - 2 * bore, rel=1e-9)
+    assert found.first_y == pytest.approx(-bore * 48.0, rel=1e-6)
+    closed = scene('outline = "obround"\nwidth_mm = 50.0', disc).model_copy(update={"throw": _solid(solid)})
+    assert abs(web_moments(closed).first_y) < 1e-6 * found.volume
+    assert time.perf_counter() - began < 5
+
+
+def _solid(hollow: Scene) -> Throw:
+    throw = hollow.throw
+    main, pin = (j.model_copy(update={"bore_diameter_mm": 0.0}) for j in (throw.main_journal, throw.crankpin))
+    return throw.model_copy(update={"main_journal": main, "crankpin": pin})
