@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from cranktopo.pipeline.loads import loads_at_speeds, plot_load_curves, write_load_curves
     from cranktopo.pipeline.optimise import optimise_design, resume_optimisation, with_cells_for
     from cranktopo.pipeline.remodel import remodel_run
-    from cranktopo.pipeline.run_record import report_run
+    from cranktopo.pipeline.run_report import report_run
     from cranktopo.pipeline.runs import clean_runs, summarise_runs
     from cranktopo.remodel.fit import FittedWeb, fit_web
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -86,7 +86,7 @@ _HOMES = {
     "optimise_design": "pipeline.optimise",
     "resume_optimisation": "pipeline.optimise",
     "with_cells_for": "pipeline.optimise",
-    "report_run": "pipeline.run_record",
+    "report_run": "pipeline.run_report",
     "extract_surface": "pipeline.extract",
     "remodel_run": "pipeline.remodel",
     "loop_scene": "pipeline.iterate",

@@ -81,7 +81,7 @@ def command(
 
         check_file(plot, "--plot", PLOTS)
     if page is not None:
-        from cranktopo.report.pages.writing import check_report_path
+        from cranktopo.report.pages.report_file import check_report_path
 
         check_report_path(page)
     from cranktopo.pipeline.compare import compare_targets, report_comparison

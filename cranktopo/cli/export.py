@@ -31,7 +31,7 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float, force: bo
     check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
     scene = load_scene(design)
     if file.suffix.lower() in PLOTS:
-        from cranktopo.pipeline.drawing import export_drawing
+        from cranktopo.pipeline.drawing_file import export_drawing
 
         export_drawing(scene, file)
         click.echo(f"{file}: workshop drawing, A3")

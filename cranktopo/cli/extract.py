@@ -61,7 +61,7 @@ def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> Surfac
 
 def _text(found: Extraction, path: Path) -> str:
     from cranktopo.pipeline.extract import LEAST_MEMBER_CELLS
-    from cranktopo.report.tables.undercuts import undercut_text
+    from cranktopo.report.tables.undercut_table import undercut_text
 
     surface, report = found.surface, found.report
     cells = found.minimum_member_mm / found.cell_mm

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, rule_options
+from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, limit_options
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.errors import ExitCode
@@ -35,7 +35,7 @@ from cranktopo.errors import ExitCode
     type=CELL_MM,
     help="End when the web beside a journal is thinner; default: 40 % of the web's thickness.",
 )
-@rule_options
+@limit_options
 @click.option("--element-size-mm", type=CELL_MM, help="Of the evaluation.")
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")

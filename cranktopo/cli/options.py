@@ -83,7 +83,7 @@ def mesh_options(function: Any) -> Any:
     return function
 
 
-def rule_options(function: Any) -> Any:
+def limit_options(function: Any) -> Any:
     """Add --min-wall-mm, --min-radius-mm, --draft-deg and --cell-mm to a command that fits webs.
 
     Their parameters are named as the fields of `ManufacturingLimits`.

@@ -9,14 +9,14 @@ from typing import Any
 import click
 
 from cranktopo.cli.completion import runs
-from cranktopo.cli.options import rule_options
+from cranktopo.cli.options import limit_options
 from cranktopo.cli.verbosity import info, verbosity_options
 
 
 @click.command()
 @click.argument("run", shell_complete=runs)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to; RUN/remodel by default.")
-@rule_options
+@limit_options
 @click.option("--no-evaluation", is_flag=True, help="Leave out the stiffness comparison.")
 @click.option("--no-judge", "no_evaluation", is_flag=True, hidden=True)
 @click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")

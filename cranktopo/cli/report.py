@@ -33,8 +33,8 @@ def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None
 
     Example: cranktopo report runs/20250101-120000_mikron-iiic_0123abcd --stress
     """
-    from cranktopo.pipeline.run_record import report_run
-    from cranktopo.report.pages.writing import check_report_path
+    from cranktopo.pipeline.run_report import report_run
+    from cranktopo.report.pages.report_file import check_report_path
     from cranktopo.store import open_run
 
     if as_markdown and out is not None and out.suffix.lower() != ".md":

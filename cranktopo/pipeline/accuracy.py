@@ -12,7 +12,7 @@ from cranktopo.accuracy.stored_studies import key_of, store_study
 from cranktopo.accuracy.study import run_studies
 from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.report.pages.accuracy_page import accuracy_page
-from cranktopo.report.pages.writing import write_report
+from cranktopo.report.pages.report_file import write_report
 from cranktopo.store import RUNS, check_folder, write_json
 from cranktopo.store.manifest import timestamp
 

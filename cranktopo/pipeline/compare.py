@@ -17,8 +17,8 @@ from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
 from cranktopo.report.comparison import Comparison, Entry, check_same_supports, compare
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
-from cranktopo.report.pages.writing import check_report_path, write_report
-from cranktopo.report.tables.undercuts import DesignUndercuts
+from cranktopo.report.pages.report_file import check_report_path, write_report
+from cranktopo.report.tables.undercut_table import DesignUndercuts
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions

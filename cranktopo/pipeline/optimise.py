@@ -22,12 +22,12 @@ from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
 from cranktopo.pipeline.original import check_original
 from cranktopo.pipeline.run_files import history_rows, write_run_files
-from cranktopo.pipeline.run_record import record_of
+from cranktopo.pipeline.run_report import record_of
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.pipeline.run_stress import read_run_stress
 from cranktopo.pipeline.snapshots import snapshots
+from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.pages.run_page import run_page
-from cranktopo.report.pages.writing import REPORT, write_report
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import ENVELOPE, LOADS, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
 from cranktopo.scene.loading import input_files

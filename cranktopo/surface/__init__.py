@@ -1,6 +1,6 @@
 """From a density field to a watertight surface."""
 
-from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.surface.half_throw import WebSurface, extract_half_throw
 from cranktopo.surface.surface_checks import SurfaceReport, check_surface
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cranktopo.domain.build import Domain
 from cranktopo.optimise.loop import WebDensities
 from cranktopo.scene import Scene
-from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.surface.half_throw import WebSurface, extract_half_throw
 from cranktopo.surface.surface_checks import SurfaceReport, check_surface
 from cranktopo.surface.undercuts import Undercuts, undercuts

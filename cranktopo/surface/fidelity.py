@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.surface.half_throw import WebSurface, build_cutter, fine_field
 from cranktopo.surface.isosurface import unsmoothed_solid
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of

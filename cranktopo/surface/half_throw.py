@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
-from cranktopo.surface.grid import DensityGrid, is_x_symmetric
+from cranktopo.surface.density_grid import DensityGrid, is_x_symmetric
 from cranktopo.surface.isosurface import FineField, iso_solid, resample, unsmoothed_solid
 from cranktopo.surface.solids import (
     envelope_solid,

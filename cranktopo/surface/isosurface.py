@@ -17,7 +17,7 @@ from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.frames import X
-from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.domain.through_holes import envelope_z_mm, through_holes
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
-from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.density_grid import DensityGrid
 
 CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0

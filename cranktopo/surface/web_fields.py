@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
 from cranktopo.optimise.loop import WebDensities
-from cranktopo.surface.grid import DensityGrid
+from cranktopo.surface.density_grid import DensityGrid
 
 Array = NDArray[np.float64]
 

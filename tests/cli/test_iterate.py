@@ -26,9 +26,9 @@ from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.effects.beam import throw_compliance
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.balance import throw_balance
-from cranktopo.pipeline.iterate import loop, solids
-from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_solids
+from cranktopo.pipeline.iterate import loop, step_solids
 from cranktopo.pipeline.iterate.step import LoopStep, best_step, verdict
+from cranktopo.pipeline.iterate.step_solids import read_web, write_envelope, write_solids
 from cranktopo.pipeline.iterate.transition import transition_mm
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.report.tables.steps_table import best_line
@@ -173,7 +173,7 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             bending_error_percent=0.2,
         )
 
-    monkeypatch.setattr(solids, "FACET_MM", 6.0)
+    monkeypatch.setattr(step_solids, "FACET_MM", 6.0)
     monkeypatch.setattr(loop, "write_solids", solids_once)
     monkeypatch.setattr(loop, "_optimised", optimised)
     monkeypatch.setattr(loop, "fit_web", fit)
@@ -192,7 +192,7 @@ def solids_once(scene: Scene, folder: Path) -> None:
     if before == folder:
         write_solids(scene, folder)
     else:
-        for name in ("web.step", "web.stl", solids.WEB):
+        for name in ("web.step", "web.stl", step_solids.WEB):
             shutil.copy(before / name, folder)
 
 

@@ -13,7 +13,7 @@ from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.optimise.notices import baseline_notice
-from cranktopo.pipeline.iterate.solids import HALF, read_web, write_original
+from cranktopo.pipeline.iterate.step_solids import HALF, read_web, write_original
 from cranktopo.pipeline.original import check_original
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import input_files

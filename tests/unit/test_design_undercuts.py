@@ -7,7 +7,7 @@ from manifold3d import Manifold
 
 from cranktopo.pipeline.compare import design_undercuts
 from cranktopo.report.pages.comparison_page import undercut_fact
-from cranktopo.report.tables.undercuts import DesignUndercuts, undercut_table
+from cranktopo.report.tables.undercut_table import DesignUndercuts, undercut_table
 from cranktopo.triangles.surface_mesh import mesh_of
 from tests.unit.surface_cases import scene_with
 

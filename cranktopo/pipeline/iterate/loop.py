@@ -18,8 +18,8 @@ from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
 from cranktopo.optimise.notices import baseline_notice
 from cranktopo.pipeline.iterate.settings import Settings, loop_settings
-from cranktopo.pipeline.iterate.solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
+from cranktopo.pipeline.iterate.step_solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.pipeline.iterate.transition import transition_mm
 from cranktopo.pipeline.optimise import announce, optimise_design, resume_optimisation
 from cranktopo.pipeline.original import check_original, original_file
@@ -28,7 +28,7 @@ from cranktopo.remodel.fit import fit_web
 from cranktopo.remodel.shape_error import shape_error
 from cranktopo.report.figures.steps_plot import save_steps_plot
 from cranktopo.report.pages.iterate_page import iterate_page
-from cranktopo.report.pages.writing import REPORT, write_report
+from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.tables.result_table import comma_separated
 from cranktopo.report.tables.run_text import LOOP_FILES
 from cranktopo.report.tables.steps_table import steps_table

@@ -32,7 +32,7 @@ from cranktopo.report.quantities import (
 )
 from cranktopo.report.tables.comparison_tables import percent_table, published_table, value_table
 from cranktopo.report.tables.result_table import Column, tabulate
-from cranktopo.report.tables.undercuts import DesignUndercuts, undercut_table
+from cranktopo.report.tables.undercut_table import DesignUndercuts, undercut_table
 from cranktopo.report.verdict_sentence import comparison_sentence
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales

@@ -8,7 +8,7 @@ from typing import Any
 from cranktopo.report.pages.page import Fact, Status
 from cranktopo.report.quantities import MASS, TORSION
 from cranktopo.report.run_record import RunRecord
-from cranktopo.report.tables.undercuts import obstacles
+from cranktopo.report.tables.undercut_table import obstacles
 from cranktopo.report.verdict_sentence import (
     NOTICEABLE_PERCENT,
     comparison_sentence,

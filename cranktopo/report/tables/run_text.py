@@ -8,7 +8,7 @@ from typing import Any
 
 from cranktopo.report.tables.result_table import terminal
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
-from cranktopo.report.tables.undercuts import obstacles
+from cranktopo.report.tables.undercut_table import obstacles
 from cranktopo.report.verdict_sentence import percent_change, run_changes_percent, worse_line
 
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")

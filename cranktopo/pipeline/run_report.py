@@ -16,8 +16,8 @@ from cranktopo.loads import analyse
 from cranktopo.optimise.problem import build_chain
 from cranktopo.pipeline.run_stress import read_run_stress, solve_run_stress
 from cranktopo.pipeline.snapshots import snapshots
+from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.pages.run_page import run_page
-from cranktopo.report.pages.writing import REPORT, write_report
 from cranktopo.report.run_record import RunRecord
 from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.scene import Scene
