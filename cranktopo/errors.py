@@ -49,7 +49,6 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
 
     Args:
         key: dotted path of the key, e.g. `throw.main_journal.bore_diameter_mm`.
-        value: the offending value.
         allowed: the allowed range, e.g. `must be > 0 and < 42 mm`.
         hint: what to do next.
     """

@@ -26,7 +26,6 @@ def check_input(path: str | Path, name: str, limit_MiB: float, hint: str = "") -
     """Check that a file can be read: it exists, is a regular file, and is neither empty nor too large.
 
     Args:
-        path: the file.
         name: of the file in the message, such as `design 'x.toml'`.
         limit_MiB: the largest size.
         hint: what to do next, where the size is not what is wrong.
@@ -51,7 +50,6 @@ def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") ->
     """Content of a file.
 
     Args:
-        path: the file.
         name: of the file in the message, such as `design 'x.toml'`.
         limit_MiB: the largest size.
         hint: what to do next, where the size is not what is wrong.
@@ -75,7 +73,6 @@ def read_text(path: str | Path, name: str, limit_MiB: float = TEXT_LIMIT_MIB, hi
     """Text of a UTF-8 file, with or without a byte-order mark.
 
     Args:
-        path: the file.
         name: of the file in the message, such as `design 'x.toml'`.
         limit_MiB: the largest size.
         hint: what to do next, where neither the size nor the encoding is wrong.

@@ -20,7 +20,6 @@ class Limit:
     """What a sequence converges to.
 
     Attributes:
-        value: extrapolated value.
         uncertainty_percent: half the width of the band that should hold the true value.
         order: observed order of convergence of the three finest, None where they show none.
     """

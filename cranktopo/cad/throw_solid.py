@@ -27,7 +27,6 @@ class SolidProperties:
     """Mass properties of a body of unit density.
 
     Attributes:
-        volume_mm3: volume.
         centre_mm: centre of mass (x, y, z).
         inertia_z_mm5: integral of x2 + y2 about the crank axis.
     """

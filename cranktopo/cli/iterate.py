@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume, limit_options
+from cranktopo.cli.options import DEFAULT_DESIGN, limit_options, refuse_beside_resume
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.errors import ExitCode

@@ -24,7 +24,7 @@ COMMANDS = {
     "accuracy": "What accuracy costs in time: error against seconds for evaluation and optimiser.",
     "report": "Write the page of a run: verdict, 3D view, curves, tables; HTML or Markdown with PNGs.",
     "fatigue": "Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.",
-    "shaft": "Chain the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
+    "shaft": "Assemble the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
     "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, shape error.",
     "iterate": "The whole loop: remove a little, extract, re-model, evaluate, again inside the new solid.",

@@ -38,7 +38,7 @@ def command(
     element_size_mm: float | None,
     as_json: bool,
 ) -> None:
-    """Assemble the shaft from the throws of TARGET by their firing order: torsional stiffness and natural frequencies.
+    """Assemble the throws of TARGET to a shaft by firing order: torsional stiffness, natural frequencies.
 
     TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
 

@@ -28,7 +28,6 @@ def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> 
     """The closed body in an STL or STEP file, mm, in the frame of `cranktopo.frames`.
 
     Args:
-        path: the file.
         symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made
             so from the side x >= 0.
         key: of the file in the scene, for messages.

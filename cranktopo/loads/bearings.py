@@ -55,7 +55,6 @@ def clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) ->
 
     Args:
         max_piston_force_N: largest piston force of the cycle.
-        clearance_mm: bearing clearance.
 
     Source: J. Voparil, Shape optimisation of aircraft engine crankshaft, Brno University of Technology, 2011.
     """

@@ -64,7 +64,6 @@ def mesh_step_for_stress(
     Args:
         path: as `mesh_file` takes it.
         scene: design of its journals.
-        element_size_mm: general element size.
         fillet_fraction: element size in a fillet over its radius.
         align: move a body that lies elsewhere to where the journals are.
 

@@ -86,7 +86,6 @@ class Fit:
     """How well a web fits, as functions of its parameters.
 
     Attributes:
-        layout: the parameters.
         bounds: lower and upper bounds of their values, mm or degrees.
     """
 

@@ -146,7 +146,6 @@ def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
     """Named arrays of an .npz file.
 
     Args:
-        path: the file.
         name: of the file in the message.
         hint: what to do when it cannot be used.
 

@@ -58,7 +58,6 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
     """The surface in an STL file, mm, vertices joined; nothing about it is checked.
 
     Args:
-        path: the file.
         name: of the file in the message, by default its path.
 
     Raises:
