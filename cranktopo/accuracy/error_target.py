@@ -9,7 +9,7 @@ from typing import Any
 from cranktopo.accuracy.evaluation_study import EvaluationMesh
 from cranktopo.accuracy.level import EVALUATION
 from cranktopo.accuracy.stored_studies import StoredStudy
-from cranktopo.evaluate.evaluation import Evaluation, MeshResult, Progress, evaluate_on_mesh, evaluation
+from cranktopo.evaluate.evaluation import Evaluation, Info, MeshResult, evaluate_on_mesh, evaluation
 from cranktopo.evaluate.targets import Target
 
 LEVELS = tuple(EvaluationMesh(steps, graded=True) for steps in (2, 1, 0, -1, -2, -3))
@@ -36,7 +36,7 @@ def evaluate_to(
     target: Target,
     wanted: ErrorTarget,
     measured: StoredStudy | None = None,
-    progress: Progress = lambda _: None,
+    progress: Info = lambda _: None,
 ) -> tuple[Evaluation, bool]:
     """Evaluate on the cheapest mesh that should do, and on finer ones until its own estimate agrees.
 

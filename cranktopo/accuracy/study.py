@@ -19,7 +19,7 @@ from cranktopo.accuracy.level import (
 from cranktopo.accuracy.machine import Machine, this_machine
 from cranktopo.accuracy.stress_study import stress_levels
 from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.targets import Target
 
 _SHARES = {EVALUATION: 0.35, FILLET_STRESS: 0.2, OPTIMISER: 1.0}
@@ -50,7 +50,7 @@ def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
     return {name: levels for name, levels in found.items() if levels}
 
 
-def run_studies(target: Target, budget_s: float, progress: Progress = lambda _: None) -> Study:
+def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None) -> Study:
     """Solve level after level within a wall time; Ctrl-C ends it early and keeps what is done."""
     began = time.perf_counter()
     machine = this_machine()
@@ -81,7 +81,7 @@ def run_studies(target: Target, budget_s: float, progress: Progress = lambda _: 
     return Study(target.name, budget_s, spent_s(), machine, tuple(levels), tuple(failures), interrupted)
 
 
-def _solved(planned: Sequence[PlannedLevel], allowed_s: float, announce: Progress) -> Iterator[Level | str]:
+def _solved(planned: Sequence[PlannedLevel], allowed_s: float, announce: Info) -> Iterator[Level | str]:
     """Solved levels, or why one failed, until the next would not fit; the first is always tried."""
     start, rate = time.perf_counter(), None
     for number, level in enumerate(planned):

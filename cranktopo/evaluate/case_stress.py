@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.equivalent import von_mises
-from cranktopo.evaluate.evaluation import Progress, default_element_size_mm, mesh_target
+from cranktopo.evaluate.evaluation import Info, default_element_size_mm, mesh_target
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, unit_fields
@@ -69,7 +69,7 @@ def case_stress(
     target: Target,
     cases: Sequence[LoadCase],
     element_size_mm: float | None = None,
-    progress: Progress = lambda _: None,
+    progress: Info = lambda _: None,
 ) -> CaseStress:
     """Von Mises stress of a target under load cases, one condensation per symmetry that they need.
 

@@ -21,7 +21,7 @@ from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 SCHEMA_VERSION = 1
 RATIO = 1.5
 """Element size of the coarse mesh over that of the fine one in the error estimate."""
-SAFETY = 3.0
+ERROR_FACTOR = 3.0
 """Error bound over the change from the mesh 1.5 times coarser.
 
 Richardson extrapolation with the theoretical orders (1.09 at a sharp ring, Williams, 1952; up to 2 with
@@ -32,7 +32,7 @@ grid refinement studies, J. Fluids Eng. 116, 1994). Coverage: `python -m tests.b
 _VOLUME_TOLERANCE = 0.02
 """Mesh against solid: sound meshes of 15 mm elements are within 1 %, of the default size within 0.01 %."""
 
-Progress = Callable[[str], None]
+Info = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class MeshResult:
 
 
 def evaluate(
-    target: Target, element_size_mm: float | None = None, progress: Progress = lambda _: None
+    target: Target, element_size_mm: float | None = None, progress: Info = lambda _: None
 ) -> Evaluation:
     """Evaluate a target on a mesh of the given size and on one 1.5 times coarser.
 
@@ -161,7 +161,7 @@ def evaluate_on_mesh(
     *,
     graded: bool = True,
     order: Order = 2,
-    progress: Progress = lambda _: None,
+    progress: Info = lambda _: None,
 ) -> MeshResult:
     """A target on one mesh.
 
@@ -271,7 +271,7 @@ def bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float |
     Two unstructured meshes may happen to agree in one support; hardly in all.
     """
     pairs = ((_known(coarse[name]), value) for name, value in fine.items() if value is not None)
-    return SAFETY * max(100 * abs(high / low - 1) for high, low in pairs)
+    return ERROR_FACTOR * max(100 * abs(high / low - 1) for high, low in pairs)
 
 
 def _known(value: float | None) -> float:

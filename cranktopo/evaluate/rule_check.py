@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.effects.beam import web_lever_mm
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
-from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.m53 import (
     LEAST_FACTOR,
     Dimensions,
@@ -91,7 +91,7 @@ def check_rule(
     target: Target,
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
-    progress: Progress = lambda _: None,
+    progress: Info = lambda _: None,
 ) -> RuleCheck:
     """Check a throw against the rule.
 

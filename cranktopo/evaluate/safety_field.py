@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.effects import plan
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.fillets import Place, place
 from cranktopo.evaluate.fkm import FkmStrength, fkm
 from cranktopo.evaluate.local_stress import LocalStress
@@ -156,7 +156,7 @@ def fatigue_field(
     method: FieldMethod,
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
-    progress: Progress = lambda _: None,
+    progress: Info = lambda _: None,
 ) -> FatigueField:
     """Fatigue safety of a throw by a method of local stresses.
 

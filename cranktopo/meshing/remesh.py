@@ -19,7 +19,7 @@ from cranktopo.triangles.shells import shells
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 Array = NDArray[np.float64]
-Cells = NDArray[np.int64]
+Tetrahedra = NDArray[np.int64]
 SizeField = Callable[[Array], Array]
 
 _TET4 = 4
@@ -33,7 +33,7 @@ _VOLUME_TOLERANCE = 5e-3
 
 def tetrahedralise(
     surface: SurfaceMesh, element_size_mm: float, size_at: SizeField, name: str
-) -> tuple[Array, Cells]:
+) -> tuple[Array, Tetrahedra]:
     """Ten-node tetrahedra of a closed surface that may have tunnels and closed hollows.
 
     Args:
@@ -58,7 +58,7 @@ def tetrahedralise(
     return quadratic(points, tets)
 
 
-def _fill(surface: SurfaceMesh, size: float, size_at: SizeField, name: str) -> tuple[Array, Cells]:
+def _fill(surface: SurfaceMesh, size: float, size_at: SizeField, name: str) -> tuple[Array, Tetrahedra]:
     failure = ""
     for distance in _DISTANCES:
         try:
@@ -81,7 +81,7 @@ def _resurfaced(surface: SurfaceMesh, size: float, distance: float) -> SurfaceMe
     return SurfaceMesh(np.asarray(mesh.get_vertices()), np.asarray(mesh.get_triangles(), np.int64))
 
 
-def _inside(surface: SurfaceMesh, size: float, name: str) -> tuple[Array, Cells]:
+def _inside(surface: SurfaceMesh, size: float, name: str) -> tuple[Array, Tetrahedra]:
     """Coarse tetrahedra on the triangles of the surface as they are."""
     with cad_session(f"surface of {name}") as gmsh:
         loops = [gmsh.model.geo.addSurfaceLoop([_add_shell(gmsh, shell)]) for shell in shells(surface)]
@@ -106,8 +106,8 @@ def _add_shell(gmsh: Any, shell: SurfaceMesh) -> int:
 
 
 def _improved(
-    points: Array, tets: Cells, size: float, distance: float, size_at: SizeField
-) -> tuple[Array, Cells]:
+    points: Array, tets: Tetrahedra, size: float, distance: float, size_at: SizeField
+) -> tuple[Array, Tetrahedra]:
     from mmgpy import MmgMesh3D
 
     mesh = MmgMesh3D(points, tets.astype(np.int32))
@@ -127,12 +127,12 @@ def _options(size: float, distance: float) -> dict[str, float | int]:
     }
 
 
-def _volumes(points: Array, tets: Cells) -> Array:
+def _volumes(points: Array, tets: Tetrahedra) -> Array:
     a, b, c, d = (points[tets[:, corner]] for corner in range(4))
     return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
 
 
-def quadratic(points: Array, tets: Cells) -> tuple[Array, Cells]:
+def quadratic(points: Array, tets: Tetrahedra) -> tuple[Array, Tetrahedra]:
     """Ten-node tetrahedra with a node in the middle of every edge.
 
     Args:

@@ -9,7 +9,7 @@ from pathlib import Path
 from cranktopo.cad.solid_files import surface_of
 from cranktopo.effects import plan
 from cranktopo.evaluate.case_stress import case_stress
-from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.targets import Target, resolve_targets
 from cranktopo.loads import LoadCase, analyse, load_cases
 from cranktopo.meshing.imported_body import half_throw_surface
@@ -45,7 +45,7 @@ def compare_targets(
     wanted: MeshRequest | None = None,
     fatigue: FatigueMethod | None = None,
     design: str | None = None,
-    info: Progress = lambda _: None,
+    info: Info = lambda _: None,
     align: bool = False,
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
@@ -78,7 +78,7 @@ def report_comparison(
     found: ComparedTargets,
     path: Path,
     command: Sequence[str] = (),
-    stress_progress: Progress | None = None,
+    stress_progress: Info | None = None,
 ) -> None:
     """Write the page of a comparison as HTML or Markdown.
 
@@ -94,7 +94,7 @@ def report_comparison(
 
 
 def comparison_record(
-    found: ComparedTargets, command: Sequence[str] = (), stress_progress: Progress | None = None
+    found: ComparedTargets, command: Sequence[str] = (), stress_progress: Info | None = None
 ) -> ComparisonRecord:
     """Everything that the page of a comparison shows; arguments as `report_comparison`."""
     scene = found.targets[found.comparison.baseline].scene
@@ -122,7 +122,7 @@ def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> Design
 
 
 def _body(
-    target: Target, mesh: SurfaceMesh, cases: Sequence[LoadCase], stress_progress: Progress | None
+    target: Target, mesh: SurfaceMesh, cases: Sequence[LoadCase], stress_progress: Info | None
 ) -> ShownBody:
     stress = case_stress(target, cases, progress=stress_progress) if stress_progress else None
     return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress)

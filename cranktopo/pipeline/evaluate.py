@@ -9,7 +9,7 @@ from cranktopo.accuracy.error_target import ErrorTarget, evaluate_to
 from cranktopo.accuracy.level import EVALUATION
 from cranktopo.accuracy.stored_studies import key_of, load_study
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.evaluation import Evaluation, Progress, evaluate
+from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
 from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.scene.assumed import SUPPORTS, THROW, among, assumed_text
 
@@ -47,7 +47,7 @@ class Evaluations:
 
 
 def evaluate_target(
-    target: Target | str, wanted: MeshRequest | None = None, info: Progress = lambda _: None
+    target: Target | str, wanted: MeshRequest | None = None, info: Info = lambda _: None
 ) -> Evaluation:
     """Evaluation of one target, given as such or as the user types it (a design, a run).
 
@@ -59,7 +59,7 @@ def evaluate_target(
 
 
 def evaluate_targets(
-    targets: Sequence[Target], wanted: MeshRequest | None = None, info: Progress = lambda _: None
+    targets: Sequence[Target], wanted: MeshRequest | None = None, info: Info = lambda _: None
 ) -> Evaluations:
     """Evaluate targets one after the other; `info` is called with lines of progress.
 
@@ -75,7 +75,7 @@ def evaluate_targets(
     return Evaluations(tuple(evaluations), tuple(missed))
 
 
-def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Progress) -> None:
+def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Info) -> None:
     """One line per target of what it does not say and a command uses of these tables of its scene."""
     for target in targets:
         found = among(target.assumed, tables)
@@ -83,7 +83,7 @@ def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Progre
             info(f"{target.name}: {assumed_text(found)}")
 
 
-def _evaluate(target: Target, wanted: MeshRequest, info: Progress) -> tuple[Evaluation, bool]:
+def _evaluate(target: Target, wanted: MeshRequest, info: Info) -> tuple[Evaluation, bool]:
     if wanted.accuracy_percent is None and wanted.budget_s is None:
         return evaluate(target, wanted.element_size_mm, info), True
     measured = load_study(key_of(target), EVALUATION)

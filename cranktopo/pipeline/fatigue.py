@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.rule_check import RuleCheck, check_rule
 from cranktopo.evaluate.safety_field import FatigueField, FieldMethod, check_inputs, fatigue_field
 from cranktopo.evaluate.stress_model import RULE_FRACTION
@@ -64,7 +64,7 @@ def assess_fatigue(
     baseline: int | None = None,
     fillet_fraction: float = RULE_FRACTION,
     out: Path | None = None,
-    info: Progress = lambda _: None,
+    info: Info = lambda _: None,
     design: str | None = None,
     align: bool = False,
 ) -> FatigueAssessment:
@@ -118,7 +118,7 @@ def _check_files(method: FatigueMethod, out: Path) -> None:
     check_folder(out)
 
 
-def _note_quality(field: FatigueField, info: Progress) -> None:
+def _note_quality(field: FatigueField, info: Info) -> None:
     quality = field.model.quality
     if not quality.within_rule:
         info(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
@@ -129,7 +129,7 @@ def _note_quality(field: FatigueField, info: Progress) -> None:
         )
 
 
-def _write_field(out: Path, field: FatigueField, info: Progress) -> None:
+def _write_field(out: Path, field: FatigueField, info: Info) -> None:
     out.mkdir(parents=True, exist_ok=True)
     writers: tuple[tuple[str, Callable[[Path, FatigueField], None]], ...] = (
         (".vtu", write_fatigue_vtu),

@@ -12,6 +12,7 @@ from cranktopo.accuracy.cell_choice import choose_cells
 from cranktopo.accuracy.level import OPTIMISER
 from cranktopo.accuracy.stored_studies import load_study
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
@@ -45,7 +46,6 @@ from cranktopo.store import (
 )
 from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 
-Info = Callable[[str], None]
 RUN_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE)
 """What an optimisation uses of a scene."""
 

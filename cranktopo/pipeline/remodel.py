@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 from cranktopo.cad.solid_files import export_solid, surface_of
 from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import Evaluation, evaluate
+from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
 from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.remodel.fit import FittedWeb, fit_web
@@ -28,7 +27,6 @@ from cranktopo.units import density_kg_per_mm3
 
 SCHEMA_VERSION = 1
 _FACET_MM = 1.0
-Info = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from cranktopo.domain.build import build_domain
 from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.case_stress import CaseStress
-from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import double_precision
 from cranktopo.loads import analyse
 from cranktopo.optimise.problem import build_chain
@@ -38,9 +38,7 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh
 _FATIGUE, _ACCURACY = "fatigue.json", "accuracy.json"
 
 
-def report_run(
-    run: RunStore | str, path: Path | None = None, stress_progress: Progress | None = None
-) -> Path:
+def report_run(run: RunStore | str, path: Path | None = None, stress_progress: Info | None = None) -> Path:
     """Write the report of a finished run and return its file.
 
     Args:
@@ -59,7 +57,7 @@ def report_run(
     return target
 
 
-def read_record(run: RunStore, stress_progress: Progress | None = None) -> RunRecord:
+def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord:
     """The record of a finished run from its directory.
 
     Raises:
@@ -112,7 +110,7 @@ def _snapshots(run: RunStore, scene: Scene) -> tuple[DesignSnapshot, ...]:
         return snapshots(run, domain, build_chain(scene, domain))
 
 
-def _stress(run: RunStore, scene: Scene, surface: str, progress: Progress | None) -> CaseStress | None:
+def _stress(run: RunStore, scene: Scene, surface: str, progress: Info | None) -> CaseStress | None:
     found = read_run_stress(run, surface)
     return solve_run_stress(run, scene, surface, progress) if found is None and progress else found
 

@@ -10,7 +10,7 @@ import numpy as np
 from cranktopo.effects import plan
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.case_stress import CaseStress, case_stress
-from cranktopo.evaluate.evaluation import Progress
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import LoadCase, load_cases
 from cranktopo.scene import Scene
@@ -20,7 +20,7 @@ from cranktopo.store.manifest import file_hash
 _FILE = "stress.npz"
 
 
-def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Progress) -> CaseStress:
+def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Info) -> CaseStress:
     """Solve a run's surface for its load cases on body-fitted elements, and keep the stresses in the run.
 
     Raises:

@@ -12,7 +12,7 @@ from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.effects import planned_scene
 from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.evaluation import Evaluation, evaluate
+from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
 from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
@@ -56,7 +56,6 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh
 STEP_FILE = "step.json"
 MOST_KEPT = 0.98
 """Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
-Info = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from cranktopo.loads import LoadAnalysis, LoadCase
 from cranktopo.report.comparison import Comparison
 from cranktopo.report.figures.accuracy_plot import error_picture
 from cranktopo.report.figures.scatter import scatter_points
-from cranktopo.report.pages.page import Fact, Page, Section, Status
+from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import (
     effects_section,
     gallery_picture,
@@ -98,7 +98,7 @@ def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
     """How many of the designs a die releases; `found` are those that have a surface to look at."""
     caught = [one.name for one in found if not one.free]
     unknown = designs - len(found)
-    status: Status = "bad" if caught else "unknown" if unknown else "good"
+    status: FactStatus = "bad" if caught else "unknown" if unknown else "good"
     note = f"hollows or undercuts in {', '.join(caught)}" if caught else "by a die that parts in x = 0"
     note += "; STEP files were not examined" * bool(unknown)
     return Fact("Released by a die", f"{len(found) - len(caught)} of {designs}", note, status)
@@ -139,7 +139,7 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     note = "the baseline itself" if row == comparison.baseline else change
     note += ", less than the error estimate" if comparison.baseline in level else ""
     note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
-    status: Status = "neutral" if comparison.baseline in (row, *level) else "good"
+    status: FactStatus = "neutral" if comparison.baseline in (row, *level) else "good"
     return Fact(label, comparison.entries[row].name, note, status)
 
 

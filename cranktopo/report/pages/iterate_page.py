@@ -7,7 +7,7 @@ from typing import Any
 
 from cranktopo.report.figures.plot import Picture
 from cranktopo.report.figures.steps_plot import steps_figure
-from cranktopo.report.pages.page import Fact, Page, Section, Status
+from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import gallery_picture, origin_rows, pairs, versions_table
 from cranktopo.report.quantities import BENDING_PER_MASS, MASS, TORSION_PER_MASS, Quantity
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
@@ -52,7 +52,7 @@ def _fact(step: Mapping[str, Any], original: Mapping[str, Any], quantity: Quanti
     note = f"step {step['number']} against the original web"
     if abs(change) < estimate:
         return Fact(label, f"{change:+.1f} %", f"{note}, less than the error estimate", "neutral")
-    status: Status = "good" if quantity.better * change > 0 else "bad"
+    status: FactStatus = "good" if quantity.better * change > 0 else "bad"
     return Fact(label, f"{change:+.1f} %", note, status)
 
 

@@ -11,7 +11,7 @@ from cranktopo.report.tables.result_table import ResultTable
 if TYPE_CHECKING:
     from cranktopo.report.viewer.scene3d import Scene3D
 
-Status = Literal["good", "bad", "neutral", "unknown"]
+FactStatus = Literal["good", "bad", "neutral", "unknown"]
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Fact:
     label: str
     value: str
     note: str
-    status: Status
+    status: FactStatus
 
 
 @dataclass(frozen=True)

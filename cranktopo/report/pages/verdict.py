@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.report.pages.page import Fact, Status
+from cranktopo.report.pages.page import Fact, FactStatus
 from cranktopo.report.quantities import MASS, TORSION
 from cranktopo.report.run_record import RunRecord
 from cranktopo.report.tables.undercut_table import obstacles
@@ -107,7 +107,7 @@ def _end(metrics: Mapping[str, Any]) -> Fact:
     return Fact("Optimisation", value, metrics["stop_reason"], "good" if done else "bad")
 
 
-def _status(gain_percent: float) -> Status:
+def _status(gain_percent: float) -> FactStatus:
     if abs(gain_percent) < NOTICEABLE_PERCENT:
         return "neutral"
     return "good" if gain_percent > 0 else "bad"
