@@ -65,7 +65,8 @@ def shown(value: object, most: int = 120) -> str:
     try:
         text = str(value).lower() if isinstance(value, bool) else repr(value)
     except ValueError:  # an integer of more digits than Python writes
-        text = f"a number of about {int(value).bit_length() * 0.30103:.0f} digits"  # type: ignore[call-overload]
+        digits = f"about {value.bit_length() * 0.30103:.0f}" if isinstance(value, int) else "thousands of"
+        text = f"a number of {digits} digits"
     return text if len(text) <= most else f"{text[: most - 30]} ... {text[-20:]}"
 
 

@@ -6,6 +6,7 @@ target, and the folder entry is flushed as well (the rename is atomic by POSIX).
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import math
@@ -40,6 +41,8 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises:
         CranktopoError: the file cannot be written.
     """
+    if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
+        raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
     temporary = path.with_name(f".{path.stem}.{os.getpid()}{_TEMPORARY}{path.suffix.lower()}")
     try:
         yield temporary

@@ -75,3 +75,4 @@ def test_values_in_messages() -> None:
     assert shown("a\nb") == r"'a\nb'"
     assert len(shown("x" * 10_000)) < 130
     assert shown(16**5000) == "a number of about 6021 digits"
+    assert shown([1, 16**5000]) == "a number of thousands of digits"

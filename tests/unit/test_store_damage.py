@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 import zipfile
 from pathlib import Path
@@ -21,6 +22,7 @@ from cranktopo.store import (
     read_json,
     resume_command,
     saved_iterations,
+    write_text,
 )
 
 
@@ -105,6 +107,16 @@ def test_one_damaged_run_does_not_hide_the_others(run: RunStore, capsys: pytest.
     assert json.loads(capsys.readouterr().out)["runs"][0]["result"] == "unreadable"
     assert main(["runs", "show", run.name, "--root", root]) == 3
     assert "its results are damaged (KeyError" in capsys.readouterr().err
+
+
+def test_a_device_or_pipe_is_never_replaced_by_a_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "device").symlink_to("/dev/full")
+    for name in ("pipe", "device"):
+        with pytest.raises(CranktopoError, match="cannot be written: it exists and is no regular file"):
+            write_text(tmp_path / name, "x")
+    assert (tmp_path / "pipe").is_fifo()
+    assert (tmp_path / "device").is_symlink()
 
 
 def test_the_command_that_resumes_is_quoted_for_the_shell(run: RunStore, tmp_path: Path) -> None:
