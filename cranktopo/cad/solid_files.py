@@ -84,13 +84,6 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float = 1.0) -> SurfaceM
     return SurfaceMesh(vertices, faces)
 
 
-def step_volume_mm3(path: Path) -> float:
-    """Volume of all bodies of a STEP file, mm3."""
-    with cad_session(str(path)) as gmsh:
-        bodies = gmsh.model.occ.importShapes(str(path))
-        return sum(float(gmsh.model.occ.getMass(*pair)) for pair in bodies if pair[0] == 3)
-
-
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
     if part == "web":

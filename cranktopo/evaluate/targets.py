@@ -113,18 +113,6 @@ def _run(run: RunStore) -> Target:
     return Target(run.name, planned_scene(scene_of_run(run)), surface, run.path, assumed=assumed)
 
 
-def load_simulated(design: str, fillets: bool = False) -> Scene:
-    """The scene of a design, without what its effects plan leaves out.
-
-    Args:
-        fillets: keep the fillets, which stresses need however little they change the stiffness.
-
-    Raises:
-        CranktopoError: no such design, an invalid scene, or a plan that cannot be made.
-    """
-    return simulated(load_scene(design), fillets)
-
-
 def simulated(scene: Scene, fillets: bool = False) -> Scene:
     """The scene without what its effects plan leaves out; `fillets` keeps these."""
     kept: tuple[Feature, ...] = ("fillets",) if fillets else ()

@@ -18,7 +18,7 @@ from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.safety_field import check_inputs
 from cranktopo.evaluate.stress_model import solve_stresses
-from cranktopo.evaluate.targets import Target, load_simulated
+from cranktopo.evaluate.targets import Target, simulated
 from cranktopo.meshing.found_fillets import FilletRing, ring_of
 from cranktopo.meshing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
 from cranktopo.scene import Scene
@@ -120,7 +120,7 @@ def test_symmetric_bodies_are_halved(
 @pytest.mark.slow
 def test_stresses_of_a_body_are_those_of_its_design(step_of: Callable[..., Path], mikron: Scene) -> None:
     """Coarse and the same solid, meshed once from the design and once from its file."""
-    scene = load_simulated("mikron-iiic", fillets=True)
+    scene = simulated(mikron, fillets=True)
     path = step_of(scene, "body")
     design, body = (solve_stresses(Target("body", scene, file), ("torsion",), 0.5) for file in (None, path))
     assert body.throw_kg == pytest.approx(design.throw_kg, rel=1e-9)
@@ -146,7 +146,7 @@ def test_what_fatigue_needs_of_a_body(
 def test_the_shaft_of_a_body_is_that_of_its_design(
     step_of: Callable[..., Path], mikron: Scene, capsys: Capture
 ) -> None:
-    path = step_of(load_simulated("mikron-iiic"), "body")
+    path = step_of(simulated(mikron), "body")
     found = []
     for arguments in (["mikron-iiic"], [str(path), "--design", "mikron-iiic"]):
         assert main(["shaft", *arguments, "--element-size-mm", "26", "--json", "--quiet"]) == 0

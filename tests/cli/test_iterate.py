@@ -175,7 +175,7 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setattr(step_solids, "FACET_MM", 6.0)
     monkeypatch.setattr(loop, "write_solids", solids_once)
-    monkeypatch.setattr(loop, "_optimised", optimised)
+    monkeypatch.setattr(loop, "optimised_surface", optimised)
     monkeypatch.setattr(loop, "fit_web", fit)
     monkeypatch.setattr(loop, "shape_error", lambda *_: SimpleNamespace(web_iou=0.95))
     monkeypatch.setattr(loop, "evaluate", evaluate)

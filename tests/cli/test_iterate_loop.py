@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 import trimesh
 
-from cranktopo.cad.solid_files import step_volume_mm3
 from cranktopo.cli.main import main
+from tests.step_volume import step_volume_mm3
 
 KG_PER_MM3 = 7850e-9
 """Of steel, as the design has it."""

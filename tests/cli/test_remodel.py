@@ -12,7 +12,6 @@ import pytest
 import trimesh
 from matplotlib.image import imread
 
-from cranktopo.cad.solid_files import step_volume_mm3
 from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.cli.main import main
 from cranktopo.pipeline.remodel import write_remodel
@@ -23,6 +22,7 @@ from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import designs_folder
 from cranktopo.store import create_run
 from cranktopo.triangles.surface_mesh import mesh_of
+from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 
 COARSE_MM = "4.5"

@@ -17,7 +17,8 @@ from cranktopo.evaluate.evaluation import (
     evaluate_on_mesh,
     evaluation,
 )
-from cranktopo.evaluate.targets import Target, load_simulated
+from cranktopo.evaluate.targets import Target
+from cranktopo.scene import load_scene
 from cranktopo.scene.loading import builtin_designs
 from tests.random_throws import random_throw
 
@@ -65,8 +66,8 @@ class EvaluationError(Bounded):
 def target_of(name: str) -> Target:
     """A built-in design, or random-SEED."""
     random = name.startswith(_RANDOM)
-    scene = planned_scene(random_throw(int(name[len(_RANDOM) :]))) if random else load_simulated(name)
-    return Target(scene.name, scene)
+    scene = random_throw(int(name[len(_RANDOM) :])) if random else load_scene(name)
+    return Target(scene.name, planned_scene(scene))
 
 
 def every_name(seeds: Sequence[int] = SEEDS) -> list[str]:

@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from cranktopo.cad.solid_files import export_solid, step_volume_mm3
+from cranktopo.cad.solid_files import export_solid
 from cranktopo.errors import CranktopoError
 from cranktopo.formats import SolidPart
 from cranktopo.scene import Scene
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+from tests.step_volume import step_volume_mm3
 
 SHARP_WEB_MM3 = 19.0 * (50 * 48 + math.pi * 25**2 - 2 * math.pi * 12**2)
 

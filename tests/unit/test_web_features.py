@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cad.solid_files import export_solid, step_volume_mm3
+from cranktopo.cad.solid_files import export_solid
 from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.scene import Scene
+from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import WHOLE, known_scene, table
 
 RECTANGLE = {"thickness_mm": 19.0, "outline": "rectangle", "width_mm": 60.0, "overhang_mm": 30.0}

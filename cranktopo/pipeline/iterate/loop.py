@@ -239,7 +239,7 @@ def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings
     folder.mkdir(exist_ok=True)
     bounded, fraction = _bounded(folder, number, scenes, settings)
     info(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
-    surface = _optimised(folder / "optimise", bounded, info)
+    surface = optimised_surface(folder / "optimise", bounded, info)
     info("  re-modelling")
     fitted = fit_web(surface, bounded, settings.limits)
     near = shape_error(fitted.scene, surface)
@@ -282,7 +282,7 @@ def _envelope_mm3(scene: Scene) -> float:
     return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
 
 
-def _optimised(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
+def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
     """Surface of the half throw of an optimisation, continued or read where it was begun or done before.
 
     Always read from the file: a loop that is continued gives the same webs as one in a single go.

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cranktopo.accuracy.level import TITLES
+from cranktopo.accuracy.level import EVALUATION, FILLET_STRESS, OPTIMISER, TITLES
 from cranktopo.report.quantities import BENDING, TORSION
 from cranktopo.report.tables.result_table import Cell, Column, ResultTable, tabulate
 
@@ -34,7 +34,7 @@ _COST: tuple[Column[Level], ...] = (
 )
 _UNCERTAINTY: Column[Level] = Column("uncertainty_percent", 2, lambda level: level["uncertainty_percent"])
 _COLUMNS: dict[str, tuple[Column[Level], ...]] = {
-    "judge": (
+    EVALUATION: (
         Column(TORSION.column, TORSION.digits, _scaled(_TORSION)),
         Column("torsion_error_percent", 2, _of("errors_percent", _TORSION)),
         Column(BENDING.column, BENDING.digits, _scaled(_BENDING)),
@@ -43,13 +43,13 @@ _COLUMNS: dict[str, tuple[Column[Level], ...]] = {
         Column("order_in_torsion", 1, _of("orders", _TORSION)),
         Column("order_in_bending", 1, _of("orders", _BENDING)),
     ),
-    "fillet stress": (
+    FILLET_STRESS: (
         Column(_STRESS, 1, lambda level: level.get(_STRESS)),
         Column("error_percent", 2, _of("errors_percent", _STRESS)),
         _UNCERTAINTY,
         Column("order", 1, _of("orders", _STRESS)),
     ),
-    "optimiser": (
+    OPTIMISER: (
         Column("iterations", 0, lambda level: float(level["settings"]["iterations"])),
         Column(TORSION.column, TORSION.digits, _scaled(_TORSION)),
         Column("torsion_of_shape_percent", 2, _of("errors_percent", _TORSION)),

@@ -105,7 +105,7 @@
     gl.bufferData(kind, values, gl.STATIC_DRAW);
   }
 
-  function release(shape) {
+  function discard(shape) {
     shape.made.forEach((buffer) => gl.deleteBuffer(buffer));
     gl.deleteVertexArray(shape.vao);
   }
@@ -327,7 +327,7 @@
     let timer = 0;
     const show = () => {
       state.step = Number(slider.value);
-      if (blocks) release(blocks);
+      if (blocks) discard(blocks);
       blocks = state.step === last ? null : cellBuffers(arrays[steps.densities[state.step]], state.cut);
       const iteration = steps.iterations[state.step];
       const line = blocks ? `Iteration ${iteration}: ${steps.notes[state.step]}` : "Final surface";
