@@ -64,7 +64,7 @@ def command(
     if resume:
         refuse_beside_resume()
     from cranktopo.pipeline.iterate import continue_loop, loop_scene, loop_settings, start_loop
-    from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+    from cranktopo.remodel.usual_size import usual_limits
     from cranktopo.report.tables.run_text import LOOP_FILES, loop_summary
 
     if resume:
@@ -77,7 +77,7 @@ def command(
         scene = loop_scene(scene) if process is None else scene.with_optimise(process=process)
         scene = scene.with_optimise(volume_fraction=volume_fraction, resolution_mm=resolution_mm)
         settings = loop_settings(
-            scene, steps, least_transition_mm, element_size_mm, ManufacturingLimits(**limits)
+            scene, steps, least_transition_mm, element_size_mm, usual_limits(scene, **limits)
         )
         command_line = ["cranktopo", *sys.argv[1:]]
         outcome = start_loop(scene, settings, out, design_text(name), command_line, info)

@@ -91,7 +91,7 @@ def limit_options(function: Any) -> Any:
     for names, bounds, text in (
         (
             ("--cell-mm",),
-            Number(0.25, 4),
+            Number(0.01, 50),
             "Cells of the final fit: half the size is closer to the body and takes eight times as long.",
         ),
         (
@@ -99,12 +99,13 @@ def limit_options(function: Any) -> Any:
             Number(0, 30),
             "Least draft of a side pocket's walls.",
         ),
-        (("--min-radius-mm",), Number(0.5, 1000), "Least radius of curvature of the outline."),
-        (("--min-wall-mm",), Number(0.5, 1000), "Least wall."),
+        (("--min-radius-mm",), Number(0.05, 1000), "Least radius of curvature of the outline."),
+        (("--min-wall-mm",), Number(0.05, 1000), "Least wall."),
     ):
         field = names[-1].removeprefix("--").replace("-", "_")
-        default = getattr(ManufacturingLimits, field)
-        function = click.option(*names, type=bounds, default=default, show_default=True, help=text)(function)
+        usual = f"{getattr(ManufacturingLimits, field):g}"
+        size = "" if field == "min_draft_deg" else " for journals of 42 to 84 mm, others in proportion"
+        function = click.option(*names, type=bounds, help=f"{text}  [default: {usual}{size}]")(function)
     return function
 
 

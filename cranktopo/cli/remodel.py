@@ -36,8 +36,7 @@ def command(
     Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
     """
     from cranktopo.pipeline.remodel import remodel_run
-    from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.tables.remodel_text import remodel_text
 
-    data = remodel_run(run, out, ManufacturingLimits(**limits), not no_evaluation, info)
+    data = remodel_run(run, out, limits, not no_evaluation, info)
     click.echo(json.dumps(data) if as_json else remodel_text(data))

@@ -15,6 +15,7 @@ from cranktopo.loads import LoadCase, analyse, load_cases
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
+from cranktopo.remodel.usual_size import usual_scale
 from cranktopo.report.comparison import Comparison, Entry, check_same_supports, compare
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
 from cranktopo.report.pages.report_file import check_report_path, write_report
@@ -131,7 +132,7 @@ def _body(
 def _surface(target: Target) -> SurfaceMesh:
     if target.file is not None:
         return half_throw_surface(target.file, target.scene, target.align)
-    return surface_of(target.scene, "half", _FACET_MM)
+    return surface_of(target.scene, "half", _FACET_MM / usual_scale(target.scene))
 
 
 def _hashes(targets: Sequence[Target]) -> dict[str, str]:

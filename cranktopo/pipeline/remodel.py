@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.remodel.fit import FittedWeb, fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
+from cranktopo.remodel.usual_size import usual_limits, usual_scale
 from cranktopo.report.figures.drawing import write_drawing
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
@@ -27,6 +29,7 @@ from cranktopo.units import density_kg_per_mm3
 
 SCHEMA_VERSION = 1
 _FACET_MM = 1.0
+"""Facets of throws of usual size; others in proportion."""
 
 
 @dataclass(frozen=True)
@@ -43,26 +46,27 @@ class RemodelEvaluations:
 def remodel_run(
     reference: str,
     out: Path | None = None,
-    limits: ManufacturingLimits | None = None,
+    given: Mapping[str, float | None] | None = None,
     evaluated: bool = True,
     info: Info = lambda _: None,
 ) -> dict[str, Any]:
     """Re-model the web of a finished run and write every file; returns what is in remodel.json.
 
     Args:
+        given: manufacturing limits by the names of `ManufacturingLimits`; the others suit the throw's size.
         out: folder to write to, by default `remodel` in the run; it must not hold files.
         evaluated: whether stiffnesses are compared, which takes three evaluations.
 
     Raises:
         CranktopoError: not a finished run, a surface that is not sound, or no web within the limits.
     """
-    limits = limits or ManufacturingLimits()
     began = time.perf_counter()
     run = open_run(reference)
     target = resolve_target(str(run.path))
     folder = out or run.path / "remodel"
     check_destination(folder)
     scene = scene_of_run(run)
+    limits = usual_limits(scene, **(given or {}))
     surface = _surface(target, scene)
     info(f"{run.name}: fitting a parametric web")
     fitted = fit_web(surface, scene, limits)
@@ -93,7 +97,7 @@ def write_remodel(
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files["design"], toml_text(scene, heading))
     export_solid(scene, "half", folder / files["step"])
-    export_solid(scene, "half", folder / files["stl"], _FACET_MM)
+    export_solid(scene, "half", folder / files["stl"], _FACET_MM / usual_scale(scene))
     drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
     write_drawing(scene, surface_of(scene, "half"), drawings, surface)
     return files

@@ -14,6 +14,14 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.residual_regions import ResidualRegion, residual_regions
 from cranktopo.remodel.search import FitProblem
 from cranktopo.remodel.select import Candidate, Trial, fit_from, model_fill, select
+from cranktopo.remodel.usual_size import (
+    scaled_lengths,
+    scaled_limits,
+    scaled_region,
+    scaled_throw,
+    usual_limits,
+    usual_scale,
+)
 from cranktopo.remodel.voxel_fill import VoxelFill, voxel_fill
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store.manifest import SEED
@@ -28,7 +36,8 @@ _SEARCH_CELL_MM = 2.0
 """Cells of the search for features and stations."""
 _SPREAD = 1.0
 """Standard deviation of the further initial guesses about the first, mm or degrees."""
-_DEFAULT = ManufacturingLimits()
+_ANGLE = "draft"
+"""Ending of the parameters that are degrees."""
 
 
 @dataclass(frozen=True)
@@ -52,31 +61,36 @@ class FittedWeb:
     residual_regions: tuple[ResidualRegion, ...]
 
 
-def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits = _DEFAULT) -> FittedWeb:
+def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | None = None) -> FittedWeb:
     """Fit a web that a die or a mill can make to an extracted body.
 
     Args:
         surface: closed surface of the half throw (`WebSurface.half_throw`), mm.
         scene: the design it was extracted for: journals, thickness and fillets stay.
+        limits: by default the usual ones of a throw of that size.
 
     Raises:
         CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
     """
-    from cranktopo.triangles.surface_mesh import solid_of
+    from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
-    body = solid_of(surface, "surface to be re-modelled")
-    chosen, trials = select(fit_problem(body, scene, limits, _SEARCH_CELL_MM))
-    fine = fit_problem(body, scene, limits, limits.cell_mm)
+    scale, limits = usual_scale(scene), limits or usual_limits(scene)
+    throw = scene if scale == 1 else scaled_throw(scene, scale)
+    usual = SurfaceMesh(surface.vertices_mm * scale, surface.faces)
+    body, within = solid_of(usual, "surface to be re-modelled"), scaled_limits(limits, scale)
+    chosen, trials = select(fit_problem(body, throw, within, _SEARCH_CELL_MM))
+    fine = fit_problem(body, throw, within, within.cell_mm)
     fits = _final_fits(fine, chosen)
     best = fits[0]
     rest = residual_regions(fine, model_fill(fine, best))
+    factors = [1.0 if name.endswith(_ANGLE) else 1 / scale for name in best.layout.names]
     return FittedWeb(
-        scene_with_web(scene, web_of(best.layout, best.values, scene)),
+        scene_with_web(scene, scaled_lengths(web_of(best.layout, best.values, throw), 1 / scale)),
         best.layout.names,
-        tuple(float(value) for value in best.values),
+        tuple(float(value * factor) for value, factor in zip(best.values, factors, strict=True)),
         trials,
         tuple(found.overlap for found in fits),
-        tuple(rest),
+        tuple(scaled_region(region, 1 / scale) for region in rest),
     )
 
 

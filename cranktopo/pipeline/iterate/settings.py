@@ -7,6 +7,7 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene
 
 THIN_SHARE = 0.4
@@ -62,4 +63,4 @@ def loop_settings(
 ) -> Settings:
     """Settings of a loop over a design; the least thickness is 40 % of the web's by default."""
     least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
-    return Settings(steps, least_mm, element_size_mm, limits or ManufacturingLimits())
+    return Settings(steps, least_mm, element_size_mm, limits or usual_limits(scene))

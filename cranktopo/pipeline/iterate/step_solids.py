@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cranktopo.cad.solid_files import export_solid
 from cranktopo.frames import X
 from cranktopo.meshing.imported_body import half_throw_surface
+from cranktopo.remodel.usual_size import usual_scale
 from cranktopo.scene import Scene
 from cranktopo.surface.solids import web_region
 from cranktopo.triangles.surface_files import read_stl, write_stl
@@ -28,9 +29,10 @@ def write_solids(scene: Scene, folder: Path) -> None:
     Raises:
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """
+    facet = FACET_MM / usual_scale(scene)
     export_solid(scene, "half", folder / f"{HALF}.step")
-    export_solid(scene, "half", folder / f"{HALF}.stl", FACET_MM)
-    export_solid(scene, "web", folder / WEB, FACET_MM)
+    export_solid(scene, "half", folder / f"{HALF}.stl", facet)
+    export_solid(scene, "web", folder / WEB, facet)
 
 
 def write_original(path: Path, scene: Scene, folder: Path) -> None:
