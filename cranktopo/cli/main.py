@@ -1,4 +1,4 @@
-"""Entry point: lazy commands, one error funnel, documented exit codes."""
+"""Entry point: commands loaded late, errors shown in one place, documented exit codes."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class LsaResult:
 
 
 def lsa(stress: LocalStress, strength: LsaStrength) -> LsaResult:
-    """Safety by local stress analysis; a compressive mean stress earns no credit."""
+    """Safety by local stress analysis; a compressive mean stress adds no safety."""
     s, gradient = strength, stress.gradient_per_mm
     ratio = s.fatigue_bending_MPa / s.fatigue_tension_MPa
     support = 1 + (ratio - 1) / (2 / s.specimen_diameter_mm) * gradient

@@ -1,4 +1,4 @@
-"""BoundaryConditions of the load cases: mirror planes and rigid end sections with a few free motions.
+"""Boundary conditions of the load cases: mirror planes and rigid end sections with a few free motions.
 
 A rigid section is not modelled by stiff cells. Displacements are kept in the space where the section
 moves as R q, on every level of the multigrid hierarchy: trilinear interpolation reproduces a rigid motion
@@ -42,7 +42,7 @@ class SectionMotion:
 
 @dataclass(frozen=True)
 class CaseSupports:
-    """BoundaryConditions of one load case.
+    """Supports of one load case.
 
     Attributes:
         fixed_at_x0: components fixed on the plane x = 0 (lateral mirror), empty without the mirror.

@@ -114,7 +114,7 @@ def _worst(result: CgResult) -> float:
 
 
 def _check_numbers(system: System, names: tuple[str, ...]) -> None:
-    least, largest, finite = _vital_signs(system.moduli, system.forces)
+    least, largest, finite = _extreme_values(system.moduli, system.forces)
     least, largest = float(least), float(largest)
     if not (least >= 0 and 0 < largest < float("inf")):
         raise CranktopoError(
@@ -132,7 +132,7 @@ def _check_numbers(system: System, names: tuple[str, ...]) -> None:
 
 
 @jax.jit
-def _vital_signs(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Least and largest modulus, and whether the forces of each case are finite."""
     return jnp.min(moduli), jnp.max(moduli), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
 

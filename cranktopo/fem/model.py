@@ -62,7 +62,7 @@ class ThrowModel:
 def build_model(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, plain: bool = False
 ) -> ThrowModel:
-    """BoundaryConditions and nodal loads of the load cases on a domain's grid.
+    """Supports and nodal loads of the load cases on a domain's grid.
 
     Call inside `double_precision()`.
 

@@ -102,7 +102,7 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
 
 
 def misfits(body: Manifold, scene: Scene) -> list[str]:
-    """What does not fit the scene's journals, worst understood first; empty for a body that lies right."""
+    """What does not fit the scene's journals, the plainest first; empty for a body that lies right."""
     low, high = (float(value) for value in np.array(body.bounding_box())[[2, 5]])
     end = scene.pitch_mm / 2
     if abs(low) > _EXTENT_MM or abs(high - end) > _EXTENT_MM:

@@ -98,7 +98,7 @@ def filtered(data: Interpolation, x: jax.Array) -> jax.Array:
 
 
 def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
-    """Filtered density, releasable along x where the chain has a die; its iso-surface bounds the web."""
+    """Filtered density, without undercuts along x where there is a die; its iso-surface bounds the web."""
     smooth = filtered(data, x)
     return smooth if data.parting is None else without_undercuts(smooth, data.design > 0, data.parting)
 

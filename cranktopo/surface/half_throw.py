@@ -19,6 +19,7 @@ from cranktopo.surface.solids import (
     is_mirror_image,
     journal_halves,
     journal_stubs,
+    snapped_to_mirror_plane,
     web_bores,
     web_region,
 )
@@ -29,7 +30,6 @@ Array = NDArray[np.float64]
 SIMPLIFY_MM = 0.02
 _SLIVERS_MM = (1e-3, 1e-4, 1e-5, 0.0)
 """How far taking out the slivers of a boolean may move the surface, from attempt to attempt."""
-_ON_MIRROR_MM = 1e-4
 _ATTEMPTS = 4
 _VOLUME_TOLERANCE = 1e-4
 _ISO_RANGE = (0.05, 0.95)
@@ -87,7 +87,7 @@ class Cutter:
         body = (solid ^ self.envelope) + self.stubs - self.bores
         if not self.symmetric:
             return body
-        half = body.warp_batch(_snap_to_mirror_plane).trim_by_plane(_X_AXIS, 0.0)
+        half = body.warp_batch(snapped_to_mirror_plane).trim_by_plane(_X_AXIS, 0.0)
         return half + half.mirror(_X_AXIS)
 
     def usable(self, grid: DensityGrid) -> NDArray[np.bool_]:
@@ -254,12 +254,6 @@ def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold
     for hollow in hollows:
         throw -= _inside_out(hollow)  # a hollow of a dropped island takes nothing away
     return throw, [piece for piece in islands if not _joins(piece, scene)]
-
-
-def _snap_to_mirror_plane(points: Array) -> Array:
-    """Points with |x| below a hair put on x = 0, so that the mirrored halves leave no slivers there."""
-    points[np.abs(points[:, X]) < _ON_MIRROR_MM, X] = 0.0
-    return points
 
 
 def _joins(piece: Manifold, scene: Scene) -> bool:

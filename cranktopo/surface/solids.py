@@ -9,6 +9,7 @@ from manifold3d import CrossSection, FillRule, JoinType, Manifold
 
 from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.domain.through_holes import envelope_z_mm, through_holes
+from cranktopo.frames import X
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
 from cranktopo.surface.density_grid import DensityGrid
@@ -17,6 +18,7 @@ CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
 _OVERLAP_MM = 0.2
 _SLICES = 32
+_ON_MIRROR_MM = 1e-4
 
 
 def segments(radius_mm: float) -> int:
@@ -52,7 +54,7 @@ def web_bores(scene: Scene) -> Manifold:
 
 
 def envelope_holes(scene: Scene) -> Manifold:
-    """Holes through the envelope, drilled after forging or casting as bores are; in slices, a hair wider."""
+    """Holes through the envelope, drilled after forging or casting as bores are; in slices, just wider."""
     start, end = envelope_z_mm(scene)
     edges = np.linspace(start, end, _SLICES + 1)
     holes = through_holes(scene, ((edges[1:] + edges[:-1]) / 2).tolist())
@@ -104,6 +106,12 @@ def web_region(solid: Manifold, scene: Scene) -> Manifold:
     """The part of a solid between the web faces."""
     start, end = scene.web_z_mm
     return solid.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+
+
+def snapped_to_mirror_plane(points: np.ndarray) -> np.ndarray:
+    """Points (n, 3) with a tiny |x| put on x = 0, in place: mirrored halves then leave no slivers there."""
+    points[np.abs(points[:, X]) < _ON_MIRROR_MM, X] = 0.0
+    return points
 
 
 def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:

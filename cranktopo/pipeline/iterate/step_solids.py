@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cranktopo.cad.solid_files import export_solid
-from cranktopo.frames import X
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.remodel.usual_size import usual_scale
 from cranktopo.scene import Scene
-from cranktopo.surface.solids import web_region
+from cranktopo.surface.solids import snapped_to_mirror_plane, web_region
 from cranktopo.triangles.surface_files import read_stl, write_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
@@ -20,7 +16,7 @@ WEB = "web_only.stl"
 HALF = "web"
 FACET_MM = 2.0
 _X_AXIS = (1.0, 0.0, 0.0)
-_SNAP_MM, _SIMPLIFY_MM = 1e-4, 2e-3
+_SIMPLIFY_MM = 2e-3
 
 
 def write_solids(scene: Scene, folder: Path) -> None:
@@ -58,12 +54,11 @@ def write_envelope(folder: Path) -> Path:
         return path
     web = read_web(folder)
     body = solid_of(web, f"web of {folder.name}")
-    half = body.trim_by_plane(_X_AXIS, 0.0).warp_batch(_snap).simplify(_SIMPLIFY_MM).warp_batch(_snap)
+    half = (
+        body.trim_by_plane(_X_AXIS, 0.0)
+        .warp_batch(snapped_to_mirror_plane)
+        .simplify(_SIMPLIFY_MM)
+        .warp_batch(snapped_to_mirror_plane)
+    )
     write_stl(path, mesh_of(half + half.mirror(_X_AXIS)))  # simplified before it is mirrored, else lopsided
     return path
-
-
-def _snap(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points with |x| below a hair put on x = 0, so that the mirrored halves leave no slivers there."""
-    points[np.abs(points[:, X]) < _SNAP_MM, X] = 0.0
-    return points
