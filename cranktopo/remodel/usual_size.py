@@ -1,7 +1,7 @@
 """Throws far smaller or larger than usual are fitted at a usual size, and the web is scaled back.
 
 Cells, spreads and least sizes of the fit are millimetres that suit journals of 42 to 84 mm. A fit is a matter
-of shape alone, so any other throw is brought to that size first: model engines and ships get the same care.
+of shape alone, so any other throw is brought to that size first.
 """
 
 from __future__ import annotations

@@ -9,7 +9,6 @@ import pytest
 from cranktopo.cad.session import cad_session
 from cranktopo.cad.throw_solid import add_half_throw, check_body
 from cranktopo.errors import CranktopoError
-from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene, builtin_designs, load_scene, scene_from_dict
 from cranktopo.scene.features import ObroundWeb
 from tests.physics.evaluation_cases import mikron_with
@@ -118,11 +117,3 @@ def test_wrong_volume_and_loose_parts_are_noticed() -> None:
             check_body(occ, [near], 1.00001, "box")
         with pytest.raises(CranktopoError, match="2 bodies"):
             check_body(occ, [near, far], 2.0, "box")
-
-
-def test_elements_too_large_for_a_thin_part_are_named() -> None:
-    with pytest.raises(
-        CranktopoError, match=r"variant-1: no mesh with elements of 21 mm: .*too large"
-    ) as told:
-        mesh_throw(load_scene("opposed-piston-variant-1"), 21.0)
-    assert "smaller element size" in told.value.hint

@@ -12,6 +12,7 @@ from cranktopo.evaluate.elasticity import assemble
 from cranktopo.meshing import solid_mesh as meshing
 from cranktopo.meshing.curving import EDGES, straighten_folded
 from cranktopo.meshing.solid_mesh import TetMesh
+from cranktopo.scene import load_scene
 from tests.physics.evaluation_cases import mikron_with
 
 Array = NDArray[np.float64]
@@ -100,3 +101,11 @@ def test_a_coarse_throw_has_some(monkeypatch: pytest.MonkeyPatch) -> None:
     before, count, after = found[0]
     assert before < 0 < after
     assert count > 0
+
+
+def test_elements_too_large_for_a_thin_part_are_named() -> None:
+    with pytest.raises(
+        CranktopoError, match=r"variant-1: no mesh with elements of 21 mm: .*too large"
+    ) as told:
+        meshing.mesh_throw(load_scene("opposed-piston-variant-1"), 21.0)
+    assert "smaller element size" in told.value.hint
