@@ -42,8 +42,8 @@ _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.element_checks.values())),
     Column("accepted", 0, lambda c: "yes" if c.accepted else "no"),
 )
-_IN_PERCENT_AFTER = 3
-"""Mass and safety in percent stand behind target, mass and safety."""
+_SAFETY_COLUMNS = (SAFETY.column, "least_Q")
+"""Mass and safety in percent stand behind the safety, whichever it is."""
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,6 @@ def _with_percent(table: ResultTable, results: Sequence[FatigueResult], baseline
         return table
     found = [_summary(result) for result in results]
     base = found[baseline]
-    columns = list(table.columns.items())
     added = {MASS.percent_column: 1, SAFETY.percent_column: 1}
     rows = tuple(
         {
@@ -183,6 +182,7 @@ def _with_percent(table: ResultTable, results: Sequence[FatigueResult], baseline
         }
         for row, one in zip(table.rows, found, strict=True)
     )
-    return ResultTable(
-        dict([*columns[:_IN_PERCENT_AFTER], *added.items(), *columns[_IN_PERCENT_AFTER:]]), rows
-    )
+    columns: dict[str, int] = {}
+    for name, digits in table.columns.items():
+        columns |= {name: digits} | (added if name in _SAFETY_COLUMNS else {})
+    return ResultTable(columns, rows)
