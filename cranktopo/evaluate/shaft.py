@@ -18,6 +18,7 @@ from cranktopo.evaluate.evaluation import (
     meshed_throw_kg,
     throw_inertia_kg_mm2,
 )
+from cranktopo.evaluate.mesh_memory import check_element_size
 from cranktopo.evaluate.shaft_assembly import (
     Bearings,
     ShaftStiffness,
@@ -79,6 +80,7 @@ def evaluate_shaft(
     angles = scene.shaft_angles_deg
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
+    check_element_size(scene, size)
     meshes = [mesh_target(target, size * factor) for factor in (RATIO, 1.0)]
     coarse, stiffness = (
         shaft_stiffness(shaft_matrix(_throw(meshed, scene), angles), bearings, spring) for meshed in meshes
