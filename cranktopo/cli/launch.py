@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import signal
 
-_WATCHED = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-if _WATCHED:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
 
 def main() -> int:
     """Load the program, then run it with its own answer to Ctrl-C."""
+    watched = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if watched:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     from cranktopo.cli.main import main as run
 
-    if _WATCHED:
+    if watched:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     return run()

@@ -28,7 +28,8 @@ def usual_scale(scene: Scene) -> float:
 def usual_limits(scene: Scene, **given: float | int | None) -> ManufacturingLimits:
     """Manufacturing limits of a throw: what is given, and the usual ones in proportion to the throw."""
     usual = scaled_limits(ManufacturingLimits(), 1 / usual_scale(scene))
-    return replace(usual, **{key: value for key, value in given.items() if value is not None})  # type: ignore[arg-type]
+    kept: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+    return replace(usual, **kept)
 
 
 def scaled_limits(limits: ManufacturingLimits, factor: float) -> ManufacturingLimits:

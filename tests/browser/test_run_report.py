@@ -61,7 +61,7 @@ def test_verdict_comes_first(visit: Any, run: Path, metrics: dict[str, Any]) -> 
     assert first.get_attribute("id") == "verdict"
     gain = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
     text = first.inner_text()
-    for value in (f"{gain['torsion']:+.1f} %", f"{gain['bending']:+.1f} %", "Fatigue", "Releasable"):
+    for value in (f"{gain['torsion']:+.1f} %", f"{gain['bending']:+.1f} %", "Fatigue", "Released by a die"):
         assert value in text
     assert f"{metrics['mass_kg']['throw']:.3f} kg" in text
 

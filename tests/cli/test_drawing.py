@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from manifold3d import CrossSection, FillRule
+from matplotlib.figure import Figure
 
 from cranktopo.cad.solid_files import surface_of
 from cranktopo.cli.main import main
@@ -26,8 +27,8 @@ def drawn(request: pytest.FixtureRequest) -> tuple[Scene, SurfaceMesh]:
     return scene, surface_of(scene, "half", 2.0)
 
 
-def texts(figure: object) -> list[str]:
-    return [text.get_text() for axes in figure.axes for text in axes.texts]  # type: ignore[attr-defined]
+def texts(figure: Figure) -> list[str]:
+    return [text.get_text() for axes in figure.axes for text in axes.texts]
 
 
 def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:

@@ -186,7 +186,10 @@ def test_open_says_why_it_is_no_run(tmp_path: Path) -> None:
     [
         ('{"schema_version": 1, "run"', "corrupted"),
         ('{"schema_version": 7}', "schema_version 7"),
-        ('{"schema_version": 1, "run": "a"}', "incomplete, design, command"),
+        (
+            '{"schema_version": 1, "run": "a"}',
+            "incomplete, design, scene, options, settings_sha256, status, started, command missing",
+        ),
     ],
 )
 def test_open_refuses_a_broken_manifest(tmp_path: Path, content: str, message: str) -> None:
