@@ -13,7 +13,6 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from cranktopo.errors import CranktopoError, shown, suggest
-from cranktopo.scene.schema import Scene
 
 _MOST = 20
 """Problems that are listed; whoever has more has another file in hand."""
@@ -39,6 +38,14 @@ _NUMBERS = {
     "int_parsing_size": "an integer",
 }
 _BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+
+
+_ROOT: list[type[BaseModel]] = []
+
+
+def explains(root: type[BaseModel]) -> None:
+    """Name the table whose keys are explained; the schema, which comes later, does it once."""
+    _ROOT[:] = [root]
 
 
 def explain(error: ValidationError, source: str, table: tuple[str, ...] = ()) -> CranktopoError:
@@ -110,7 +117,7 @@ def _instead(loc: tuple[int | str, ...]) -> str:
     near = _nearest(loc)
     if near is not None:
         return f"Did you mean '{near}'?"
-    homes = [table for table, name in _all_keys(Scene) if name == key]
+    homes = [table for table, name in _all_keys(_ROOT[0]) if name == key]
     if homes:
         return f"It belongs to {' or '.join(f'[{home}]' for home in sorted(set(homes))[:3])}."
     return f"Valid: {', '.join(_valid_keys(loc[:-1]))}."
@@ -120,7 +127,7 @@ def _nearest(loc: tuple[int | str, ...]) -> str | None:
     key, valid = str(loc[-1])[:100], _valid_keys(loc[:-1])
     if _MEANT.get(key) in valid:
         return _MEANT[key]
-    if any(name == key for _, name in _all_keys(Scene)):
+    if any(name == key for _, name in _all_keys(_ROOT[0])):
         return None  # the right key in the wrong table
     near = get_close_matches(key, valid, n=1, cutoff=0.7)
     return near[0] if near else None
@@ -151,7 +158,7 @@ def _rules(annotation: Any) -> Iterator[Any]:
 def _dotted(loc: tuple[int | str, ...]) -> str:
     """Location without the union tags that pydantic inserts: `web.obround.width_mm` is `web.width_mm`."""
     path = ""
-    annotation: Any = Scene
+    annotation: Any = _ROOT[0]
     for part in loc:
         if _is_tag(annotation, part):
             annotation = _member(annotation, str(part))
@@ -162,7 +169,7 @@ def _dotted(loc: tuple[int | str, ...]) -> str:
 
 
 def _annotation(loc: tuple[int | str, ...]) -> Any:
-    annotation: Any = Scene
+    annotation: Any = _ROOT[0]
     for part in loc:
         annotation = _member(annotation, str(part)) if _is_tag(annotation, part) else _child(annotation, part)
     return annotation

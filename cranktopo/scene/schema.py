@@ -25,6 +25,7 @@ from cranktopo.scene.engine import Engine
 from cranktopo.scene.fatigue_settings import Fatigue
 from cranktopo.scene.features import Web
 from cranktopo.scene.geometry import Envelope, Throw
+from cranktopo.scene.messages import explain, explains
 from cranktopo.scene.supports import Supports
 
 EffectState = Literal["auto", "on", "off"]
@@ -193,8 +194,6 @@ class Scene(SceneTable):
         Raises:
             CranktopoError: an unknown setting, or a value outside its range.
         """
-        from cranktopo.scene.messages import explain
-
         given = {key: value for key, value in changes.items() if value is not None}
         try:
             settings = Optimise.model_validate({**self.optimise.model_dump(), **given})
@@ -226,3 +225,6 @@ class Scene(SceneTable):
                 hint="Add [engine] with bore_mm, rod_length_mm, speed_rpm, cylinders and firing_order.",
             )
         return self.engine.throw_angles_deg
+
+
+explains(Scene)

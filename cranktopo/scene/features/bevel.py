@@ -40,8 +40,8 @@ from cranktopo.scene.features.primitives import (
 )
 
 if TYPE_CHECKING:
+    from cranktopo.scene.features.throw_view import ThrowView
     from cranktopo.scene.geometry import Throw
-    from cranktopo.scene.schema import Scene
 
 _HALF = 0.5
 _LEAST_DEPTH_MM = 1.0
@@ -64,20 +64,20 @@ class EndBevel(Feature):
     crown_mm: LengthOrZero = 0.0
     """Rise of its arc over the chord; 0 = plane."""
 
-    def arc(self, scene: Scene) -> BevelArc:
+    def arc(self, scene: ThrowView) -> BevelArc:
         """Its arc, up to the end of the web's outline."""
         ends = scene.web.y_range_mm(scene.throw.radius_mm)
         return _arc(self.face, self.y_mm, self.depth_mm, self.crown_mm, ends)
 
     @override
-    def bodies(self, scene: Scene, key: str) -> tuple[Body, ...]:
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         arc, (start, end) = self.arc(scene), scene.web_z_mm
         face, into = (start, 1.0) if arc.outward > 0 else (end, -1.0)
         z_mm = (start, start + self.depth_mm) if arc.outward > 0 else (end - self.depth_mm, end)
         return (BevelTool(key, z_mm, arc, face, into, 2 * scene.web.largest_half_width_mm),)
 
     @override
-    def check_alone(self, scene: Scene, key: str) -> None:
+    def check_alone(self, scene: ThrowView, key: str) -> None:
         web = scene.web
         if len({bevel.face for bevel in web.bevel}) < len(web.bevel):
             raise invalid("web.bevel", web.bevel[0].face, "one bevel per face")
@@ -92,7 +92,7 @@ class EndBevel(Feature):
             allowed = f"must be at most {arc.largest_crown_mm:.4g} mm, or the arc turns back"
             raise invalid(f"{key}.crown_mm", self.crown_mm, allowed)
 
-    def check_in_web(self, scene: Scene, key: str) -> None:
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
         """The two bevels do not meet, and each keeps clear of the journal that stands on its face."""
         starts = {bevel.face: bevel.y_mm for bevel in scene.web.bevel}
         if len(starts) == 2 and starts["pin"] >= starts["journal"]:
@@ -110,7 +110,7 @@ class EndBevel(Feature):
             )
 
     @override
-    def drawing(self, scene: Scene) -> FeatureDrawing:
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
         arc, (start, end) = self.arc(scene), scene.web_z_mm
         half = float(scene.web.half_width_mm(scene.throw.radius_mm, np.array([self.y_mm]))[0])
         edge = Polyline(((-half, self.y_mm), (half, self.y_mm)), hidden=self.face == "journal")
@@ -194,7 +194,7 @@ class BevelTool(Body):
         return -self.wide_mm, self.arc.outward * reach_mm, self.face_mm + self.into * depth_mm
 
 
-def height_range_mm(scene: Scene, y_mm: Array) -> tuple[Array, Array]:
+def height_range_mm(scene: ThrowView, y_mm: Array) -> tuple[Array, Array]:
     """Heights over the journal face between which bevels leave the web at positions along the throw, mm."""
     low, high = np.zeros_like(y_mm), np.full_like(y_mm, scene.web.thickness_mm)
     for bevel in scene.web.bevel:
@@ -223,7 +223,7 @@ class FittedBevel(FittedToSections):
         return ("y", "depth", "crown")
 
     @override
-    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
         far, thickness = 4 * scene.throw.radius_mm, scene.web.thickness_mm
         return [(-far, far), (_LEAST_DEPTH_MM, thickness - limits.min_wall_mm), (0.0, thickness)]
 
@@ -252,7 +252,7 @@ class FittedBevel(FittedToSections):
     def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
         return [{"face": self.face, **{f"{name}_mm": rounded(value) for name, value in named.items()}}]
 
-    def guess(self, cells: Cells, scene: Scene, limits: Limits) -> Array:
+    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array:
         """Start, depth and crown (0), mm, from how far the body reaches at each height."""
         solid = (cells.filled > _HALF).any(axis=0)
         outward = 1.0 if self.face == "journal" else -1.0

@@ -18,7 +18,7 @@ from cranktopo.scene.base import SceneTable
 from cranktopo.scene.features.primitives import FeatureDrawing, Solid
 
 if TYPE_CHECKING:
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -111,7 +111,7 @@ class Feature(SceneTable, ABC):
     """A table of the web that adds material or takes it away."""
 
     @abstractmethod
-    def bodies(self, scene: Scene, key: str) -> tuple[Body, ...]:
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         """Its bodies in the web.
 
         Args:
@@ -119,7 +119,7 @@ class Feature(SceneTable, ABC):
         """
 
     @abstractmethod
-    def check_alone(self, scene: Scene, key: str) -> None:
+    def check_alone(self, scene: ThrowView, key: str) -> None:
         """Refuse dimensions that no outline makes sound; before any body is asked for.
 
         Raises:
@@ -127,7 +127,7 @@ class Feature(SceneTable, ABC):
         """
 
     @abstractmethod
-    def check_in_web(self, scene: Scene, key: str) -> None:
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
         """Refuse what does not go with the outline, the journals and other features.
 
         Raises:
@@ -135,7 +135,7 @@ class Feature(SceneTable, ABC):
         """
 
     @abstractmethod
-    def drawing(self, scene: Scene) -> FeatureDrawing:
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
         """How it appears in the drawing."""
 
     def mirrored(self) -> Self:

@@ -16,7 +16,7 @@ from cranktopo.scene.features.hole import RectangularHole, check_cut, check_dept
 from cranktopo.scene.features.primitives import FeatureDrawing, Polyline, number_lines
 
 if TYPE_CHECKING:
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 _TINY = 1e-12
 
@@ -39,17 +39,17 @@ class BoxPocket(Feature):
     """Depth below the face."""
 
     @override
-    def bodies(self, scene: Scene, key: str) -> tuple[Body, ...]:
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
         low, high = (self.x_mm - half_x, self.y_mm - half_y), (self.x_mm + half_x, self.y_mm + half_y)
         return (RectangularHole(key, depth_range_mm(scene, self.face, self.depth_mm), low, high),)
 
     @override
-    def check_alone(self, scene: Scene, key: str) -> None:
+    def check_alone(self, scene: ThrowView, key: str) -> None:
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
 
     @override
-    def check_in_web(self, scene: Scene, key: str) -> None:
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
         for body in self.bodies(scene, key):
             check_cut(scene, body)
 
@@ -58,7 +58,7 @@ class BoxPocket(Feature):
         return self.model_copy(update={"x_mm": -self.x_mm + 0.0})
 
     @override
-    def drawing(self, scene: Scene) -> FeatureDrawing:
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
         half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
         corners = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
         edge = tuple((self.x_mm + i * half_x, self.y_mm + j * half_y) for i, j in corners)

@@ -17,7 +17,7 @@ from cranktopo.scene.features.hole import RoundHole, check_cut, check_depth, dep
 from cranktopo.scene.features.primitives import Circle, FeatureDrawing, number_lines
 
 if TYPE_CHECKING:
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 _TINY = 1e-12
 
@@ -38,12 +38,12 @@ class CylinderPocket(Feature):
     """Depth below the face; needed unless it goes through."""
 
     @override
-    def bodies(self, scene: Scene, key: str) -> tuple[Body, ...]:
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         z_mm = depth_range_mm(scene, self.face, self.depth_mm)
         return (RoundHole(key, z_mm, self.x_mm, self.y_mm, self.diameter_mm / 2),)
 
     @override
-    def check_alone(self, scene: Scene, key: str) -> None:
+    def check_alone(self, scene: ThrowView, key: str) -> None:
         if (self.depth_mm is None) != (self.face == "through"):
             if self.depth_mm is None:
                 allowed, hint = f"is missing with face = {self.face!r}", "Give it, or face = 'through'."
@@ -54,7 +54,7 @@ class CylinderPocket(Feature):
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
 
     @override
-    def check_in_web(self, scene: Scene, key: str) -> None:
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
         for body in self.bodies(scene, key):
             check_cut(scene, body)
 
@@ -63,7 +63,7 @@ class CylinderPocket(Feature):
         return self.model_copy(update={"x_mm": -self.x_mm + 0.0})
 
     @override
-    def drawing(self, scene: Scene) -> FeatureDrawing:
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
         centre, hidden = (self.x_mm, self.y_mm), self.face == "journal"
         numbers = self.model_dump(exclude={"shape", "face"}, exclude_none=True)
         return FeatureDrawing(

@@ -13,7 +13,7 @@ from cranktopo.scene.features.body import Array, Face
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.bevel_arc import BevelArc
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 Named = dict[str, Any]
 """Values of a feature's parameters by name, mm or degrees."""
@@ -99,7 +99,7 @@ class Surroundings:
         arcs: end bevels of the web.
     """
 
-    scene: Scene
+    scene: ThrowView
     limits: Limits
     points_mm: Array
     arcs: tuple[BevelArc, ...] = ()
@@ -134,7 +134,7 @@ class FittedFeature(ABC):
         """Names of its parameters: mm, draft in degrees."""
 
     @abstractmethod
-    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
         """Lower and upper bound of each parameter."""
 
     @abstractmethod
@@ -189,7 +189,7 @@ class FittedToSections(FittedFeature):
     """A kind whose initial values are read from cross-sections of the body."""
 
     @abstractmethod
-    def guess(self, cells: Cells, scene: Scene, limits: Limits) -> Array | None:
+    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values; None where the body shows no such feature."""
 
 

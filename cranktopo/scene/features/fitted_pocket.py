@@ -24,7 +24,7 @@ from cranktopo.scene.features.fitted import (
 )
 
 if TYPE_CHECKING:
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 _LEAST_DEPTH_MM = 1.0
 
@@ -64,7 +64,7 @@ class FittedPocket(FittedFeature):
         return (*(("x", "y") if self.pair else ("y",)), *self.sizes, *depth)
 
     @override
-    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
         far = 4 * scene.throw.radius_mm
         deepest = scene.web.thickness_mm - limits.min_wall_mm
         ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (_LEAST_DEPTH_MM, deepest)}

@@ -14,7 +14,7 @@ from cranktopo.scene.features.body import SHOULDER_MM, Array, Body, Mask, Span
 from cranktopo.scene.features.primitives import Box, Cylinder, Solid
 
 if TYPE_CHECKING:
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class RectangularHole(Body):
         return (Box((x0, y0, low), (x1 - x0, y1 - y0, high - low)),)
 
 
-def bore_holes(scene: Scene) -> list[RoundHole]:
+def bore_holes(scene: ThrowView) -> list[RoundHole]:
     """The bores of main journal and crankpin where they run through the web, in that order."""
     names = ("main_journal", "crankpin")
     return [
@@ -103,7 +103,7 @@ def bore_holes(scene: Scene) -> list[RoundHole]:
     ]
 
 
-def depth_range_mm(scene: Scene, face: str, depth_mm: float | None) -> tuple[float, float]:
+def depth_range_mm(scene: ThrowView, face: str, depth_mm: float | None) -> tuple[float, float]:
     """Axial range of a pocket from a web face; through the web without a depth."""
     start, end = scene.web_z_mm
     if depth_mm is None:
@@ -111,7 +111,7 @@ def depth_range_mm(scene: Scene, face: str, depth_mm: float | None) -> tuple[flo
     return (start, start + depth_mm) if face == "journal" else (end - depth_mm, end)
 
 
-def check_depth(scene: Scene, key: str, depth_mm: float) -> None:
+def check_depth(scene: ThrowView, key: str, depth_mm: float) -> None:
     """Refuse a depth or height, named by its key, that goes through the whole web."""
     thickness = scene.web.thickness_mm
     if depth_mm >= thickness:
@@ -119,7 +119,7 @@ def check_depth(scene: Scene, key: str, depth_mm: float) -> None:
         raise invalid(key, depth_mm, allowed, "Reduce the pocket or thicken the web.")
 
 
-def check_cut(scene: Scene, body: Body) -> None:
+def check_cut(scene: ThrowView, body: Body) -> None:
     """Refuse a body that takes nothing from the web, or that cuts a bore.
 
     Raises:

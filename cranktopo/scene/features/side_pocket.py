@@ -37,7 +37,7 @@ from cranktopo.scene.features.primitives import (
 )
 
 if TYPE_CHECKING:
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 _BEYOND_MM = 1.0
 """How far the tool of a sloped slot reaches beyond the outline, and a groove beyond both of its ends."""
@@ -76,16 +76,16 @@ class SidePocket(Feature):
         return math.tan(math.radians(self.draft_deg))
 
     @override
-    def bodies(self, scene: Scene, key: str) -> tuple[Body, ...]:
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         return (self._slots(scene, key),)
 
     @override
-    def check_alone(self, scene: Scene, key: str) -> None:
+    def check_alone(self, scene: ThrowView, key: str) -> None:
         tall = self.height_mm + 2 * (self.slope * self.depth_mm + abs(self.offset_mm))
         check_depth(scene, f"{key}.height_mm", tall)
 
     @override
-    def check_in_web(self, scene: Scene, key: str) -> None:
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
         slots = self._slots(scene, key)
         check_cut(scene, slots)
         if self.slope > 0:
@@ -93,7 +93,7 @@ class SidePocket(Feature):
             _check_apart(scene, slots)
 
     @override
-    def drawing(self, scene: Scene) -> FeatureDrawing:
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
         web = scene.web
         ends, widest = web.y_range_mm(scene.throw.radius_mm), web.largest_half_width_mm
         floor, half, more = widest - self.depth_mm, self.length_mm / 2, self.slope * self.depth_mm
@@ -108,7 +108,7 @@ class SidePocket(Feature):
         lines = number_lines(title, self.model_dump(exclude={"shape"}))
         return FeatureDrawing(front, (), self._across(scene, floor), self.y_mm, lines)
 
-    def _across(self, scene: Scene, floor: float) -> tuple[Dimension, ...]:
+    def _across(self, scene: ThrowView, floor: float) -> tuple[Dimension, ...]:
         start, end = scene.web_z_mm
         here = np.array([self.y_mm])
         out = float(scene.web.half_width_mm(scene.throw.radius_mm, here)[0]) - floor + 7
@@ -116,7 +116,7 @@ class SidePocket(Feature):
         height = Dimension((floor, middle - tall), (floor, middle + tall), (out, 0), f"{self.height_mm:.2f}")
         return height, Dimension((-floor, end), (floor, end), (0, 6), f"{2 * floor:.2f}")
 
-    def _slots(self, scene: Scene, key: str) -> SideSlots:
+    def _slots(self, scene: ThrowView, key: str) -> SideSlots:
         widest, (start, end) = scene.web.largest_half_width_mm, scene.web_z_mm
         floor = widest - self.depth_mm
         outer = widest + _BEYOND_MM if self.slope > 0 else 2 * widest
@@ -224,7 +224,7 @@ class SideSlots(Body):
         return Frustum(floor, mouth)
 
 
-def _check_bevels(scene: Scene, slots: SideSlots) -> None:
+def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
     """Sloped walls stay inside the bevels, unless the slot runs through both ends of the web."""
     start, ends = scene.web_z_mm[0], scene.web.y_range_mm(scene.throw.radius_mm)
     y = np.linspace(*slots.y_range_mm, 401)
@@ -245,7 +245,7 @@ def _check_bevels(scene: Scene, slots: SideSlots) -> None:
         )
 
 
-def _check_apart(scene: Scene, slots: SideSlots) -> None:
+def _check_apart(scene: ThrowView, slots: SideSlots) -> None:
     """Sloped walls stay clear of other pockets."""
     y = np.linspace(*slots.y_range_mm, 401)
     own = slots.spans(y, np.asarray(slots.z_centre_mm))
@@ -280,7 +280,7 @@ class FittedSlot(FittedToSections):
         return (*(() if self.through else ("y", "length")), "height", "floor", "offset", "draft")
 
     @override
-    def bounds(self, scene: Scene, limits: Limits) -> list[tuple[float, float]]:
+    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
         thickness, far = scene.web.thickness_mm, 4 * scene.throw.radius_mm
         ranges = {
             "y": (-far, far),
@@ -336,7 +336,7 @@ class FittedSlot(FittedToSections):
         lengths = {f"{name}_mm": value for name, value in values.items()}
         return [{"shape": "side", **lengths, "depth_mm": depth, "draft_deg": draft}]
 
-    def guess(self, cells: Cells, scene: Scene, limits: Limits) -> Array | None:
+    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values where the middle of the body is narrower than both faces; None where it is not."""
         outer = cells.x_mm + cells.cell_mm[0] / 2
         extent = ((cells.filled > _HALF) * outer[:, None, None]).max(axis=0)

@@ -27,7 +27,7 @@ from cranktopo.scene.features.primitives import Curve, Extrusion, Solid
 from cranktopo.scene.features.side_pocket import FittedSlot, SidePocket
 
 if TYPE_CHECKING:
-    from cranktopo.scene.schema import Scene
+    from cranktopo.scene.features.throw_view import ThrowView
 
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
 FITTED_TO_SECTIONS: tuple[tuple[FittedToSections, ...], ...] = (
@@ -126,13 +126,13 @@ class OutlineBody(Body):
         return (Extrusion(self.web.contour(self.throw_radius_mm, low), (0.0, 0.0, high - low)),)
 
 
-def web_bodies(scene: Scene) -> list[Body]:
+def web_bodies(scene: ThrowView) -> list[Body]:
     """What the web is made of: its outline, the bores through it, its features."""
     outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
     return [outline, *bore_holes(scene), *feature_bodies(scene)]
 
 
-def feature_bodies(scene: Scene) -> list[Body]:
+def feature_bodies(scene: ThrowView) -> list[Body]:
     """The bodies of all features of the web in the order of the scene."""
     return [
         body
