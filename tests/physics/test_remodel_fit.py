@@ -64,7 +64,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
     values = values_of(WHOLE) + np.random.default_rng(3).normal(0, 0.7, len(WHOLE.names))
     fit = Fit(fit_problem(body, mikron, COARSE, 2.0), WHOLE)
     _, gradient = fit.misfit(values, 3.0)
-    slopes = np.asarray(fit.slopes(values))
+    slopes = np.asarray(fit.web.slopes(values))
     step = 1e-5
     for i, name in enumerate(WHOLE.names):
         ahead, back = values.copy(), values.copy()
@@ -72,7 +72,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
         back[i] -= step
         difference = (float(fit.misfit(ahead, 3.0)[0]) - float(fit.misfit(back, 3.0)[0])) / (2 * step)
         assert gradient[i] == pytest.approx(difference, rel=1e-4, abs=1e-8), name
-        change = (np.asarray(fit.constraints(ahead)) - np.asarray(fit.constraints(back))) / (2 * step)
+        change = (np.asarray(fit.web.constraints(ahead)) - np.asarray(fit.web.constraints(back))) / (2 * step)
         assert slopes[:, i] == pytest.approx(change, rel=1e-4, abs=1e-6), name
 
 
@@ -161,7 +161,7 @@ def test_limits_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
     true = values_of(MORE)
     problem = fit_problem(body, mikron, limits, 2.0)
     fit = Fit(problem, MORE)
-    assert fit.constraints(true).max() > 0.1
+    assert fit.web.constraints(true).max() > 0.1
     values, error = search(fit, true, (4.0, 2.0))
     assert np.isfinite(error)
     web = scene_with_web(mikron, web_of(MORE, values, mikron)).web

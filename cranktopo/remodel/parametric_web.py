@@ -1,0 +1,113 @@
+"""A web of the family on cells: signed distances, manufacturing constraints, and their exact derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.remodel.constraints import outline_constraints, part_constraints
+from cranktopo.remodel.family import Layout, bounds, flank_of
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.model_fill import CHORDS, Fill
+from cranktopo.scene import Scene
+from cranktopo.scene.features.fitted import Axes
+
+Array = NDArray[np.float64]
+_COMPLEX = 1e-30
+_DIFFERENCE = 1e-6
+"""Steps of the derivatives of outline and walls, mm or degrees."""
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Points of an outline and its constraints, with their derivatives by its parameters (last axis)."""
+
+    points: Array
+    constraints: Array
+    point_slopes: Array
+    constraint_slopes: Array
+
+
+class _Outline:
+    """The outline of a parameter vector, the last one kept; derivatives by complex steps."""
+
+    def __init__(self, stations: int, scene: Scene, limits: ManufacturingLimits) -> None:
+        self._layout, self._scene, self._limits = Layout(stations), scene, limits
+        self._last: tuple[bytes, _Shape] | None = None
+
+    def at(self, values: Array) -> _Shape:
+        own = np.asarray(values[: self._layout.stations], dtype=np.float64)
+        if self._last is None or self._last[0] != own.tobytes():
+            self._last = own.tobytes(), self._shape(own)
+        return self._last[1]
+
+    def _shape(self, own: Array) -> _Shape:
+        points, constraints = self._raw(own)
+        sides = [self._raw(own + 1j * _COMPLEX * unit) for unit in np.eye(len(own))]
+        point_slopes = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
+        constraint_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
+        return _Shape(points, constraints, point_slopes, constraint_slopes)
+
+    def _raw(self, own: Any) -> tuple[Any, Any]:
+        flank = flank_of(self._layout, own)
+        return flank.along(CHORDS), outline_constraints(flank, self._scene, self._limits)
+
+
+class ParametricWeb:
+    """A web of the family on a grid of cells, as functions of its parameters.
+
+    Attributes:
+        bounds: lower and upper bounds of their values, mm or degrees.
+    """
+
+    def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits, axes: Axes) -> None:
+        self.layout, self.bounds = layout, bounds(layout, scene, limits)
+        self._scene, self._limits = scene, limits
+        self._grid = Fill(layout.parts, axes, scene.web_z_mm)
+        self._outline = _Outline(layout.stations, scene, limits)
+
+    def points(self, values: Array) -> tuple[Array, Array]:
+        """Points of the outline's right half, (n, 2), mm, and their derivatives by its values, (n, 2, m)."""
+        shape = self._outline.at(values)
+        return shape.points, shape.point_slopes
+
+    def inside_mm(self, values: Array) -> tuple[Array, NDArray[np.int8]]:
+        """Signed distance of every cell, (nx, ny, nz), mm, and which field is the least there."""
+        return self._grid.inside_mm(self._outline.at(values).points, self._parts(values))
+
+    def pulled_back(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
+        """Derivative of sum(weight * inside_mm) by the parameters.
+
+        Args:
+            which: (nx, ny, nz) which field is the least in each cell, from `inside_mm`.
+            weight: (nx, ny, nz) weight of each cell's distance.
+        """
+        shape = self._outline.at(values)
+        by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
+        return np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts])
+
+    def constraints(self, values: Array) -> Array:
+        """Manufacturing constraints, kept where <= 0."""
+        shape = self._outline.at(values)
+        return np.concatenate([shape.constraints, self._part_constraints(shape.points, values)])
+
+    def slopes(self, values: Array) -> Array:
+        """Gradients of the constraints (constraints, parameters)."""
+        shape, n = self._outline.at(values), self.layout.stations
+
+        def parts(step: Array) -> Array:
+            return self._part_constraints(shape.points + shape.point_slopes @ step[:n], values + step)
+
+        steps = _DIFFERENCE * np.eye(len(values))
+        below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
+        above = np.hstack([shape.constraint_slopes, np.zeros((len(shape.constraints), len(values) - n))])
+        return np.vstack([above, below])
+
+    def _parts(self, values: Array) -> Array:
+        return values[self.layout.stations :]
+
+    def _part_constraints(self, points: Array, values: Array) -> Array:
+        return part_constraints(self.layout.parts, points, self._parts(values), self._scene, self._limits)
