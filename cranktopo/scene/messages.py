@@ -89,6 +89,8 @@ def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
     if kind == "library":
         context = detail["ctx"]
         return f"{path}.name = {shown(detail['input']['name'])}: {detail['msg']}", context["hint"]
+    if kind == "statement":
+        return f"{path} = {shown(detail['input'])}: {detail['msg']}", detail["ctx"]["hint"]
     limits = _limits(loc)
     value = f"{path} = {shown(detail['input'])}"
     if kind in _NUMBERS:

@@ -162,6 +162,8 @@ def _key(name: str, node: dict[str, Any], required: bool) -> KeyReference:
 
 
 def _kind(node: dict[str, Any]) -> str:
+    if "kind" in node:
+        return str(node["kind"])
     if "const" in node:
         return f'"{node["const"]}"' if isinstance(node["const"], str) else str(node["const"])
     if "enum" in node:

@@ -25,6 +25,7 @@ from cranktopo.scene.engine import Engine
 from cranktopo.scene.fatigue_settings import Fatigue
 from cranktopo.scene.features import Web
 from cranktopo.scene.geometry import Envelope, Throw
+from cranktopo.scene.goal.table import GoalTable
 from cranktopo.scene.messages import explain, explains
 from cranktopo.scene.supports import Supports
 
@@ -180,6 +181,7 @@ class Scene(SceneTable):
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
     original: Original | None = None
+    goal: GoalTable | None = None
     effects: Effects = Effects()
     optimise: Optimise = Optimise()
     fatigue: Fatigue = Fatigue()

@@ -1,0 +1,60 @@
+"""The goal of a scene with every limit that counts, those that go without saying included."""
+
+from __future__ import annotations
+
+from cranktopo.scene.goal.limit import Goal, Limit, read_limits
+from cranktopo.scene.goal.quantities import QUANTITIES, QuantityName
+from cranktopo.scene.goal.table import LimitsTable
+from cranktopo.scene.schema import Scene
+
+_KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety")
+"""What may not become worse than the original's unless the goal or a limit says otherwise."""
+
+
+def wanted(scene: Scene) -> Goal | None:
+    """The goal of a scene with its limits: those that are given, then those that the goal brings.
+
+    By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
+    of the original, but for the goal's own quantity; a stiffness per mass stands for that stiffness. The
+    unbalance is not driven below 0. The safety is left out where the scene cannot give one. A given limit
+    replaces the default one of its quantity.
+
+    Returns:
+        None for a scene without a goal.
+    """
+    if scene.goal is None:
+        return None
+    quantity = scene.goal.quantity
+    given = _given(scene.goal.limits)
+    said = {name for name in QUANTITIES if getattr(scene.goal.limits, name) is not None}
+    more = tuple(limit for limit in _default(scene, quantity) if limit.quantity not in said)
+    return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*given, *more))
+
+
+def _given(table: LimitsTable) -> tuple[Limit, ...]:
+    texts = ((name, getattr(table, name)) for name in QUANTITIES)
+    return tuple(limit for name, text in texts if text is not None for limit in read_limits(name, text))
+
+
+def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
+    kept = tuple(
+        Limit(name, ">=" if QUANTITIES[name].better == "high" else "<=", 100.0, percent=True, assumed=True)
+        for name in _KEPT
+        if name != goal.removesuffix("_per_mass") and not (name == "fatigue_safety" and no_safety(scene))
+    )
+    floor = (Limit("unbalance", ">=", 0.0, assumed=True),) if goal == "unbalance" else ()
+    return (*kept, *floor)
+
+
+def no_safety(scene: Scene) -> str:
+    """Why the scene has no safety against fatigue; empty where it has one."""
+    throw = scene.throw
+    if scene.engine is None:
+        return "needs an [engine]: unit loads give no stress level"
+    if scene.effects.fatigue == "off":
+        return "effects.fatigue is 'off'"
+    if scene.material.fatigue_bending_MPa is None:
+        return "needs material.fatigue_bending_MPa"
+    if throw.main_journal.fillet_mm == 0 or throw.crankpin.fillet_mm == 0:
+        return "needs fillets at both journals"
+    return ""
