@@ -8,8 +8,12 @@ not wrap them in `jax.jit`.
 
 from __future__ import annotations
 
+import math
+
 import jax
 import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.fem.conjugate_gradients import System, dot
 from cranktopo.fem.equilibrium import Solution, solve_system
@@ -17,7 +21,10 @@ from cranktopo.fem.lattice import layer_blocks
 from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
 from cranktopo.fem.multigrid import Precision, build_tables
 from cranktopo.fem.operator import strain_energy_densities, strain_energy_density
+from cranktopo.loads.load_case import LoadCase
 from cranktopo.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
+
+Array = NDArray[np.float64]
 
 
 def solve(
@@ -61,6 +68,20 @@ def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8)
     return field(moduli)
 
 
+def adjoint_gradients(
+    model: ThrowModel, adjoint: jax.Array, u: jax.Array, solid: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Derivatives (nx, ny, nz) of any function of u by relative moduli and by the solid fraction.
+
+    Args:
+        adjoint: solution (cases, 3, nodes...) whose nodal forces are the function's derivative by u.
+    """
+    by_moduli = -_energy_density(layer_blocks(model.lattice), adjoint, u)
+    if not model.spinning:
+        return by_moduli, jnp.zeros_like(solid)
+    return by_moduli, jax.grad(lambda s: jnp.sum(case_forces(model, s) * adjoint))(solid)
+
+
 def compliances(model: ThrowModel, u: jax.Array, forces: jax.Array | None = None) -> jax.Array:
     """Work of the loads of the full throw, F . u per case (cases,), N mm."""
     load = model.forces if forces is None else forces
@@ -86,28 +107,29 @@ def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Ar
     return 2 * by_load * model.modulus_MPa / model.share
 
 
+def case_load(case: LoadCase) -> float:
+    """The load whose work is the compliance: torque in N mm of a torsion case, pin force in N else."""
+    if case.kind == "torsion":
+        return case.torque_Nm * NMM_PER_NM
+    return math.hypot(case.radial_N, case.tangential_N)
+
+
 def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
     """Relative rotation of the two mid-journal sections under a torsion case, rad."""
     index = model.case_names.index(case)
-    torque = model.cases[index].torque_Nm * NMM_PER_NM
-    return compliances(model, u)[index] / torque
+    return compliances(model, u)[index] / case_load(model.cases[index])
 
 
 def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
     """Mean displacement of the crankpin's material along the case's pin force, mm."""
     index = model.case_names.index(case)
-    force = model.cases[index].radial_N or model.cases[index].tangential_N
-    return compliances(model, u)[index] / force
+    return compliances(model, u)[index] / case_load(model.cases[index])
 
 
 def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
     """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
-    index = model.case_names.index(case)
-    load = model.cases[index]
-    if load.kind == "torsion":
-        torque = load.torque_Nm * NMM_PER_NM
-        return torque**2 / compliance_N_mm / NMM_PER_NM
-    return (load.radial_N or load.tangential_N) ** 2 / compliance_N_mm
+    load = model.cases[model.case_names.index(case)]
+    return case_load(load) ** 2 / compliance_N_mm / (NMM_PER_NM if load.kind == "torsion" else 1.0)
 
 
 def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
@@ -117,15 +139,24 @@ def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> 
 
 
 def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
-    """Mass of the full throw times the y of its centre of mass, kg mm.
-
-    Raises:
-        ValueError: the model does not say where its nodes are.
-    """
-    if model.arms_mm is None:
-        raise ValueError("a model without arms_mm has no unbalance")
-    y = model.arms_mm[1]
+    """Mass of the full throw times the y of its centre of mass, kg mm."""
+    _, y = _arms_mm(model)
     return throw_mass_kg(model, solid * (y[:, :-1] + y[:, 1:]) / 2, density_kg_m3)
+
+
+def throw_inertia_kg_mm2(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
+    """Moment of inertia of the full throw about the crank axis, kg mm2; exact for full cells."""
+    squares = []
+    for axis, arm in enumerate(_arms_mm(model)):
+        low, high = np.delete(arm, -1, axis), np.delete(arm, 0, axis)
+        squares.append((low**2 + low * high + high**2) / 3)
+    return throw_mass_kg(model, solid * (squares[0] + squares[1]), density_kg_m3)
+
+
+def _arms_mm(model: ThrowModel) -> tuple[Array, Array]:
+    if model.arms_mm is None:
+        raise ValueError("a model without arms_mm does not say where its nodes are")
+    return model.arms_mm
 
 
 @jax.jit

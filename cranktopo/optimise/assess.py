@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import jax.numpy as jnp
@@ -13,6 +14,7 @@ from cranktopo.fem.model import ThrowModel, case_forces
 from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.material import relative_moduli
 from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.responses import Design, quantities
 from cranktopo.scene.schema import Scene
 from cranktopo.units import density_kg_per_mm3
 
@@ -42,11 +44,13 @@ class Assessment:
 
     Attributes:
         throw_kg: mass between the two mid-main-journal planes, kg.
+        quantities: every quantity of a goal or limit by its name, in the unit of `scene.goal.QUANTITIES`.
     """
 
     cases: tuple[CaseResult, ...]
     throw_kg: float
     web_kg: float
+    quantities: Mapping[str, float]
 
     def stiffness_per_mass(self) -> dict[str, float]:
         """Stiffness per mass of the throw, by load case name, in N m/(rad kg) or N/(mm kg)."""
@@ -66,16 +70,22 @@ def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array
     return _assess(problem.model, scene, domain, moduli, solid)
 
 
-def assess_original(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
+def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessment:
     """The scene's own web on the same grid, in the same model."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
-    return _assess(problem.model, scene, domain, original.fixed, original.fixed)
+    return _assess(model, scene, domain, original.fixed, original.fixed)
+
+
+def assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
+    """The design space all solid: no design is stiffer."""
+    return assess(problem, scene, domain, np.asarray(problem.chain.design > 0, float))
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
     forces = case_forces(model, jnp.asarray(solid))
     solution = solve(model, jnp.asarray(moduli), forces=forces, tolerance=TOLERANCE)
-    work = [float(c) for c in compliances(model, solution.displacements, forces)]
+    works = compliances(model, solution.displacements, forces)
+    work = [float(c) for c in works]
     cases = tuple(
         CaseResult(
             name=case.name,
@@ -90,4 +100,7 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     kg = solid * domain.volume_mm3 / domain.share
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
-    return Assessment(cases, float(kg.sum()), float(kg[:, :, first:last].sum()) / 2)
+    design = Design(jnp.asarray(moduli), jnp.asarray(solid), works, works, solution.displacements)
+    known = quantities(model, scene.material.density_kg_m3)
+    values = {name: float(response.value(design)) for name, response in known.items()}
+    return Assessment(cases, float(kg.sum()), float(kg[:, :, first:last].sum()) / 2, values)

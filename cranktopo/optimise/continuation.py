@@ -8,54 +8,73 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.optimise.problem import DensityProblem, SolverSettings
-from cranktopo.optimise.state import State
+from cranktopo.optimise.problem import DensityProblem, Schedule
+from cranktopo.optimise.state import Record, State
 
 Array = NDArray[np.float64]
 
-# Projection continuation: beta doubles when a stage's objective has settled or its iterations are spent.
-BETA_FIRST, BETA_LAST = 1.0, 16.0
-STAGE_ITERATIONS = 6
 # A stage has settled, and the last one converged, when the objective changes by less over the window.
 STAGE_PLATEAU, FINAL_PLATEAU = 5e-3, 1e-3
 WINDOW = 3
-FEASIBILITY = 1e-3
+# The volume may differ by the first, as a share of the design space; a limit may be broken by the second.
+FEASIBILITY, LIMIT_FEASIBILITY = 1e-3, 2e-3
 GREYNESS_LIMIT = 0.15
 # The steeper the projection, the smaller the move: a full step would flip boundary cells to and fro.
-MOVE_FIRST, MOVE_LEAST = 0.2, 0.05
+MOVE_LEAST = 0.05
 
 
 def advance(problem: DensityProblem, state: State, new_x: Array) -> State:
     """The next design, its projection, and whether the evaluated one ends the run."""
+    schedule, last = problem.schedule, state.last
     in_stage = len(state.history) - state.stage_start
     plateau = _plateau(state, in_stage) if in_stage > WINDOW else np.inf
     beta, stage_start = state.beta, state.stage_start
-    if beta < BETA_LAST and (plateau < STAGE_PLATEAU or in_stage >= STAGE_ITERATIONS):
-        beta, stage_start = 2 * beta, len(state.history)
+    if beta < schedule.projection_last and (plateau < STAGE_PLATEAU or in_stage >= schedule.stage_iterations):
+        beta, stage_start = min(2 * beta, schedule.projection_last), len(state.history)
     following = replace(state, x=new_x, beta=beta, stage_start=stage_start)
-    last = state.last
-    feasible = abs(last.volume_fraction - problem.target) <= FEASIBILITY
-    if last.beta >= BETA_LAST and plateau < FINAL_PLATEAU and feasible and last.greyness <= GREYNESS_LIMIT:
+    settled = last.beta >= schedule.projection_last and plateau < FINAL_PLATEAU
+    if settled and _feasible(problem, last) and last.greyness <= GREYNESS_LIMIT:
         reason = (
             f"objective changed by less than {100 * FINAL_PLATEAU:g} % over {WINDOW} iterations, "
-            f"volume fraction within {FEASIBILITY:g} of its target, "
-            f"greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
+            f"{_kept(problem)}, greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
         )
         return replace(following, status="converged", reason=reason)
     if len(state.history) >= problem.max_iterations:
         reason = f"iteration limit {problem.max_iterations} reached before the objective settled"
-        return replace(following, status="stopped", reason=reason)
+        return replace(following, status="stopped", reason=reason + _broken(problem, last))
     return following
 
 
-def largest_move(beta: float) -> float:
+def _feasible(problem: DensityProblem, last: Record) -> bool:
+    if problem.target is not None:
+        return abs(last.volume_fraction - problem.target) <= FEASIBILITY
+    return last.broken <= LIMIT_FEASIBILITY
+
+
+def _kept(problem: DensityProblem) -> str:
+    if problem.target is not None:
+        return f"volume fraction within {FEASIBILITY:g} of its target"
+    return f"every limit within {100 * LIMIT_FEASIBILITY:g} %"
+
+
+def _broken(problem: DensityProblem, last: Record) -> str:
+    """Which limits a stopped run has broken, to follow its reason."""
+    pairs = zip(problem.statement.limits, last.limits, strict=False)
+    texts = [
+        f"{limit}: reached {value:.4g}" for limit, value in pairs if limit.broken(value) > LIMIT_FEASIBILITY
+    ]
+    return f"; limits not met: {', '.join(texts)}" if texts else ""
+
+
+def largest_move(schedule: Schedule, beta: float) -> float:
     """Largest change of a design variable by one step."""
-    return max(MOVE_LEAST, MOVE_FIRST / math.sqrt(beta))
+    return max(min(MOVE_LEAST, schedule.move), schedule.move / math.sqrt(beta))
 
 
-def tolerance_at(solver: SolverSettings, beta: float) -> float:
+def tolerance_at(problem: DensityProblem, beta: float) -> float:
     """Relative residual that a solve at this projection steepness must reach."""
-    return solver.tolerance if beta >= BETA_LAST else solver.tolerance_early
+    solving = problem.solving
+    return solving.tolerance if beta >= problem.schedule.projection_last else solving.tolerance_early
 
 
 def with_limit(problem: DensityProblem, state: State) -> State:
@@ -67,9 +86,11 @@ def with_limit(problem: DensityProblem, state: State) -> State:
 
 def iterations_left(problem: DensityProblem, state: State) -> int:
     """Upper estimate of the iterations still needed, for the progress display."""
-    stages = 1 + round(math.log2(BETA_LAST / state.beta))
+    schedule = problem.schedule
+    stages = 1 + math.ceil(math.log2(schedule.projection_last / state.beta))
     in_stage = len(state.history) - state.stage_start
-    return min(problem.max_iterations - len(state.history), max(1, stages * STAGE_ITERATIONS - in_stage))
+    left = max(1, stages * schedule.stage_iterations - in_stage)
+    return min(problem.max_iterations - len(state.history), left)
 
 
 def _plateau(state: State, in_stage: int) -> float:

@@ -10,14 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.fem.model import ThrowModel, case_forces
-from cranktopo.fem.response import (
-    compliance_gradients,
-    compliance_gradients_by_solid,
-    compliances,
-    solve,
-)
-from cranktopo.optimise.continuation import BETA_FIRST, advance, largest_move, tolerance_at
+from cranktopo.fem.equilibrium import Solution
+from cranktopo.fem.model import case_forces
+from cranktopo.fem.response import compliances, solve
+from cranktopo.optimise.continuation import advance, tolerance_at
 from cranktopo.optimise.material import (
     Interpolation,
     greyness,
@@ -27,8 +23,8 @@ from cranktopo.optimise.material import (
     solid_fraction,
     volume_fraction,
 )
-from cranktopo.optimise.optimality_criteria import update
 from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.responses import Design
 from cranktopo.optimise.state import Record, State
 
 Array = NDArray[np.float64]
@@ -49,8 +45,9 @@ class WebDensities:
 
 def init(problem: DensityProblem) -> State:
     """The uniform start design."""
-    x = np.full(problem.chain.design.shape, problem.target)
-    return State(x=x, evaluated=x, displacements=np.zeros(problem.model.forces.shape), beta=BETA_FIRST)
+    x = np.full(problem.chain.design.shape, problem.start)
+    displacements = np.zeros(problem.model.forces.shape)
+    return State(x=x, evaluated=x, displacements=displacements, beta=problem.schedule.projection_first)
 
 
 def step(problem: DensityProblem, state: State) -> State:
@@ -63,52 +60,50 @@ def step(problem: DensityProblem, state: State) -> State:
         CranktopoError: the linear solve failed.
     """
     started = time.perf_counter()
-    model = problem.model
-    beta = jnp.asarray(state.beta)
-    x = jnp.asarray(state.x)
-    moduli, solid, volume, grey = _design(problem.chain, x, beta)
-    forces = case_forces(model, solid)
-    guess = jnp.asarray(state.displacements)
-    tolerance, precision = tolerance_at(problem.solving, state.beta), problem.solving.precision
-    solution = solve(model, moduli, forces=forces, guess=guess, tolerance=tolerance, precision=precision)
-    values = tuple(float(c) for c in compliances(model, solution.displacements, forces))
-    initial = state.initial_N_mm or values
-    factors = jnp.asarray([w / c for w, c in zip(problem.weights, initial, strict=True)])
-    factors = factors / sum(problem.weights)
-    by_moduli, by_solid = _slopes(model, solution.displacements, solid, factors)
-    limits = jnp.asarray(problem.target), jnp.asarray(largest_move(state.beta))
-    new_x = np.asarray(_update(problem.chain, x, beta, by_moduli, *limits, by_solid))
+    design, solution, volume, grey = _solved(problem, state)
+    proposal = problem.method(problem, state, design)
     record = Record(
         iteration=len(state.history) + 1,
         beta=state.beta,
-        objective=float(jnp.dot(factors, jnp.asarray(values))),
-        compliance_N_mm=values,
-        volume_fraction=float(volume),
-        greyness=float(grey),
-        change=float(np.abs(new_x - state.x).max()),
+        objective=proposal.objective,
+        compliance_N_mm=tuple(float(c) for c in design.works),
+        volume_fraction=volume,
+        greyness=grey,
+        change=float(np.abs(proposal.x - state.x).max()),
         cg_iterations=int(solution.iterations),
         seconds=time.perf_counter() - started,
         notice=solution.notice,
+        goals=proposal.goals,
+        limits=proposal.limits,
+        broken=proposal.broken,
     )
     advanced = replace(
         state,
         evaluated=state.x,
-        displacements=np.asarray(solution.displacements),
-        initial_N_mm=initial,
+        displacements=np.asarray(design.displacements),
+        initial_N_mm=tuple(float(c) for c in design.first_works),
         history=(*state.history, record),
+        memory=dict(proposal.memory),
     )
-    return advance(problem, advanced, new_x)
+    return advance(problem, advanced, proposal.x)
 
 
-def _slopes(
-    model: ThrowModel, u: jax.Array, solid: jax.Array, factors: jax.Array
-) -> tuple[jax.Array, jax.Array | None]:
-    """Derivative of the objective by the moduli, and by the solid where its own mass loads it."""
-    by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, u))
-    if not model.spinning:
-        return by_moduli, None
-    each = compliance_gradients_by_solid(model, u, solid)
-    return by_moduli, jnp.einsum("b,bxyz->xyz", factors, each)
+def _solved(problem: DensityProblem, state: State) -> tuple[Design, Solution, float, float]:
+    """The state's design under its loads, how it was solved, its volume fraction and greyness."""
+    model = problem.model
+    moduli, solid, volume, grey = _design(problem.chain, jnp.asarray(state.x), jnp.asarray(state.beta))
+    forces = case_forces(model, solid)
+    solution = solve(
+        model,
+        moduli,
+        forces=forces,
+        guess=jnp.asarray(state.displacements),
+        tolerance=tolerance_at(problem, state.beta),
+        precision=problem.solving.precision,
+    )
+    works = compliances(model, solution.displacements, forces)
+    first = jnp.asarray(state.initial_N_mm) if state.initial_N_mm else works
+    return Design(moduli, solid, works, first, solution.displacements), solution, float(volume), float(grey)
 
 
 def final_design(problem: DensityProblem, state: State) -> WebDensities:
@@ -134,6 +129,3 @@ def _design(
     density = physical_density(chain, x, beta)
     moduli, solid = relative_moduli(chain, density), solid_fraction(chain, density)
     return moduli, solid, volume_fraction(chain, density), greyness(chain, density)
-
-
-_update = jax.jit(update)

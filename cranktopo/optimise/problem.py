@@ -1,16 +1,18 @@
-"""The density optimisation of a scene as equations: model, density-to-modulus chain, weights, target."""
+"""The density optimisation as equations: model, density-to-modulus chain, goals and limits, schedule."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from cranktopo.domain.build import Domain
-from cranktopo.fem.model import ThrowModel, build_model
+from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.multigrid import Precision
-from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise.forging_constraint import open_cells
 from cranktopo.optimise.material import Interpolation, build_interpolation
+from cranktopo.optimise.responses import Design
+from cranktopo.optimise.state import Proposal, State
+from cranktopo.optimise.statement import Statement
 from cranktopo.scene.schema import Scene
 
 # The error of a compliance is the square of the residual's: a loose solve, started from the last design's
@@ -34,36 +36,47 @@ class SolverSettings:
 
 
 @dataclass(frozen=True)
+class Schedule:
+    """How the optimisation proceeds.
+
+    Attributes:
+        projection_first, projection_last: steepness of the projection, which doubles from stage to stage.
+        stage_iterations: most iterations of a stage but the last.
+        move: largest change of a design variable in the first stage; steeper ones take smaller steps.
+    """
+
+    projection_first: float = 1.0
+    projection_last: float = 16.0
+    stage_iterations: int = 6
+    move: float = 0.2
+
+
+@dataclass(frozen=True)
 class DensityProblem:
     """Everything constant during an optimisation.
 
     Attributes:
-        target: volume fraction of the design space.
+        weights: of the load cases' compliances, where their sum is the goal.
+        target: volume fraction of the design space; without one it is free.
+        statement: goals and limits, for a method that takes any.
+        method: how the next design is found.
+        start: density of the uniform first design.
     """
 
     model: ThrowModel
     chain: Interpolation
     weights: tuple[float, ...]
-    target: float
+    target: float | None
     max_iterations: int
+    statement: Statement
+    method: Method
+    start: float
     solving: SolverSettings = SolverSettings()
+    schedule: Schedule = Schedule()
 
 
-def build_problem(
-    scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
-) -> DensityProblem:
-    """The optimisation problem of a scene on a domain; call inside `double_precision()`."""
-    solving = solving or SolverSettings()
-    settings = scene.optimise
-    weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
-    return DensityProblem(
-        model=build_model(scene, domain, cases, plain=solving.plain),
-        chain=build_chain(scene, domain),
-        weights=tuple(weights[case.kind] for case in cases),
-        target=settings.volume_fraction,
-        max_iterations=settings.max_iterations,
-        solving=solving,
-    )
+Method = Callable[[DensityProblem, State, Design], Proposal]
+"""A way to the next design variables, such as those of `proposals`."""
 
 
 def build_chain(scene: Scene, domain: Domain) -> Interpolation:

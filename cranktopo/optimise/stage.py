@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from cranktopo.domain.build import Domain, build_domain, laterally_symmetric
 from cranktopo.domain.resolution import available_memory_MiB, check_resolution
 from cranktopo.effects import EffectPlan, plan, simulated_scene
-from cranktopo.errors import CranktopoError
 from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
+from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.notices import notices
-from cranktopo.optimise.problem import DensityProblem, SolverSettings, build_problem
+from cranktopo.optimise.problem import DensityProblem, SolverSettings
 from cranktopo.optimise.state import State
 from cranktopo.scene import Scene
 
@@ -41,11 +41,6 @@ def prepare(scene: Scene) -> Prepared:
     Raises:
         CranktopoError: resolution out of range, no envelope, an envelope that misses a journal.
     """
-    if scene.goal is not None:
-        raise CranktopoError(
-            "goal: the density optimisation does not know goals yet.",
-            hint="Leave [goal] out: it then minimises the weighted compliance at optimise.volume_fraction.",
-        )
     effects = plan(scene)
     scene = simulated_scene(scene, effects)
     quarter = laterally_symmetric(scene, "envelope")

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 ARRAY_FIELDS = ("x", "evaluated", "displacements")
-Status = Literal["running", "converged", "stopped"]
+MEMORY = "memory."
+Status = Literal["running", "converged", "stopped", "infeasible"]
 
 
 @dataclass(frozen=True)
@@ -19,10 +22,13 @@ class Record:
 
     Attributes:
         iteration: number of the design, from 1.
-        objective: weighted sum of the compliances over their initial values.
+        objective: what is minimised, scaled: the weighted sum of the compliances over their initial values,
+            or the goal over its reference.
         compliance_N_mm: per load case, full throw.
         greyness: 0 black and white, 1 all grey.
         change: largest change of a design variable by the step that followed.
+        goals, limits: values of the responses of the goals and of the limits, in their units.
+        broken: largest share by which a limit is broken; negative where all hold.
         notice: what the solver had to say, one sentence when its first method was not enough, else empty.
     """
 
@@ -36,6 +42,9 @@ class Record:
     cg_iterations: int
     seconds: float
     notice: str = ""
+    goals: tuple[float, ...] = ()
+    limits: tuple[float, ...] = ()
+    broken: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -50,7 +59,9 @@ class State:
         stage_start: iterations done when the current beta began.
         initial_N_mm: compliances of the first design, the normalisation of the objective.
         history: one record per design evaluated.
-        status: running, converged (all criteria met) or stopped (a limit was hit).
+        status: running, converged (all criteria met), stopped (the iterations are spent) or infeasible (the
+            limits exclude each other).
+        memory: what the optimiser remembers of its steps, by name.
     """
 
     x: Array
@@ -62,6 +73,7 @@ class State:
     history: tuple[Record, ...] = ()
     status: Status = "running"
     reason: str = ""
+    memory: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def last(self) -> Record:
@@ -74,16 +86,36 @@ class State:
         return self.status != "running"
 
 
+class Proposal(NamedTuple):
+    """The next design variables, and what their choice found out about the present design.
+
+    Attributes:
+        objective, goals, limits, broken: as in `Record`.
+        memory: what the next proposal needs.
+    """
+
+    x: Array
+    objective: float
+    goals: tuple[float, ...] = ()
+    limits: tuple[float, ...] = ()
+    broken: float = 0.0
+    memory: Mapping[str, Array] = MappingProxyType({})
+
+
 def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
     """The state as named arrays and JSON-able data."""
     data = asdict(state)
     arrays = {name: data.pop(name) for name in ARRAY_FIELDS}
+    arrays |= {MEMORY + name: array for name, array in data.pop("memory").items()}
     return arrays, data
 
 
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
     """The state from what `to_checkpoint` returned, exactly."""
-    records = [{**row, "compliance_N_mm": tuple(row["compliance_N_mm"])} for row in data["history"]]
+    records = [
+        {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
+        for row in data["history"]
+    ]
     return State(
         x=arrays["x"],
         evaluated=arrays["evaluated"],
@@ -94,4 +126,5 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
         history=tuple(Record(**row) for row in records),
         status=data["status"],
         reason=data["reason"],
+        memory={name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)},
     )

@@ -16,8 +16,9 @@ from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
+from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.continuation import with_limit
-from cranktopo.optimise.problem import DensityProblem, build_problem
+from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
@@ -195,7 +196,7 @@ def _finish(
     mesh = None if surface is None else surface.surface.half_throw
     files = write_run_files(run, scene, domain, design, rows, mesh)
     result = assess(problem, scene, domain, design.physical)
-    original = assess_original(problem, scene, domain)
+    original = assess_original(problem.model, scene, domain)
     now = time.perf_counter()
     timing = Timing(now - began, now - optimised, clock.compile_s)
     metrics = optimise_metrics(

@@ -12,8 +12,8 @@ import pytest
 from cranktopo.fem import response
 from cranktopo.fem.equilibrium import Solution
 from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop, stage
-from cranktopo.optimise.problem import build_problem
+from cranktopo.optimise import loop, proposals, stage
+from cranktopo.optimise.build import build_problem
 from cranktopo.scene import Scene, scene_from_dict
 
 
@@ -48,7 +48,7 @@ def count(monkeypatch: pytest.MonkeyPatch) -> Any:
             counts.meshes += 1
 
         monkeypatch.setattr(response, "solve_system", fake)
-        monkeypatch.setattr(loop, "compliance_gradients_by_solid", body)
+        monkeypatch.setattr(proposals, "compliance_gradients_by_solid", body)
         monkeypatch.setattr("gmsh.initialize", mesh)
         with double_precision():
             prepared = stage.prepare(scene)

@@ -1,0 +1,104 @@
+"""The optimisation problem of a scene: its goal and limits in the optimiser's own model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from cranktopo.domain.build import Domain
+from cranktopo.errors import invalid
+from cranktopo.fem.model import ThrowModel, build_model
+from cranktopo.loads.cases import LoadCase
+from cranktopo.optimise.assess import assess_original
+from cranktopo.optimise.material import Interpolation
+from cranktopo.optimise.problem import DensityProblem, SolverSettings, build_chain
+from cranktopo.optimise.proposals import by_moving_asymptotes, by_optimality_criteria
+from cranktopo.optimise.responses import (
+    Response,
+    quantities,
+    volume,
+    weighted_compliance,
+)
+from cranktopo.optimise.statement import Goal, Requirement, Statement
+from cranktopo.scene.goal import QUANTITIES, Limit
+from cranktopo.scene.goal import Goal as WantedGoal
+from cranktopo.scene.goal.wanted import wanted
+from cranktopo.scene.schema import Scene
+
+LEFT_TO_EVALUATION = "fatigue_safety"
+# Half the design space is where the projection turns neither way.
+_START = 0.5
+
+
+def build_problem(
+    scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
+) -> DensityProblem:
+    """The optimisation problem of a scene on a domain; call inside `double_precision()`.
+
+    Raises:
+        CranktopoError: a goal or limit without its load case.
+    """
+    solving = solving or SolverSettings()
+    settings = scene.optimise
+    weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
+    model = build_model(scene, domain, cases, plain=solving.plain)
+    chain = build_chain(scene, domain)
+    shares = tuple(weights[case.kind] for case in cases)
+    asked = wanted(scene)
+    if asked is None:
+        statement = _of_volume(chain, shares, settings.volume_fraction)
+    else:
+        statement = _of_goal(asked, scene, domain, model)
+    return DensityProblem(
+        model=model,
+        chain=chain,
+        weights=shares,
+        target=settings.volume_fraction if asked is None else None,
+        max_iterations=settings.max_iterations,
+        statement=statement,
+        method=by_optimality_criteria if asked is None else by_moving_asymptotes,
+        start=settings.volume_fraction if asked is None else _START,
+        solving=solving,
+    )
+
+
+def _of_volume(chain: Interpolation, weights: tuple[float, ...], fraction: float) -> Statement:
+    return Statement((Goal(weighted_compliance(weights)),), (Requirement(volume(chain), "<=", fraction),))
+
+
+def _of_goal(goal: WantedGoal, scene: Scene, domain: Domain, model: ThrowModel) -> Statement:
+    known = quantities(model, scene.material.density_kg_m3)
+    original = assess_original(model, scene, domain).quantities
+    first = _known(known, goal.quantity, "goal")
+    return Statement(
+        (Goal(first, goal.sense, abs(original[goal.quantity]) or 1.0),),
+        tuple(
+            _requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
+            for limit in goal.limits
+            if limit.quantity != LEFT_TO_EVALUATION
+        ),
+    )
+
+
+def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
+    if quantity in known:
+        return known[quantity]
+    if quantity == LEFT_TO_EVALUATION:
+        raise invalid(
+            key,
+            quantity,
+            "the density optimisation leaves it to the evaluation of the extracted surface",
+            "Name another goal, or use `cranktopo shape`.",
+        )
+    case = QUANTITIES[quantity].load_case  # type: ignore[index]
+    raise invalid(
+        key,
+        quantity,
+        f"its load case '{case}' is off",
+        f"Set effects.{case} = 'auto'.",
+    )
+
+
+def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> Requirement:
+    own = original[limit.quantity]
+    bound = limit.value / 100 * own if limit.percent else limit.value
+    return Requirement(response, limit.sense, bound, scale=abs(own), text=str(limit))
