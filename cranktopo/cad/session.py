@@ -21,10 +21,9 @@ def cad_session(what: str) -> Iterator[Any]:
     Single-threaded, so that the same input gives the same mesh.
 
     Raises:
-        CranktopoError: gmsh failed inside the block.
+        CranktopoError: gmsh or a library of it is missing, or gmsh failed inside the block.
     """
-    import gmsh
-
+    gmsh = _gmsh()
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -44,6 +43,18 @@ def cad_session(what: str) -> Iterator[Any]:
         ) from None
     finally:
         gmsh.finalize()
+
+
+def _gmsh() -> Any:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:  # OSError: a system library that gmsh loads is missing
+        raise CranktopoError(
+            f"gmsh cannot be loaded: {error}.",
+            hint="'cranktopo doctor' says which line installs it.",
+            code=ExitCode.MISSING_TOOL,
+        ) from None
+    return gmsh
 
 
 def tetrahedra(gmsh: Any, element_type: int, corners: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

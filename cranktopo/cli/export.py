@@ -26,10 +26,14 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float, force: bo
     Example: cranktopo export mikron-iiic throw.step
     """
     from cranktopo.scene import load_scene
+    from cranktopo.scene.assumed import THROW, assumed_text, assumptions
     from cranktopo.store import check_file
 
     check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
     scene = load_scene(design)
+    assumed = assumptions(scene, (THROW,))
+    if assumed:
+        click.echo(assumed_text(assumed), err=True)
     if file.suffix.lower() in PLOTS:
         from cranktopo.pipeline.drawing_file import export_drawing
 

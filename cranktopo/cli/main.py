@@ -37,8 +37,8 @@ COMMANDS = {
 
 _EPILOG = (
     "Exit codes: 0 done; 1 internal error; 2 wrong use; 3 invalid design or input; 4 solver failure; "
-    "5 not converged, best result saved; 6 a requested criterion not met; 7 doctor misses what is needed; "
-    "130 interrupted, checkpoint saved."
+    "5 not converged, best result saved; 6 a requested criterion not met; 7 a package, a library or a device "
+    "is missing: see 'cranktopo doctor'; 130 interrupted, checkpoint saved."
 )
 
 

@@ -46,13 +46,15 @@ def command(
 
     Example: cranktopo shaft mikron-iiic --bearings free
     """
-    from cranktopo.evaluate.shaft import evaluate_shaft
+    from cranktopo.evaluate.shaft import evaluate_shaft, shaft_tables
     from cranktopo.evaluate.shaft_assembly import Bearings
     from cranktopo.evaluate.targets import resolve_target
+    from cranktopo.pipeline.evaluate import print_assumed
 
     resolved = resolve_target(target, design, align=align)
-    info(f"{resolved.name}: condensing one throw")
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
+    print_assumed([resolved], shaft_tables(resolved.scene, support), info)
+    info(f"{resolved.name}: condensing one throw")
     shaft = evaluate_shaft(resolved, support, element_size_mm)
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else _text(shaft))
 

@@ -16,6 +16,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
+from cranktopo.scene.assumed import EVALUATED, Assumption, among, assumed_json
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
 SCHEMA_VERSION = 1
@@ -61,6 +62,7 @@ class Evaluation:
         unbalance_kg_mm: mass times y of the centre of mass.
         torsion_support, bending_support: the supports that the scene asks for.
         torsion_error_percent, bending_error_percent: bound of the discretisation error.
+        assumed: what the design does not say and the stiffnesses depend on.
     """
 
     target: str
@@ -74,6 +76,7 @@ class Evaluation:
     torsion_error_percent: float
     bending_error_percent: float
     total_seconds: float
+    assumed: tuple[Assumption, ...] = ()
 
     @property
     def torsion_Nm_per_rad(self) -> float:
@@ -115,6 +118,7 @@ class Evaluation:
                 "solve": fine.solve_seconds,
                 "total": self.total_seconds,
             },
+            "assumed": assumed_json(self.assumed),
         }
 
 
@@ -252,6 +256,7 @@ def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluati
         torsion_error_percent=bound_percent(coarse.stiffness.torsion, fine.stiffness.torsion),
         bending_error_percent=bound_percent(coarse.stiffness.bending, fine.stiffness.bending),
         total_seconds=seconds,
+        assumed=among(target.assumed, EVALUATED),
     )
 
 

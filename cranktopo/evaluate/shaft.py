@@ -31,6 +31,7 @@ from cranktopo.evaluate.torsional import DiskModel, disk_model
 from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow
 from cranktopo.scene import Scene
+from cranktopo.scene.assumed import LOADS, SHAFT, Assumption, among, assumed_json
 from cranktopo.units import MPA_PER_GPA
 
 
@@ -40,6 +41,7 @@ class ShaftEvaluation:
 
     Attributes:
         error_percent: bound of the stiffnesses' discretisation error.
+        assumed: what the design does not say and the shaft depends on.
     """
 
     design: str
@@ -49,6 +51,7 @@ class ShaftEvaluation:
     stiffness: ShaftStiffness
     error_percent: float
     disks: DiskModel
+    assumed: tuple[Assumption, ...]
 
     def as_json(self) -> dict[str, Any]:
         """The object that `shaft --json` prints."""
@@ -65,6 +68,7 @@ class ShaftEvaluation:
             "error_estimate_percent": {"torsion": self.error_percent},
             "natural_frequencies_Hz": list(self.disks.natural_frequencies_Hz()),
             "opentorsion": self.disks.as_opentorsion(),
+            "assumed": assumed_json(self.assumed),
         }
 
 
@@ -89,7 +93,15 @@ def evaluate_shaft(
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
     mass = len(angles) * meshed_throw_kg(meshes[-1], scene)
     error = bound_percent(coarse.by_name(), stiffness.by_name())
-    return ShaftEvaluation(target.name, angles, bearings, mass, stiffness, error, disks)
+    assumed = among(target.assumed, shaft_tables(scene, bearings))
+    return ShaftEvaluation(target.name, angles, bearings, mass, stiffness, error, disks, assumed)
+
+
+def shaft_tables(scene: Scene, bearings: Bearings) -> tuple[str, ...]:
+    """Paths of what a shaft uses of a scene; the spring of a plain bearing depends on the gas force."""
+    if bearings != "spring" or scene.supports.bearing_clearance_mm is None:
+        return SHAFT
+    return (*SHAFT, LOADS)
 
 
 def _throw(meshed: MeshedThrow, scene: Scene) -> NDArray[np.float64]:

@@ -27,7 +27,7 @@ from cranktopo.store import RunStore, open_run, require_kind, runs_named
 _GEOMETRY = (".stl", ".step", ".stp")
 _RUN_SURFACE = "web.stl"
 USED = (THROW, LOADS, SUPPORTS, FATIGUE)
-"""What evaluations may use of a scene; `said` takes what one does."""
+"""What evaluations may use of a scene; `among` takes what one of them does."""
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,10 @@ from cranktopo.accuracy.pareto import pareto_front
 from cranktopo.accuracy.stored_studies import key_of, store_study
 from cranktopo.accuracy.study import run_studies
 from cranktopo.evaluate.targets import Target, resolve_target
+from cranktopo.pipeline.evaluate import print_assumed
 from cranktopo.report.pages.accuracy_page import accuracy_page
 from cranktopo.report.pages.report_file import write_report
+from cranktopo.scene.assumed import EVALUATED, among, assumed_json
 from cranktopo.store import RUNS, check_folder, write_json
 from cranktopo.store.manifest import timestamp
 
@@ -48,8 +50,10 @@ def study_accuracy(
     resolved = resolve_target(target, design) if isinstance(target, str) else target
     folder = out or _folder(resolved)
     check_folder(folder)
+    print_assumed([resolved], EVALUATED, info)
     result = pareto_front(run_studies(resolved, budget_s, info)).as_json()
     kept = store_study(key_of(resolved), result)
+    result["assumed"] = assumed_json(among(resolved.assumed, EVALUATED))
     return AccuracyStudy(result, _write(result, folder), kept)
 
 

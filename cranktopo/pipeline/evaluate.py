@@ -11,7 +11,7 @@ from cranktopo.accuracy.stored_studies import key_of, load_study
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
 from cranktopo.evaluate.targets import Target, resolve_target
-from cranktopo.scene.assumed import SUPPORTS, THROW, among, assumed_text
+from cranktopo.scene.assumed import EVALUATED, among, assumed_text
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def evaluate_targets(
         CranktopoError: no valid mesh, or a failed solve.
     """
     evaluations, missed = [], []
-    print_assumed(targets, (THROW, SUPPORTS), info)
+    print_assumed(targets, EVALUATED, info)
     for target in targets:
         evaluation, reached = _evaluate(target, wanted or MeshRequest(), info)
         evaluations.append(evaluation)

@@ -12,13 +12,13 @@ from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.rule_check import RuleCheck, check_rule
 from cranktopo.evaluate.safety_field import FatigueField, FieldMethod, check_inputs, fatigue_field
 from cranktopo.evaluate.stress_model import RULE_FRACTION
-from cranktopo.evaluate.targets import Target, resolve_targets
+from cranktopo.evaluate.targets import USED, Target, resolve_targets
 from cranktopo.loads.histories import HistoryKind
 from cranktopo.pipeline.evaluate import print_assumed
 from cranktopo.report.figures.fatigue_picture import save_fatigue_picture
 from cranktopo.report.tables.fatigue_tables import FatigueComparison, compare_fatigue, fatigue_json
 from cranktopo.report.vtu import write_fatigue_vtu
-from cranktopo.scene.assumed import FATIGUE, LOADS, SUPPORTS, THROW
+from cranktopo.scene.assumed import Assumption, among, assumed_json
 from cranktopo.store import check_folder, write_json
 
 FatigueMethod = Literal["lsa", "fkm", "m53"]
@@ -34,6 +34,7 @@ class FatigueAssessment:
         fields: fields of safety; empty for M53.
         checks: checks by the rule; empty for the other methods.
         baseline: position of the target that counts as 100 %, if any.
+        assumed: what each target does not say and its safety depends on.
     """
 
     method: FatigueMethod
@@ -41,6 +42,7 @@ class FatigueAssessment:
     fields: tuple[FatigueField, ...]
     checks: tuple[RuleCheck, ...]
     baseline: int | None = None
+    assumed: tuple[tuple[Assumption, ...], ...] = ()
 
     @property
     def results(self) -> Sequence[FatigueField | RuleCheck]:
@@ -49,12 +51,15 @@ class FatigueAssessment:
 
     def as_json(self) -> dict[str, Any]:
         """The object that `fatigue --json` prints."""
-        return fatigue_json(self.results, self.loads, self.baseline)
+        data = fatigue_json(self.results, self.loads, self.baseline)
+        for entry, assumed in zip(data["fatigue"], self.assumed, strict=True):
+            entry["assumed"] = assumed_json(assumed)
+        return data
 
     def compared(self) -> FatigueComparison:
         """What a comparison shows of it; there must be a baseline."""
         assert self.baseline is not None
-        return compare_fatigue(self.results, self.loads, self.baseline)
+        return compare_fatigue(self.results, self.baseline, self.as_json())
 
 
 def assess_fatigue(
@@ -90,10 +95,11 @@ def assess_fatigue(
     resolved = given or resolve_targets(typed, design, fillets=True, align=align)
     for target in resolved:
         check_inputs(target, method, loads)
-    print_assumed(resolved, (THROW, LOADS, SUPPORTS, FATIGUE), info)
+    print_assumed(resolved, USED, info)
+    assumed = tuple(among(target.assumed, USED) for target in resolved)
     if method == "m53":
         checks = tuple(check_rule(target, loads, fillet_fraction, info) for target in resolved)
-        return FatigueAssessment(method, loads, (), checks, baseline)
+        return FatigueAssessment(method, loads, (), checks, baseline, assumed)
     chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
     fields = []
     for target in resolved:
@@ -102,7 +108,7 @@ def assess_fatigue(
         _note_quality(field, info)
         if out is not None:
             _write_field(out, field, info)
-    found = FatigueAssessment(method, loads, tuple(fields), (), baseline)
+    found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed)
     if out is not None:
         write_json(out / "fatigue.json", found.as_json())
     return found

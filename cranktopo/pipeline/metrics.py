@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
 from typing import Any
@@ -49,6 +50,7 @@ def optimise_metrics(
     original: Assessment,
     surface: CheckedSurface | str,
     timing: Timing,
+    assumed: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
     """The metrics of a finished optimisation.
 
@@ -58,6 +60,7 @@ def optimise_metrics(
         density: physical density of the web's layers.
         result, original: the design and the scene's own web on the same grid.
         surface: the extracted surface, or why the density has none.
+        assumed: entries of the manifest: what the design does not say.
     """
     scene, domain = prepared.scene, prepared.domain
     return {
@@ -82,6 +85,7 @@ def optimise_metrics(
         "files": {"metrics": "metrics.json", "manifest": "manifest.json", "log": "run.log"},
         "effects": prepared.plan.as_json(),
         "notices": list(prepared.notices),
+        "assumed": [dict(entry) for entry in assumed],
     }
 
 

@@ -31,7 +31,17 @@ from cranktopo.pipeline.snapshots import snapshots
 from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.pages.run_page import run_page
 from cranktopo.scene import Scene
-from cranktopo.scene.assumed import ENVELOPE, LOADS, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
+from cranktopo.scene.assumed import (
+    ENVELOPE,
+    LOADS,
+    SUPPORTS,
+    THROW,
+    Assumption,
+    assumed_json,
+    assumed_text,
+    assumptions,
+    stored_assumptions,
+)
 from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
@@ -85,10 +95,8 @@ def optimise_design(
     check_device()
     check_original(scene)
     prepared = prepare(scene)
-    announce(prepared, info)
     assumed = assumptions(scene, RUN_TABLES)
-    if assumed:
-        info(assumed_text(assumed))
+    announce(prepared, assumed, info)
     run = create_run(
         design=scene.name,
         design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
@@ -102,11 +110,13 @@ def optimise_design(
     return _optimise(run, prepared, progress, began)
 
 
-def announce(prepared: Prepared, info: Info) -> None:
-    """Pass on what is going to be solved, and what a user may not expect of it."""
+def announce(prepared: Prepared, assumed: Sequence[Assumption], info: Info) -> None:
+    """Pass on what is going to be solved, what a user may not expect of it, and what is assumed."""
     info(describe(prepared))
     for notice in prepared.notices:
         info(f"note: {notice}.")
+    if assumed:
+        info(assumed_text(assumed))
 
 
 def with_cells_for(
@@ -139,7 +149,7 @@ def resume_optimisation(
     require_kind(run, "optimise")
     run.require_same_inputs()
     prepared = prepare(scene_of_run(run).with_optimise(max_iterations=max_iterations))
-    announce(prepared, info)
+    announce(prepared, stored_assumptions(run.manifest().get("assumed", ())), info)
     return _optimise(run, prepared, progress, began, resume=True)
 
 
@@ -198,11 +208,20 @@ def _finish(
     result = assess(problem, scene, domain, design.physical)
     original = assess_original(problem.model, scene, domain)
     now = time.perf_counter()
+    assumed = run.manifest().get("assumed", ())
     timing = Timing(now - began, now - optimised, clock.compile_s)
     metrics = optimise_metrics(
-        run.name, prepared, problem, state, design.physical, result, original, surface or refusal, timing
+        run.name,
+        prepared,
+        problem,
+        state,
+        design.physical,
+        result,
+        original,
+        surface or refusal,
+        timing,
+        assumed,
     )
-    metrics["assumed"] = run.manifest().get("assumed", [])
     metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)
     designs = snapshots(run, domain, problem.chain)

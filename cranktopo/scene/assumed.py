@@ -12,6 +12,10 @@ from cranktopo.scene.schema import Scene
 
 THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
 """Tables of the scene whose assumptions a command may ask for."""
+EVALUATED = (THROW, SUPPORTS)
+"""What the stiffnesses of a throw depend on."""
+SHAFT = (THROW, "engine.strokes", "engine.cylinders", "engine.masses")
+"""What a whole shaft on rigid or free bearings uses."""
 _CONSEQUENCES = {
     "fillet_mm": "sharp",
     "bore_diameter_mm": "solid",
@@ -24,6 +28,8 @@ _WIDTH = 110
 _QUIET = {"indicator_csv", "source", "name"}
 _WITH_INDICATOR = {"ambient_pressure_MPa"}
 """Keys of [engine.gas] that count where the pressure is measured."""
+_ROD_PARTS = {"rod_reciprocating_kg", "rod_rotating_kg"}
+"""Keys of [engine.masses] that a rod given as a whole replaces."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +70,8 @@ def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption
 
 
 def among(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
-    """Those assumptions that belong to some tables of the scene."""
-    return tuple(item for item in found if item.key.split(".")[0] in tables)
+    """Those assumptions that belong to some tables or keys of the scene, given by their paths."""
+    return tuple(item for item in found if any(f"{item.key}.".startswith(f"{table}.") for table in tables))
 
 
 def assumed_text(found: Sequence[Assumption]) -> str:
@@ -88,11 +94,12 @@ def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
 def _left_out(table: SceneTable, path: str) -> Iterator[Assumption]:
     """Assumptions of a table and of the tables in it, in the order of the schema."""
     measured = getattr(table, "indicator_csv", None) is not None
+    unused = _QUIET | (_ROD_PARTS if getattr(table, "rod_kg", None) is not None else set())
     for name in type(table).model_fields:
         value, key = getattr(table, name), f"{path}.{name}"
         if isinstance(value, SceneTable):
             yield from _left_out(value, key)
-        elif name in table.model_fields_set or name in _QUIET or not isinstance(value, (int, float, str)):
+        elif name in table.model_fields_set or name in unused or not isinstance(value, (int, float, str)):
             continue
         elif not measured or name in _WITH_INDICATOR:
             yield Assumption(key, value, _CONSEQUENCES.get(name, "") if not value else "")

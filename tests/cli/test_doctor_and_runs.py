@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,17 @@ def test_a_missing_library_of_gmsh(
     assert "libGLU.so.1" in text
     assert "apt-get install -y libglu1-mesa" in text
     assert "needed and missing: gmsh" in text
+
+
+def test_a_command_that_needs_gmsh_ends_with_the_same_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "gmsh", None)  # importing it then fails
+    assert main(["export", "mikron-iiic", str(tmp_path / "a.step")]) == 7
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: gmsh cannot be loaded: ")
+    assert line.endswith("'cranktopo doctor' says which line installs it.")
+    assert not list(tmp_path.iterdir())
 
 
 def test_missing_packages_and_tools(

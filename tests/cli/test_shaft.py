@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,10 @@ from typing import Any
 import pytest
 
 from cranktopo.cli.main import main
+from cranktopo.evaluate.shaft import shaft_tables
+from cranktopo.scene import load_scene
 from cranktopo.scene.loading import designs_folder
+from cranktopo.scene.supports import Supports
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 STEEL_KG_PER_MM3 = 7.85e-6
@@ -43,6 +47,33 @@ def test_shaft_obeys_the_effects_plan(bored: dict[str, Any], tmp_path: Path) -> 
     missing = 4 * STEEL_KG_PER_MM3 * math.pi / 4 * 24.0**2 * length
     assert solid["mass_kg"] - bored["mass_kg"] == pytest.approx(missing, rel=1e-6)
     assert solid["torsion"]["end_to_end_Nm_per_rad"] > 1.02 * bored["torsion"]["end_to_end_Nm_per_rad"]
+
+
+def test_what_is_assumed_is_said(
+    bored: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Masses that the design leaves out change the frequencies; its gas and its envelope do not."""
+    assert bored["assumed"] == []
+    path = tmp_path / "mine.toml"
+    text = re.sub(r"(?m)^(piston_group_kg|rod_reciprocating_kg) = .*\n", "", MIKRON)
+    path.write_text(text, encoding="utf-8")
+    assert main(["shaft", str(path), "--element-size-mm", "24"]) == 0
+    said = capsys.readouterr().err.splitlines()[0]
+    assert said.startswith("mikron-iiic: assumed: engine.masses.piston_group_kg = 0 (no inertia force of the")
+    lighter = shaft(str(path), "24")
+    assert [entry["key"] for entry in lighter["assumed"]] == [
+        "engine.masses.piston_group_kg",
+        "engine.masses.rod_reciprocating_kg",
+    ]
+    assert lighter["natural_frequencies_Hz"][0] > 1.01 * bored["natural_frequencies_Hz"][0]
+
+
+def test_the_gas_counts_where_it_gives_the_spring_of_a_bearing() -> None:
+    scene = load_scene("mikron-iiic")
+    clearance = {"torsion": "spring", "bending": "spring", "bearing_clearance_mm": 0.05}
+    plain = scene.model_copy(update={"supports": Supports(**clearance)})
+    assert "engine" in shaft_tables(plain, "spring")
+    assert "engine" not in shaft_tables(plain, "rigid")
 
 
 def test_estimate_covers_a_finer_mesh(bored: dict[str, Any]) -> None:

@@ -11,6 +11,7 @@ from cranktopo.scene.assumed import (
     LOADS,
     SUPPORTS,
     THROW,
+    among,
     assumed_json,
     assumed_text,
     assumptions,
@@ -49,6 +50,21 @@ def test_missing_masses_and_compression_ratio_are_named() -> None:
     assert {"engine.masses.rod_reciprocating_kg", "engine.gas.compression_ratio"} <= set(found)
     assert "engine.masses.piston_group_kg" not in found
     assert "engine.gas.peak_pressure_MPa" not in found
+
+
+def test_a_whole_rod_leaves_nothing_of_its_parts_to_assume() -> None:
+    masses = {"piston_group_kg": 0.5, "rod_kg": 0.6, "rod_centre_from_big_end_mm": 50.0}
+    found = keys(scene_with(engine={**ENGINE, "gas": GAS, "masses": masses}), LOADS)
+    assert not any("rod" in key for key in found)
+
+
+def test_a_part_of_a_table_by_its_path() -> None:
+    found = assumptions(scene_with(engine={**ENGINE, "gas": GAS}), (THROW, LOADS))
+    named = [item.key for item in among(found, ("engine.masses",))]
+    assert named == [
+        f"engine.masses.{key}_kg" for key in ("piston_group", "rod_reciprocating", "rod_rotating")
+    ]
+    assert [item.key for item in among(found, (THROW,))] == ["throw.main_journal.fillet_mm"]
 
 
 def test_a_measured_diagram_needs_no_combustion_model() -> None:

@@ -21,7 +21,7 @@ from cranktopo.pipeline.iterate.settings import Settings, loop_settings
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.step_solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.pipeline.iterate.transition import transition_mm
-from cranktopo.pipeline.optimise import announce, optimise_design, resume_optimisation
+from cranktopo.pipeline.optimise import RUN_TABLES, announce, optimise_design, resume_optimisation
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.fit import fit_web
@@ -34,6 +34,7 @@ from cranktopo.report.tables.run_text import LOOP_FILES
 from cranktopo.report.tables.steps_table import steps_table
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.assumed import Assumption, assumed_json, assumptions, stored_assumptions
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
@@ -68,6 +69,7 @@ class Outcome:
         best: the step that gains most and beats the original web, if one does.
         notices: what a user may not expect, in sentences.
         lost: why the last step has no result; empty where every step has.
+        assumed: what the design does not say and is assumed.
     """
 
     folder: Path
@@ -78,6 +80,7 @@ class Outcome:
     settings: Settings
     notices: tuple[str, ...] = ()
     lost: str = ""
+    assumed: tuple[Assumption, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The content of iterate.json."""
@@ -90,6 +93,7 @@ class Outcome:
             "best_step": None if self.best is None else self.best.number,
             "notices": list(self.notices),
             "lost_step": self.lost or None,
+            "assumed": assumed_json(self.assumed),
             "steps": [step.as_json(original) for step in self.steps],
         }
 
@@ -121,7 +125,8 @@ def start_loop(
     """
     check_destination(out)
     check_original(scene)
-    announce(stage.prepare(scene), info)
+    assumed = assumptions(scene, RUN_TABLES)
+    announce(stage.prepare(scene), assumed, info)
     settings = settings or loop_settings(scene)
     run = create_run(
         design=scene.name,
@@ -130,6 +135,7 @@ def start_loop(
         options={LOOP: settings.as_json()},
         command=command,
         inputs=input_files(scene),
+        assumed=assumed_json(assumed),
         out=out,
     )
     return _worked(run, scene, settings, info)
@@ -202,7 +208,8 @@ def _outcome(
 ) -> Outcome:
     best = best_step(steps, settings.least_transition_mm)
     notices = tuple(filter(None, [baseline_notice(scene)]))
-    return Outcome(run.path, scene.name, tuple(steps), reason, best, settings, notices)
+    assumed = stored_assumptions(run.manifest().get("assumed", ()))
+    return Outcome(run.path, scene.name, tuple(steps), reason, best, settings, notices, assumed=assumed)
 
 
 def _write_page(run: RunStore, outcome: Outcome) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import count, cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 LABELS = {TORSION: f"{TORSION.label}, kN m/rad", BENDING: f"{BENDING.label}, kN/mm"}
 """Of the axes of the stiffnesses."""
 _MARKERS = "osD^vP*X"
-_LINES = (0.8, 0.9, 1.0, 1.1, 1.2)
+_CLOSEST_LINES, _MOST_LINES = 0.1, 9
+"""Lines of equal stiffness per mass: least distance as a share of the baseline's, and how many."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ def draw_stiffness_over_mass(axes: Axes, points: Sequence[Point], baseline: int,
     y_range = 0.88 * min(stiffness), 1.12 * max(stiffness)
     axes.set(xlim=x_range, ylim=y_range, xlabel="mass of the throw, kg", ylabel=label)
     ratio = stiffness[baseline] / masses[baseline]
-    for factor in _LINES:
+    for factor in equal_ratio_factors([s / m / ratio for s, m in zip(stiffness, masses, strict=True)]):
         _equal_ratio(axes, factor, factor * ratio, x_range, y_range[1])
     for point, marker in zip(points, cycle(_MARKERS), strict=False):
         axes.scatter([point.mass_kg], [point.stiffness], marker=marker, label=point.name, zorder=2)
@@ -78,6 +80,20 @@ def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
         label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
         for stiffness, label in LABELS.items()
     }
+
+
+def equal_ratio_factors(ratios: Sequence[float]) -> list[float]:
+    """Where the lines of equal stiffness per mass lie, so that every point is below one and above another.
+
+    Args:
+        ratios: stiffness per mass of every point over the baseline's.
+    """
+    steps = (round_number * _CLOSEST_LINES * 10**power for power in count() for round_number in (1, 2, 5))
+    for step in steps:
+        first, last = math.ceil(min(ratios) / step) - 1, math.floor(max(ratios) / step) + 1
+        if last - first < _MOST_LINES:
+            break
+    return [number * step for number in range(max(first, 1), last + 1)]
 
 
 def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, float], top: float) -> None:
@@ -94,4 +110,5 @@ def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, 
         fontsize=8,
         ha="right",
         va="top",
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
     )

@@ -8,7 +8,13 @@ from typing import Any
 from cranktopo.report.figures.plot import Picture
 from cranktopo.report.figures.steps_plot import steps_figure
 from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
-from cranktopo.report.pages.sections import gallery_picture, origin_rows, pairs, versions_table
+from cranktopo.report.pages.sections import (
+    assumed_tables,
+    gallery_picture,
+    origin_rows,
+    pairs,
+    versions_table,
+)
 from cranktopo.report.quantities import BENDING_PER_MASS, MASS, TORSION_PER_MASS, Quantity
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
@@ -27,7 +33,7 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: t
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
         headline=_sentence(best_line(data)),
         facts=(*_facts(data), Fact("Ended", f"{len(bodies) - 1} steps", data["stop_reason"], "neutral")),
-        sections=(_steps(data), _provenance(manifest)),
+        sections=(_steps(data), _provenance(data, manifest)),
         scene3d=Scene3D(bodies),
         picture=gallery_picture(bodies),
     )
@@ -71,9 +77,10 @@ def _steps(data: Mapping[str, Any]) -> Section:
     )
 
 
-def _provenance(manifest: Mapping[str, Any]) -> Section:
+def _provenance(data: Mapping[str, Any], manifest: Mapping[str, Any]) -> Section:
     tables = (
         ("Loop", pairs(origin_rows(manifest))),
+        *assumed_tables(data.get("assumed", ())),
         ("Versions", versions_table(manifest["versions"])),
     )
     return Section("provenance", "Where this comes from", tables=tables)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from urllib.parse import quote
 
 from cranktopo.report.figures.plot import Picture
 from cranktopo.report.figures.png import png
-from cranktopo.report.pages.page import Page, Section
+from cranktopo.report.pages.page import Fact, Page, Section
+from cranktopo.report.tables.markdown_text import escaped
 from cranktopo.report.tables.result_table import markdown
 from cranktopo.store import write_bytes, write_text
 
@@ -35,8 +37,8 @@ def markdown_text(page: Page, folder: str) -> str:
     Args:
         folder: where the plots are, relative to the text.
     """
-    blocks = [f"# {page.title}", page.subtitle, f"**{page.headline}**"]
-    blocks.append("\n".join(f"- {fact.label}: **{fact.value}** ({fact.note})" for fact in page.facts))
+    blocks = [f"# {escaped(page.title)}", escaped(page.subtitle), f"**{escaped(page.headline)}**"]
+    blocks.append("\n".join(_fact(fact) for fact in page.facts))
     if page.picture:
         blocks.append(_image(page.picture, folder))
     blocks += [block for section in page.sections for block in _section(section, folder)]
@@ -48,13 +50,16 @@ def _pictures(page: Page) -> list[Picture]:
     return stills + [picture for section in page.sections for picture in section.pictures]
 
 
+def _fact(fact: Fact) -> str:
+    return f"- {escaped(fact.label)}: **{escaped(fact.value)}** ({escaped(fact.note)})"
+
+
 def _section(section: Section, folder: str) -> list[str]:
-    blocks = [f"## {section.title}", *([section.text] if section.text else [])]
+    blocks = [f"## {escaped(section.title)}", *([escaped(section.text)] if section.text else [])]
     for caption, table in section.tables:
-        blocks += [f"{caption}:", markdown(table)]
+        blocks += [f"{escaped(caption)}:", markdown(table)]
     return blocks + [_image(picture, folder) for picture in section.pictures]
 
 
 def _image(picture: Picture, folder: str) -> str:
-    alt = picture.alt.replace("[", "(").replace("]", ")")
-    return f"![{alt}]({folder}/{picture.name}.png)"
+    return f"![{escaped(picture.alt)}]({quote(folder)}/{quote(picture.name)}.png)"

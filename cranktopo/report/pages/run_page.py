@@ -13,6 +13,7 @@ from cranktopo.report.figures.scatter import LABELS, Point
 from cranktopo.report.pages.accuracy_section import accuracy_section
 from cranktopo.report.pages.page import Page, Section
 from cranktopo.report.pages.sections import (
+    assumed_tables,
     effects_section,
     loads_section,
     origin_rows,
@@ -136,16 +137,13 @@ def _provenance(record: RunRecord) -> Section:
         ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
         ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
     ]
-    assumed = [
-        (entry["key"], f"{entry['value']} {entry['meaning']}".strip()) for entry in metrics.get("assumed", ())
-    ]
     files = [(what, name) for what, name in metrics["files"].items()]
     return Section(
         "provenance",
         "Where this comes from",
         tables=(
             ("Run", pairs(rows)),
-            *([("Assumed, because the design does not say it", pairs(assumed))] if assumed else []),
+            *assumed_tables(metrics.get("assumed", ())),
             ("Versions", versions_table(manifest["versions"])),
             ("Files beside this page", pairs(files)),
         ),

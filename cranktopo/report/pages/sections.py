@@ -95,6 +95,16 @@ def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
     ]
 
 
+def assumed_tables(entries: Sequence[Mapping[str, Any]]) -> list[tuple[str, ResultTable]]:
+    """What the design does not say, as one table with its caption; none where it says all.
+
+    Args:
+        entries: `assumed` of metrics.json.
+    """
+    rows = [(entry["key"], f"{entry['value']} {entry['meaning']}".strip()) for entry in entries]
+    return [("Assumed, because the design does not say it", pairs(rows))] if rows else []
+
+
 def versions_table(versions: Mapping[str, str | None]) -> ResultTable:
     """Versions of what took part; none of what is not installed."""
     return pairs([(name, text or "not installed") for name, text in versions.items()])

@@ -60,12 +60,12 @@ class FatigueComparison:
     json: dict[str, Any]
 
 
-def compare_fatigue(results: Sequence[FatigueResult], loads: str, baseline: int) -> FatigueComparison:
-    """What a comparison shows of the fatigue of its targets, all by one method."""
+def compare_fatigue(
+    results: Sequence[FatigueResult], baseline: int, data: dict[str, Any]
+) -> FatigueComparison:
+    """What a comparison shows of the fatigue of its targets; `data` from `fatigue_json`."""
     safeties = tuple(_summary(result).safety for result in results)
-    return FatigueComparison(
-        safeties, tuple(verdicts(results, baseline)), fatigue_json(results, loads, baseline)
-    )
+    return FatigueComparison(safeties, tuple(verdicts(results, baseline)), data)
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:

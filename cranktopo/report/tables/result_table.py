@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
+from cranktopo.report.tables.markdown_text import escaped
+
 T = TypeVar("T")
 Cell = str | float | None
 Row = Mapping[str, Cell]
@@ -88,9 +90,18 @@ def markdown(table: ResultTable) -> str:
     head = " | ".join(" ".join(table.head(column)).strip() for column in table.columns)
     rule = " | ".join("---" if c == first or table.is_text(c) else "---:" for c in table.columns)
     rows = [
-        " | ".join(cell.replace("|", "\\|") for cell in table.cells(row)) for row in range(len(table.rows))
+        " | ".join(_markdown_cell(table, row, c) for c in table.columns) for row in range(len(table.rows))
     ]
     return "\n".join(f"| {line} |" for line in (head, rule, *rows))
+
+
+def _markdown_cell(table: ResultTable, row: int, column: str) -> str:
+    """A cell whose words are shown as they are; the star of the best value stays a star."""
+    text = table.cell(row, column)
+    if table.rows[row][column] is None:
+        return text
+    best = (row, column) in table.best
+    return escaped(text.removesuffix("*") if best else text) + "*" * best
 
 
 def comma_separated(table: ResultTable) -> str:
