@@ -45,6 +45,9 @@ if TYPE_CHECKING:
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.comparison import Comparison, Entry, compare
     from cranktopo.scene import Scene, load_scene
+    from cranktopo.scene.goal import Goal, Limit
+    from cranktopo.scene.goal.changing import with_goal
+    from cranktopo.scene.goal.wanted import wanted
     from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
     from cranktopo.triangles.surface_files import write_stl
 
@@ -52,6 +55,10 @@ _HOMES = {
     "CranktopoError": "errors",
     "Scene": "scene",
     "load_scene": "scene",
+    "Goal": "scene.goal",
+    "Limit": "scene.goal",
+    "with_goal": "scene.goal.changing",
+    "wanted": "scene.goal.wanted",
     "EffectPlan": "effects",
     "plan": "effects",
     "LoadCase": "loads",
@@ -109,6 +116,8 @@ __all__ = [
     "Entry",
     "Evaluation",
     "FittedWeb",
+    "Goal",
+    "Limit",
     "LoadCase",
     "ManufacturingLimits",
     "MeshRequest",
@@ -149,7 +158,9 @@ __all__ = [
     "start_loop",
     "study_accuracy",
     "summarise_runs",
+    "wanted",
     "with_cells_for",
+    "with_goal",
     "write_load_curves",
     "write_stl",
 ]

@@ -15,6 +15,7 @@ from mkdocs.structure.pages import Page
 
 import cranktopo
 from cranktopo.cli.main import COMMANDS, cli
+from cranktopo.scene.goal import QUANTITIES
 from cranktopo.scene.reference import KeyReference, TableReference, scene_reference
 from cranktopo.scene.schema import material_library
 from cranktopo.scene.supports import bearing_library
@@ -151,10 +152,22 @@ def libraries() -> str:
     return f"### Materials\n\n{tables[0]}\n\n### Roller bearings\n\n{tables[1]}"
 
 
+def goal_quantities() -> str:
+    """What a goal or a limit may speak of, with its units and its default limit."""
+    head = "| quantity | meaning | wanted | units | load case |\n|---|---|---|---|---|"
+    rows = (
+        f"| `{q.name}` | {q.label} | {q.better if q.as_goal else f'{q.better}, as a limit only'} "
+        f"| {', '.join([*filter(None, q.units), '%'])} | {q.load_case or '-'} |"
+        for q in QUANTITIES.values()
+    )
+    return "\n".join([head, *rows])
+
+
 GENERATED: dict[str, Any] = {
     "scene": scene_tables,
     "libraries": libraries,
     "commands": command_pages,
     "exit_codes": exit_codes,
     "api": public_names,
+    "quantities": goal_quantities,
 }

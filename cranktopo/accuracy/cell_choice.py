@@ -22,6 +22,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.loads import load_cases
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene
+from cranktopo.scene.goal.wanted import wanted
 
 _START_S = 20.0
 """Compiling and writing files where nothing was measured, roughly."""
@@ -97,7 +98,7 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     Raises:
         CranktopoError: the walls ask for finer cells than there are, or none fit into the memory.
     """
-    effects = plan(scene)
+    effects = plan(scene, goal=wanted(scene))
     simulated = simulated_scene(scene, effects)
     quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
     sizes, available = cell_sizes(simulated), available_memory_MiB()

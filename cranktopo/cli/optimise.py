@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
@@ -23,10 +24,12 @@ if TYPE_CHECKING:
 
 @click.command("optimise")
 @click.argument("design", required=False, shell_complete=designs)
+@goal_options
 @click.option(
     "--volume-fraction",
     type=VOLUME_FRACTION,
-    help="Share of the design space that becomes solid, 0 to 1; default: the design's.",
+    help="Share of the design space that becomes solid, 0 to 1; default: the design's. "
+    "With a goal the limits decide, and it is refused.",
 )
 @click.option(
     "--resolution-mm",
@@ -51,6 +54,9 @@ if TYPE_CHECKING:
 @verbosity_options
 def command(
     design: str | None,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
     volume_fraction: float | None,
     resolution_mm: float | None,
     process: str | None,
@@ -62,6 +68,10 @@ def command(
     as_json: bool,
 ) -> int:
     """Optimise the web of DESIGN under its load cases and write a run.
+
+    Without a goal it is the stiffest web at a volume fraction. Quantities of a goal and its limits are mass,
+    inertia, unbalance, torsion, bending, torsion_per_mass, bending_per_mass, pin_displacement, twist and
+    fatigue_safety.
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
@@ -89,6 +99,9 @@ def command(
                 process=process,
                 max_iterations=max_iterations,
             )
+            scene = with_goal_options(scene, minimise, maximise, limits)
+            if volume_fraction is not None and scene.goal is not None:
+                raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
             if accuracy or budget:
                 scene = with_cells_for(scene, accuracy, budget, info)
             command_line = ["cranktopo", *sys.argv[1:]]

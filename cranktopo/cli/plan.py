@@ -7,17 +7,21 @@ import json
 import click
 
 from cranktopo.cli.completion import designs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import DEFAULT_DESIGN
 
 
 @click.command(name="plan")
 @click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
+@goal_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def command(design: str, as_json: bool) -> None:
+def command(
+    design: str, minimise: str | None, maximise: str | None, limits: tuple[str, ...], as_json: bool
+) -> None:
     """The effects of a design: state, reason, what leaving each out changes, and what it costs.
 
     DESIGN is a TOML file or the name of a built-in design. Costs and estimates come from closed forms;
-    nothing is solved.
+    nothing is solved. With a goal the load cases are those of `optimise` with that goal.
 
     Example: cranktopo plan opposed-piston
     """
@@ -26,6 +30,7 @@ def command(design: str, as_json: bool) -> None:
     from cranktopo.scene import load_scene
     from cranktopo.scene.assumed import (
         ENVELOPE,
+        GOAL,
         LOADS,
         SUPPORTS,
         THROW,
@@ -33,10 +38,13 @@ def command(design: str, as_json: bool) -> None:
         assumed_text,
         assumptions,
     )
+    from cranktopo.scene.goal.sentence import goal_text
+    from cranktopo.scene.goal.wanted import wanted
 
-    scene = load_scene(design)
-    effects = plan(scene)
-    assumed = assumptions(scene, (THROW, LOADS, SUPPORTS, ENVELOPE))
+    scene = with_goal_options(load_scene(design), minimise, maximise, limits)
+    goal = wanted(scene)
+    effects = plan(scene, goal=goal)
+    assumed = assumptions(scene, (THROW, LOADS, SUPPORTS, ENVELOPE, GOAL))
     if as_json:
         payload = {
             "schema_version": 1,
@@ -46,6 +54,9 @@ def command(design: str, as_json: bool) -> None:
         }
         click.echo(json.dumps(payload, indent=2))
     else:
-        click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %\n\n{plan_text(effects)}")
+        click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %")
+        if goal is not None:
+            click.echo(goal_text(goal, "density"))
+        click.echo(f"\n{plan_text(effects)}")
         if assumed:
             click.echo(assumed_text(assumed), err=True)

@@ -14,6 +14,7 @@ from cranktopo.loads.forces import RotatingForces, rotating_forces
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.loads.states import ExtremeState, extreme_states
 from cranktopo.scene import Scene
+from cranktopo.scene.goal import Goal
 from cranktopo.units import NMM_PER_NM
 
 
@@ -23,11 +24,13 @@ class Facts:
 
     Attributes:
         asymmetry: what is not its own mirror image in x; empty when all is.
+        goal: what the optimisation is asked for; None for the weighted compliance.
     """
 
     scene: Scene
     costing: Costing
     asymmetry: str
+    goal: Goal | None = None
 
     @cached_property
     def states(self) -> tuple[ExtremeState, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
+from cranktopo.effects.goal_rules import as_wanted
 from cranktopo.loads.analysis import INERTIA_EFFECTS
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.loads.states import extreme_states
@@ -50,6 +51,11 @@ def rotating_rod_mass(facts: Facts) -> Estimate:
 
 
 def _case(facts: Facts, kind: LoadKind, load: str) -> Estimate:
+    found = _by_size(facts, kind, load)
+    return found if facts.goal is None else as_wanted(found, facts.goal, kind)
+
+
+def _by_size(facts: Facts, kind: LoadKind, load: str) -> Estimate:
     rivals: tuple[LoadKind, ...] = ("bending", "torsion")
     cost, changes = facts.costing.load_case(), f"no {kind} in the objective"
     if facts.unit_loads:

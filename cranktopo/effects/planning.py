@@ -10,9 +10,11 @@ from cranktopo.effects.cost import Costing, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan, Switch
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
+from cranktopo.effects.goal_rules import check_goal_cases
 from cranktopo.effects.simulated import Feature, simulated_scene
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene import Scene
+from cranktopo.scene.goal import Goal
 from cranktopo.scene.schema import Effects
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
@@ -33,19 +35,26 @@ _RULES: dict[str, Callable[[Facts], Estimate]] = {
 LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
 
 
-def plan(scene: Scene, rates: CostRates | None = None) -> EffectPlan:
+def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> EffectPlan:
     """Decide every effect of a scene.
 
+    Args:
+        goal: what an optimisation is asked for, from `wanted`: it takes the load cases that goal and limits
+            are read off and no others. None, as for an evaluation, lets every case count that is large.
+
     Raises:
-        CranktopoError: the scene switches an effect on that it has no data for, switches off one that it
-            relies on, or leaves no load case; gas data that cannot be used.
+        CranktopoError: the scene switches an effect on that it has no data for, switches off one that it or
+            the goal relies on, or leaves no load case; gas data that cannot be used.
     """
     asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
     costing = Costing(scene, rates or CostRates(), may_mirror(scene, asymmetry))
-    facts = Facts(scene, costing, asymmetry)
+    facts = Facts(scene, costing, asymmetry, goal)
     decided = tuple(_decide(scene.effects, name, rule(facts)) for name, rule in _RULES.items())
     cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_CASES]
-    _check_cases(scene, cases)
+    if goal is None:
+        _check_cases(scene, cases)
+    else:
+        check_goal_cases(facts, goal, cases)
     return EffectPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
 
 

@@ -15,6 +15,7 @@ from cranktopo.effects.beam import (
 )
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
+from cranktopo.effects.goal_rules import wants_safety
 from cranktopo.effects.simulated import without
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
@@ -119,7 +120,8 @@ def fatigue(facts: Facts) -> Estimate:
     strength = facts.scene.material.fatigue_bending_MPa or math.inf
     percent = 100 * stress / strength
     because = f"nominal amplitude {stress:.0f} MPa is {percent:.3g} % of the strength {strength:g} MPa"
-    return Estimate(percent, because, changes, facts.costing.fatigue())
+    needed = wants_safety(facts.goal)
+    return Estimate(percent, because, changes, facts.costing.fatigue(), needed=needed)
 
 
 def _fatigue_absent(facts: Facts) -> str:

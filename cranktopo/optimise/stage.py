@@ -15,6 +15,8 @@ from cranktopo.optimise.notices import notices
 from cranktopo.optimise.problem import DensityProblem, SolverSettings
 from cranktopo.optimise.state import State
 from cranktopo.scene import Scene
+from cranktopo.scene.checks_goal import check_known
+from cranktopo.scene.goal.wanted import wanted
 
 Progress = Callable[[DensityProblem, State], None]
 
@@ -41,7 +43,10 @@ def prepare(scene: Scene) -> Prepared:
     Raises:
         CranktopoError: resolution out of range, no envelope, an envelope that misses a journal.
     """
-    effects = plan(scene)
+    goal = wanted(scene)
+    if goal is not None:
+        check_known(goal, "density")
+    effects = plan(scene, goal=goal)
     scene = simulated_scene(scene, effects)
     quarter = laterally_symmetric(scene, "envelope")
     cases = load_cases(scene, effects.enabled)

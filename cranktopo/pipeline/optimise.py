@@ -33,6 +33,7 @@ from cranktopo.report.pages.run_page import run_page
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import (
     ENVELOPE,
+    GOAL,
     LOADS,
     SUPPORTS,
     THROW,
@@ -42,6 +43,8 @@ from cranktopo.scene.assumed import (
     assumptions,
     stored_assumptions,
 )
+from cranktopo.scene.goal.sentence import goal_text
+from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
@@ -57,7 +60,7 @@ from cranktopo.store import (
 )
 from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 
-RUN_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE)
+RUN_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE, GOAL)
 """What an optimisation uses of a scene."""
 
 
@@ -113,6 +116,9 @@ def optimise_design(
 def announce(prepared: Prepared, assumed: Sequence[Assumption], info: Info) -> None:
     """Pass on what is going to be solved, what a user may not expect of it, and what is assumed."""
     info(describe(prepared))
+    goal = wanted(prepared.scene)
+    if goal is not None:
+        info(goal_text(goal, "density"))
     for notice in prepared.notices:
         info(f"note: {notice}.")
     if assumed:

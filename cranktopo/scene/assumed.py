@@ -8,9 +8,11 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError
 from cranktopo.scene.base import SceneTable
+from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.schema import Scene
 
 THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
+GOAL = "goal"
 """Tables of the scene whose assumptions a command may ask for."""
 EVALUATED = (THROW, SUPPORTS)
 """What the stiffnesses of a throw depend on."""
@@ -42,6 +44,7 @@ class Assumption:
 
     def __str__(self) -> str:
         value = self.value if isinstance(self.value, str) else f"{self.value:g}"
+        value = f'"{value}"' if " " in value else value
         return f"{self.key} = {value}" + (f" ({self.meaning})" if self.meaning else "")
 
 
@@ -51,12 +54,15 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
     A scene that was read back from a run has every key: ask before it is stored.
 
     Args:
-        tables: which parts of the scene are used, of `THROW`, `LOADS`, `SUPPORTS`, `ENVELOPE`, `FATIGUE`.
+        tables: which parts of the scene are used, of `THROW`, `LOADS`, `SUPPORTS`, `ENVELOPE`, `FATIGUE`,
+            `GOAL`.
     """
     found: list[Assumption] = []
     for table in tables:
         value = getattr(scene, table)
-        if isinstance(value, SceneTable):
+        if table == GOAL:
+            found += _limits(scene)
+        elif isinstance(value, SceneTable):
             found += _left_out(value, table)
     return tuple(found)
 
@@ -89,6 +95,15 @@ def assumed_text(found: Sequence[Assumption]) -> str:
 def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
     """The entries of `assumed` in metrics.json."""
     return [asdict(item) for item in found]
+
+
+def _limits(scene: Scene) -> Iterator[Assumption]:
+    """The limits that a goal brings by default."""
+    goal = wanted(scene)
+    for limit in goal.limits if goal is not None else ():
+        if limit.assumed:
+            meaning = "of the original web" if limit.percent else ""
+            yield Assumption(f"goal.limits.{limit.quantity}", limit.condition, meaning)
 
 
 def _left_out(table: SceneTable, path: str) -> Iterator[Assumption]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_engine import check_engine, check_supports
+from cranktopo.scene.checks_goal import check_goal
 from cranktopo.scene.checks_sizes import check_envelope_reach, check_proportions, check_web_extent
 from cranktopo.scene.checks_web import check_solid
 from cranktopo.scene.geometry import Journal
@@ -25,6 +26,7 @@ def check_scene(scene: Scene) -> None:
     check_solid(scene)
     check_web_extent(scene)
     _check_envelope(scene)
+    check_goal(scene)
 
 
 def _check_journal(key: str, journal: Journal) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from typing import Any, cast
 
@@ -56,7 +56,11 @@ def explain(error: ValidationError, source: str, table: tuple[str, ...] = ()) ->
         source: file shown in front of the key path.
         table: where in the scene the validated table is.
     """
-    problems = _problems(error.errors(include_url=False), table)
+    return listed(_problems(error.errors(include_url=False), table), source)
+
+
+def listed(problems: Sequence[tuple[str, str]], source: str) -> CranktopoError:
+    """Problems, each with its next step, as one error: one line, or one per problem below a headline."""
     if len(problems) == 1:
         message, hint = problems[0]
         return CranktopoError(f"{source}: {message}.", hint=hint)
@@ -121,7 +125,8 @@ def _instead(loc: tuple[int | str, ...]) -> str:
         return f"Did you mean '{near}'?"
     homes = [table for table, name in _all_keys(_ROOT[0]) if name == key]
     if homes:
-        return f"It belongs to {' or '.join(f'[{home}]' for home in sorted(set(homes))[:3])}."
+        tables = [f"[{home}]" if home else "the top of the file" for home in sorted(set(homes))[:3]]
+        return f"It belongs to {' or '.join(tables)}."
     return f"Valid: {', '.join(_valid_keys(loc[:-1]))}."
 
 

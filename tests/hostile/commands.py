@@ -32,6 +32,9 @@ OPTIONS = {
     "--resume": ("optimise", "iterate"),
     "--out": ("optimise", "iterate", "fatigue"),
     "--csv": ("loads",),
+    "--minimise": ("optimise", "plan"),
+    "--maximise": ("optimise", "plan"),
+    "--limit": ("optimise", "plan"),
     "--design": ("evaluate",),
     "--bearings": ("shaft",),
 }
@@ -40,6 +43,7 @@ WORDS = (
     "x" * 5000, "9" * 5000, "x.toml", ".", "..", "/dev/zero", "/dev/null/x", "missing/x", "a\nb", "a\tb", "é",
     "--json", "--", "-h", "100:200:0", "1:2:3:4", "0:1e308:1", "free", "lsa", "x.step", "runs", "p.csv", "~",
     "\udcff", "%s", "{0}", "1:2", "nan:nan:nan", "run", "run/manifest.json",
+    "mass", "torsion", "torsion >= 100 %", "mass <= 3 kg", "twist <= nan deg", "bending none", "mass=1",
 )  # fmt: skip
 CELLS = (
     "0", "100", "1,5", '"7', "nan", "1e300", "", "x", "360;1", "-1", " 3 ", "٣", "1_0", "'", '""', "\x00",

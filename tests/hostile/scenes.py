@@ -238,10 +238,48 @@ def _settings(r: random.Random, data: Table) -> Table:
     )
 
 
+def _goal(r: random.Random, data: Table) -> Table:
+    """A goal with limits: signs, numbers, units and quantities that belong together or do not."""
+    goal: Table = {r.choice(["minimise", "maximise", "maximise"]): r.choice([*QUANTITIES, *HOSTILE_LIMITS])}
+    if r.random() < 0.1:
+        goal["minimise"] = "mass"
+    limits = {name: _limit(r) for name in r.sample(QUANTITIES, r.randint(0, 4))}
+    return {**data, "goal": {**goal, "limits": limits}}
+
+
+def _limit(r: random.Random) -> Any:
+    if r.random() < 0.2:
+        return r.choice([*HOSTILE_LIMITS, 3, True, [], [">= 90 %", "<= 110 %"], ["<= 1 %"] * 3, [[">= 1 %"]]])
+    sign = r.choice(["<=", ">=", ">=", "<", "=", "≥", ""])
+    number = r.choice(["100", "1.5", "1e3", "-5", "0", "nan", "inf", "1,5", "1_0", "٣", "9" * 400, "1e400"])
+    return f"{sign} {number if r.random() < 0.4 else 100} {r.choice(UNITS)}"
+
+
+QUANTITIES = (
+    "mass", "inertia", "unbalance", "torsion", "bending", "torsion_per_mass", "bending_per_mass",
+    "pin_displacement", "twist", "fatigue_safety",
+)  # fmt: skip
+UNITS = (
+    "%",
+    "%",
+    "%",
+    "",
+    "kg",
+    "kg mm",
+    "kg·mm²",
+    "N m/rad",
+    "kN/mm",
+    "N/mm/kg",
+    "mm",
+    "deg",
+    "°",
+    "x" * 99,
+)
+HOSTILE_LIMITS = ("none", "", " ", "\n", "x" * 5000, "é", "{why}", "%s", "\udcff", "<=", ">= 1 % %", "a\0b")
 EFFECTS = ("bending", "torsion", "tangential", "centrifugal", "bearing_compliance", "lateral_symmetry")
 CHANGES = (
     _replaced, _replaced, _number_replaced, _scaled, _jittered, _removed, _renamed, _moved, _web, _envelope,
-    _settings,
+    _settings, _goal,
 )  # fmt: skip
 
 

@@ -6,9 +6,14 @@ import math
 
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.scene import Scene, parse_scene, scene_from_dict
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.loads import extreme_states
+from cranktopo.scene import Scene, load_scene, parse_scene, scene_from_dict
+from cranktopo.scene.assumed import GOAL, assumptions
+from cranktopo.scene.checks_goal import check_known
 from cranktopo.scene.goal import QUANTITIES, Limit
+from cranktopo.scene.goal.changing import with_goal
+from cranktopo.scene.goal.sentence import goal_text
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.loading import designs_folder
 
@@ -89,7 +94,8 @@ def test_units_become_the_internal_one(quantity: str, text: str, value: float) -
     )
     assert found is not None
     (limit,) = (limit for limit in found.limits if not limit.assumed)
-    assert limit == Limit(QUANTITIES[limit.quantity].name, limit.sense, pytest.approx(value))
+    assert limit.value == pytest.approx(value)
+    assert limit == Limit(QUANTITIES[limit.quantity].name, limit.sense, limit.value)
 
 
 def test_a_goal_survives_being_stored() -> None:
@@ -102,7 +108,7 @@ def test_a_goal_survives_being_stored() -> None:
     [
         ('mas = "<= 3 kg"', "unknown key goal.limits.mas. Did you mean 'mass'?"),
         ('torsion = "> 3 %"', "goal.limits.torsion = '> 3 %': '>' is no sign of a limit. Write '>= 3 %'."),
-        ('torsion = "= 3 %"', "For a fixed value give a list: ['>= 3 %', '<= 3 %']."),
+        ('torsion = "= 3 %"', "For a fixed value give two limits, '>= 3 %' and '<= 3 %'."),
         ('torsion = "100 %"', "must begin with <= or >=. Write '>= 100 %'."),
         ('torsion = ">= much"', "a number must follow the sign"),
         ('torsion = ">= nan %"', "the number must be finite"),
@@ -131,11 +137,11 @@ def test_a_limit_that_cannot_be_read_says_what_to_write(text: str, message: str)
 @pytest.mark.parametrize(
     ("goal", "message"),
     [
-        ('maximise = "mass"', "goal.maximise = 'mass': mass is wanted low. Write minimise = 'mass'."),
+        ('maximise = "mass"', "goal.maximise = 'mass': mass is wanted low. Minimise it."),
         ('minimise = "torsion"', "goal.minimise = 'torsion': torsional stiffness is wanted high."),
         ('minimise = "weight"', "goal.minimise = 'weight': unknown quantity. Did you mean 'mass'?"),
         ('maximise = "torsoin"', "Did you mean 'torsion'?"),
-        ('minimise = "twist"', "can be limited but is no goal. Write maximise = 'torsion'"),
+        ('minimise = "twist"', "can be limited but is no goal. Maximise 'torsion'"),
         (
             "minimise = 3",
             "goal.minimise = 3: must be the name of a quantity. Valid: mass, inertia, unbalance.",
@@ -147,6 +153,117 @@ def test_a_limit_that_cannot_be_read_says_what_to_write(text: str, message: str)
 )
 def test_a_goal_that_makes_no_sense_is_refused(goal: str, message: str) -> None:
     assert message in error_of(f"[goal]\n{goal}")
+
+
+NO_ENGINE = MIKRON[: MIKRON.index("[engine]")] + MIKRON[MIKRON.index("[envelope]") :]
+
+
+@pytest.mark.parametrize(
+    ("goal", "message"),
+    [
+        (with_limit('mass = "<= 90 %"'), "goal.limits.mass = '<= 90 %': the goal itself makes it as low as"),
+        (
+            with_limit('torsion = "none"\nbending = "none"\nfatigue_safety = "none"'),
+            "Limit torsion or bending.",
+        ),
+    ],
+)
+def test_limits_leave_the_goal_its_sense(goal: str, message: str) -> None:
+    assert message in error_of(goal)
+
+
+def test_a_safety_that_is_switched_off_cannot_be_limited() -> None:
+    text = MIKRON.replace("[effects]", '[effects]\nfatigue = "off"')
+    assert "effects.fatigue is 'off'" in error_of(with_limit('fatigue_safety = ">= 1.5"'), text)
+    assert "fatigue" not in str(wanted(scene_with('[goal]\nminimise = "mass"', text)))
+
+
+def test_what_depends_on_the_load_needs_an_engine() -> None:
+    text = 'fatigue_safety = ">= 1.5"\ntwist = "<= 1 deg"\npin_displacement = "<= 90 %"'
+    message = error_of(with_limit(text), NO_ENGINE)
+    assert "3 errors" in message
+    assert "goal.limits.fatigue_safety = '>= 1.5': fatigue safety needs an [engine]" in message
+    assert "without one the load is a unit load. Give what it needs, or limit torsion instead." in message
+    assert "or limit bending instead." in message
+
+
+def test_the_safety_goes_without_saying_only_where_there_is_one() -> None:
+    found = wanted(scene_with('[goal]\nminimise = "mass"', NO_ENGINE))
+    assert found is not None
+    assert [limit.quantity for limit in found.limits] == ["torsion", "bending"]
+
+
+def test_whether_a_load_is_given_is_told_as_the_load_states_tell_it() -> None:
+    """Independent of the check: the states say themselves that they are unit loads."""
+    for given in ({}, {"max_gas_force_N": 3e4}, {"max_torque_Nm": 500.0}):
+        mikron = load_scene("mikron-iiic")
+        assert mikron.engine is not None
+        engine = mikron.engine.model_copy(update={"gas": None, **given})
+        scene = mikron.model_copy(update={"engine": engine})
+        unit = {state.case.kind for state in extreme_states(scene, frozenset()) if state.unit}
+        for name, kind in (("pin_displacement", "bending"), ("twist", "torsion")):
+            limits = [f"{name} <= 90 %"]
+            refused = False
+            try:
+                with_goal(scene, minimise="mass", limits=limits)
+            except CranktopoError:
+                refused = True
+            assert refused == (kind in unit)
+
+
+def test_the_balance_is_where_the_least_unbalance_ends() -> None:
+    assert limits('[goal]\nminimise = "unbalance"')[-1] == "unbalance >= 0 kg mm assumed"
+
+
+def test_options_replace_goal_and_limits() -> None:
+    scene = scene_with(with_limit('torsion = ">= 120 %"'))
+    more = wanted(with_goal(scene, limits=["bending >= 90 %", "bending <= 95 %", "fatigue_safety none"]))
+    other = wanted(with_goal(scene, maximise="bending"))
+    assert more is not None
+    assert other is not None
+    assert [str(limit) for limit in more.limits] == ["torsion >= 120 %", "bending >= 90 %", "bending <= 95 %"]
+    assert [str(limit) for limit in other.limits][:2] == ["mass <= 100 %", "torsion >= 100 %"]
+    assert with_goal(scene) is scene
+
+
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        ("torsoin >= 100 %", "limit 'torsoin >= 100 %': unknown quantity 'torsoin'. Did you mean 'torsion'?"),
+        (">= 100 %", "must begin with the name of a quantity. Valid: bending,"),
+        ("torsion", "goal.limits.torsion = '': must begin with <= or >="),
+        ("torsion >= 3 \udcff\n", "goal.limits.torsion = '>= 3 \\udcff': unknown unit '\\udcff'"),
+    ],
+)
+def test_a_limit_as_an_option_is_refused_as_wrong_use(limit: str, message: str) -> None:
+    with pytest.raises(CranktopoError) as caught:
+        with_goal(load_scene("mikron-iiic"), minimise="mass", limits=[limit])
+    assert message in str(caught.value)
+    assert caught.value.code == ExitCode.USAGE
+
+
+def test_what_is_assumed_and_what_is_left_is_said() -> None:
+    scene = scene_with(with_limit('torsion = ">= 120 %"'))
+    assert [str(item) for item in assumptions(scene, (GOAL,))] == [
+        'goal.limits.bending = ">= 100 %" (of the original web)',
+        'goal.limits.fatigue_safety = ">= 100 %" (of the original web)',
+    ]
+    goal = wanted(scene)
+    assert goal is not None
+    assert goal_text(goal, "density").splitlines() == [
+        "goal: least mass; torsion >= 120 %, bending >= 100 % (% of the original web)",
+        "not known to the density optimisation, left to the evaluation: fatigue_safety >= 100 % (% of the "
+        "original web)",
+    ]
+    assert "evaluation" not in goal_text(goal, "shape")
+
+
+def test_an_optimiser_refuses_a_goal_that_it_does_not_know() -> None:
+    goal = wanted(scene_with('[goal]\nmaximise = "fatigue_safety"'))
+    assert goal is not None
+    check_known(goal, "shape")
+    with pytest.raises(CranktopoError, match="cannot tell the fatigue safety of a design"):
+        check_known(goal, "density")
 
 
 def test_all_mistakes_are_listed() -> None:

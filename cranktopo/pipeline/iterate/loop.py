@@ -124,6 +124,11 @@ def start_loop(
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
     check_destination(out)
+    if scene.goal is not None:
+        raise CranktopoError(
+            "goal: the loop takes volume away step by step and knows no goal.",
+            hint="Take [goal] out of the design, or use `cranktopo optimise`.",
+        )
     check_original(scene)
     assumed = assumptions(scene, RUN_TABLES)
     announce(stage.prepare(scene), assumed, info)

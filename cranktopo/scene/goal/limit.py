@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic_core import PydanticCustomError
 
-from cranktopo.errors import suggest
+from cranktopo.errors import shown, suggest
 from cranktopo.scene.goal.quantities import QUANTITIES, GoalQuantity, QuantityName, unit_size
 
 LimitSense = Literal["<=", ">="]
@@ -43,8 +43,13 @@ class Limit:
         """Unit of the value; empty for a pure number."""
         return "%" if self.percent else QUANTITIES[self.quantity].unit
 
+    @property
+    def condition(self) -> str:
+        """The limit without its quantity, as the scene's table has it."""
+        return f"{self.sense} {self.value:g} {self.unit}".rstrip()
+
     def __str__(self) -> str:
-        return f"{self.quantity} {self.sense} {self.value:g} {self.unit}".rstrip()
+        return f"{self.quantity} {self.condition}"
 
 
 @dataclass(frozen=True)
@@ -114,10 +119,11 @@ def _sense(quantity: GoalQuantity, sign: str, rest: str) -> LimitSense:
     if sign in _SENSES:
         return _SENSES[sign]
     if sign in _MEANT:
-        raise refused(f"'{sign}' is no sign of a limit", f"Write '{_MEANT[sign]} {rest[:40]}'.")
+        raise refused(f"'{sign}' is no sign of a limit", f"Write '{_MEANT[sign]} {_clipped(rest)}'.")
     if "=" in sign:
         raise refused(
-            f"'{sign}' is no sign of a limit", f"For a fixed value give a list: ['>= {rest}', '<= {rest}']."
+            f"'{sign}' is no sign of a limit",
+            f"For a fixed value give two limits, '>= {_clipped(rest)}' and '<= {_clipped(rest)}'.",
         )
     raise refused("must begin with <= or >=", f"Write {_example(quantity)}.")
 
@@ -151,9 +157,9 @@ def _in_unit(quantity: GoalQuantity, value: float, unit: str, sense: LimitSense)
             raise refused(
                 f"the unit is missing; {valid}", f"For percent of the original write '{sense} {value:g} %'."
             )
-        near = suggest(unit[:40], [*names, "%"])
+        near = suggest(_clipped(unit), [*names, "%"])
         hint = near if near.startswith("Did") else f"Write {_example(quantity)}."
-        raise refused(f"unknown unit '{unit[:40]}'; {valid}", hint)
+        raise refused(f"unknown unit '{_clipped(unit)}'; {valid}", hint)
     if quantity.name != "unbalance" and value <= 0:
         raise refused("the number must be > 0")
     if abs(value * size) > _LARGEST:
@@ -180,9 +186,13 @@ def _check_together(limits: tuple[Limit, ...]) -> None:
         other = ">=" if quantity.better == "high" else "<="
         raise refused(
             f"{quantity.label} is wanted {quantity.better}: a limit on its own is {other}",
-            f"Write '{other} {wrong[0].value:g} {wrong[0].unit}'".rstrip()
-            + ", or a list of both for a range.",
+            f"Write '{other} {wrong[0].value:g} {wrong[0].unit}'".rstrip() + ", or give both for a range.",
         )
+
+
+def _clipped(text: str) -> str:
+    """What the user wrote, for a message: on one line and not too long."""
+    return shown(text, 50)[1:-1]
 
 
 def _example(quantity: GoalQuantity, number: str = "100") -> str:

@@ -25,29 +25,34 @@ LimitText = Annotated[
 """Such as `>= 100 %`; two of them for a range."""
 
 
-def _goal_word(value: Any, allowed: tuple[str, ...], other: str) -> Any:
-    """A quantity that may be minimised or maximised; refuses others with what is meant."""
-    if value is None or (isinstance(value, str) and value in allowed):
-        return value
+def goal_word(value: Any, sense: Literal["minimise", "maximise"]) -> Any:
+    """A quantity that may be minimised or maximised, as it is.
+
+    Raises:
+        PydanticCustomError: another one, with what is meant.
+    """
+    allowed = get_args(Minimised if sense == "minimise" else Maximised)
     if not isinstance(value, str):
         raise refused("must be the name of a quantity", f"Valid: {', '.join(allowed)}.")
+    if value in allowed:
+        return value
     if value not in QUANTITIES:
         raise refused("unknown quantity", nearest_quantity(value))
     quantity = QUANTITIES[value]
     if not quantity.as_goal:
-        stiffness = quantity.load_case
         raise refused(
-            "can be limited but is no goal", f"Write maximise = '{stiffness}': that makes it least."
+            "can be limited but is no goal", f"Maximise '{quantity.load_case}': that makes it least."
         )
-    raise refused(f"{quantity.label} is wanted {quantity.better}", f"Write {other} = '{value}'.")
+    other = "Maximise" if sense == "minimise" else "Minimise"
+    raise refused(f"{quantity.label} is wanted {quantity.better}", f"{other} it.")
 
 
 def _minimised(value: Any) -> Any:
-    return _goal_word(value, get_args(Minimised), "maximise")
+    return value if value is None else goal_word(value, "minimise")
 
 
 def _maximised(value: Any) -> Any:
-    return _goal_word(value, get_args(Maximised), "minimise")
+    return value if value is None else goal_word(value, "maximise")
 
 
 class LimitsTable(SceneTable):

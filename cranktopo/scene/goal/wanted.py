@@ -51,6 +51,9 @@ def no_safety(scene: Scene) -> str:
     throw = scene.throw
     if scene.engine is None:
         return "needs an [engine]: unit loads give no stress level"
+    engine = scene.engine
+    if engine.gas is None and None in (engine.max_gas_force_N, engine.max_torque_Nm):
+        return "needs [engine.gas], or engine.max_gas_force_N and max_torque_Nm"
     if scene.effects.fatigue == "off":
         return "effects.fatigue is 'off'"
     if scene.material.fatigue_bending_MPa is None:

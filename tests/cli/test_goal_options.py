@@ -1,0 +1,78 @@
+"""Goal and limits as options of the commands."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cranktopo.cli.main import main
+from cranktopo.scene.loading import resolve_design
+
+
+def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:
+    code = main(list(args))
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+def test_plan_shows_goal_cases_and_what_is_assumed(capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--maximise", "torsion_per_mass", "--limit", "bending none", "--limit", "mass <= 1.4 kg"]
+    code, out, err = run(capsys, "plan", *options)
+    assert code == 0
+    assert "goal: largest torsional stiffness per mass; mass <= 1.4 kg\n" in out
+    assert "neither goal nor limits need it" in out
+    assert 'goal.limits.fatigue_safety = ">= 100 %" (of the original web)' in err
+    code, out, _ = run(capsys, "plan", *options, "--json")
+    plan = json.loads(out)
+    states = {effect["name"]: effect["state"] for effect in plan["effects"]}
+    assert (states["torsion"], states["bending"]) == ("on", "off")
+    assert {
+        "key": "goal.limits.fatigue_safety",
+        "value": ">= 100 %",
+        "meaning": "of the original web",
+    } in plan["assumed"]
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "message"),
+    [
+        (["--minimise", "mass", "--maximise", "torsion"], 2, "--minimise excludes --maximise"),
+        (["--limit", "torsion >= 100 %"], 2, "--limit needs a goal: add --minimise or --maximise"),
+        (["--minimise", "weight"], 2, "unknown quantity. Did you mean 'mass'?"),
+        (["--minimise", "x y"], 2, "unknown quantity. Valid: bending,"),
+        (["--minimise", "mass", "--limit", "torsion > 1 %"], 2, "goal.limits.torsion = '> 1 %'"),
+        (["--minimise", "mass", "--limit", "mass <= 1 kg"], 3, "the goal itself makes it as low as"),
+    ],
+)
+@pytest.mark.parametrize("command", ["plan", "optimise"])
+def test_a_mistake_in_the_options_is_one_line(
+    capsys: pytest.CaptureFixture[str], command: str, options: list[str], code: int, message: str
+) -> None:
+    found, out, err = run(capsys, command, *options)
+    assert (found, out) == (code, "")
+    assert message in err
+    assert len(err.splitlines()) == 1
+
+
+def test_a_resumed_run_keeps_its_goal(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "optimise", "--resume", "x", "--minimise", "mass")
+    assert code == 2
+    assert "leave out --minimise" in err
+
+
+def test_the_loop_refuses_a_goal(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    text = resolve_design("mikron-iiic").read_text(encoding="utf-8")
+    design = tmp_path / "x.toml"
+    design.write_text(f'{text}\n[goal]\nminimise = "mass"\n', encoding="utf-8")
+    code, _, err = run(capsys, "iterate", str(design), "--out", str(tmp_path / "loop"))
+    assert code == 3
+    assert "the loop takes volume away step by step and knows no goal" in err
+    assert not (tmp_path / "loop").exists()
+
+
+def test_a_volume_fraction_beside_a_goal_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "optimise", "--minimise", "mass", "--volume-fraction", "0.3")
+    assert code == 2
+    assert "--volume-fraction excludes a goal: limit the mass instead" in err
