@@ -7,6 +7,7 @@ With the mirror x = 0 each of the two splits again into motions even and odd in 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
-from cranktopo.evaluate.linear import solve_symmetric
+from cranktopo.evaluate.linear import symmetric_solver
 from cranktopo.frames import Parity
 from cranktopo.scene import Scene
 
@@ -37,20 +38,25 @@ class Condensed:
 
     Attributes:
         motions: which of the six motions, in order.
+        parts: 2 where the model is the half x >= 0 of the half throw, else 1.
         stiffness: shape (m, m), N/mm, N, N mm, of the half throw (both signs of x).
         load: mean of -u_y over the pin material per unit motion, shape (m,).
         load_compliance: mean of -u_y under unit force on the half pin, section fixed, mm/N.
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         further: section forces of the half throw that answer the further loads, shape (m, k).
+        solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed; the
+            matrix is factorised already.
     """
 
     motions: tuple[int, ...]
+    parts: int
     stiffness: Array
     load: Array
     load_compliance: float
     displacement: Array
     further: Array
+    solve: Callable[[Array], Array]
 
     def index(self, *motions: int) -> list[int]:
         """Positions of motions in this block."""
@@ -79,25 +85,35 @@ def condense(
     if loaded:
         mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
     others = np.zeros((model.nodes_mm.size, 0)) if further is None else further
-    loads = np.column_stack(
-        [-(model.stiffness @ rigid)[free], *([mean[free]] if loaded else []), others[free]]
-    )
-    matrix = model.stiffness[free][:, free]
-    corners = free[free < model.prolongation.shape[1]]
-    fields = np.zeros((model.nodes_mm.size, loads.shape[1]))
-    fields[free] = solve_symmetric(matrix, loads, model.prolongation[free][:, corners])
+    solve = _solver(model, free)
+    fields = solve(np.column_stack([-(model.stiffness @ rigid), *([mean] if loaded else []), others]))
     units = fields[:, : len(motions)]
     units += rigid
     parts = 1 if lateral == "none" else 2
     pin = len(motions)
     return Condensed(
         motions,
+        parts,
         parts * _symmetric(units.T @ (model.stiffness @ units)),
         units.T @ mean,
         float(mean @ fields[:, pin]) / parts if loaded else 0.0,
         fields,
         parts * units.T @ others,
+        solve,
     )
+
+
+def _solver(model: Elasticity, free: NDArray[np.intp]) -> Callable[[Array], Array]:
+    """From nodal forces to displacements, all but the free unknowns at zero."""
+    corners = free[free < model.prolongation.shape[1]]
+    inner = symmetric_solver(model.stiffness[free][:, free], model.prolongation[free][:, corners])
+
+    def solve(forces: Array) -> Array:
+        fields = np.zeros(forces.shape)
+        fields[free] = inner(forces[free])
+        return fields
+
+    return solve
 
 
 def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:

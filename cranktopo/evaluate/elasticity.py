@@ -17,9 +17,9 @@ Order = Literal[1, 2]
 """Degree of the displacements in an element; its shape is quadratic in either case."""
 
 _CHUNK = 4000
-_QUADRATURE = 2
+STIFFNESS_ORDER = 2
 """Quadrature order of the stiffness: four points, exact on straight elements, as C3D10 elsewhere."""
-_LOAD_ORDER = 6
+LOAD_ORDER = 6
 _PLANE_MM = 1e-9
 """Quadrature points on an element's face that lies in a plane count as inside, whatever their rounding."""
 
@@ -61,7 +61,7 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2)
     volume = 0.0
     for start in range(0, body.nelements, _CHUNK):
         elements = np.arange(start, min(start + _CHUNK, body.nelements))
-        basis = Basis(body, _element(order), intorder=_QUADRATURE, elements=elements)
+        basis = Basis(body, _element(order), intorder=STIFFNESS_ORDER, elements=elements)
         if basis.mapping.detDF(basis.X, tind=elements).min() <= 0:  # basis.dx takes its absolute value
             raise CranktopoError(
                 "mesh: an element is inverted.", hint="Choose another element size.", code=ExitCode.SOLVER
@@ -88,23 +88,28 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
         axis: 0, 1, 2 for x, y, z.
         z_from_mm: start of the material.
     """
-    from skfem import Basis
-
-    heights = model.mesh.p[2][model.mesh.t]
-    elements = np.nonzero(heights.max(axis=0) > z_from_mm + _PLANE_MM)[0]
-    basis = Basis(model.mesh, _element(model.order), intorder=_LOAD_ORDER, elements=elements)
-    inside = basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm - _PLANE_MM)
+    basis, inside = beyond(model, z_from_mm)
     weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
     np.add.at(mean, 3 * basis.element_dofs + axis, weights)
     return np.asarray(mean / inside.sum(), dtype=np.float64)
 
 
+def beyond(model: Elasticity, z_from_mm: float) -> tuple[Any, Array]:
+    """Basis of the elements that reach beyond z, and the weights of its quadrature points there, mm3."""
+    from skfem import Basis
+
+    heights = model.mesh.p[2][model.mesh.t]
+    elements = np.nonzero(heights.max(axis=0) > z_from_mm + _PLANE_MM)[0]
+    basis = Basis(model.mesh, _element(model.order), intorder=LOAD_ORDER, elements=elements)
+    return basis, basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm - _PLANE_MM)
+
+
 def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
     """Nodal forces of rotation about the crank axis at 1 rad/s, shape (unknowns,), N."""
     from skfem import Basis
 
-    basis = Basis(model.mesh, _element(model.order), intorder=_LOAD_ORDER)
+    basis = Basis(model.mesh, _element(model.order), intorder=LOAD_ORDER)
     points = np.asarray(basis.global_coordinates())
     force = np.zeros(model.nodes_mm.size)
     for axis in (0, 1):

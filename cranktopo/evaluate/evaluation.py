@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.condense import condense
+from cranktopo.evaluate.condense import Condensed, condense
 from cranktopo.evaluate.elasticity import Order, assemble
 from cranktopo.evaluate.mesh_memory import check_element_size
 from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
@@ -199,21 +199,28 @@ def condensed_stiffness(
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, order)
     mirrored = meshed.mesh.mirrored
     _check_volume(meshed, model.volume_mm3 * (2 if mirrored else 1))
-    twist = condense(model, scene, "antisymmetric", "odd" if mirrored else "none")
-    bend = condense(model, scene, "symmetric", "even" if mirrored else "none")
-    spring = bearing_spring_N_per_mm(scene)
-    torsion: dict[str, float | None] = {
-        "free": torsional_stiffness_Nm_per_rad(twist, "free"),
-        "held": torsional_stiffness_Nm_per_rad(twist, "held"),
-        "spring": torsional_stiffness_Nm_per_rad(twist, "spring", spring) if spring else None,
-    }
-    bending: dict[str, float | None] = {
-        "pinned": bending_stiffness_N_per_mm(bend, "pinned"),
-        "clamped": bending_stiffness_N_per_mm(bend, "clamped"),
-        "spring": bending_stiffness_N_per_mm(bend, "spring", spring) if spring else None,
-    }
+    torsion = _torsion(condense(model, scene, "antisymmetric", "odd" if mirrored else "none"), scene)
+    bending = _bending(condense(model, scene, "symmetric", "even" if mirrored else "none"), scene)
     nodes, seconds = model.nodes_mm.shape[1], time.perf_counter() - start
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds)
+
+
+def _torsion(block: Condensed, scene: Scene) -> dict[str, float | None]:
+    spring = bearing_spring_N_per_mm(scene)
+    return {
+        "free": torsional_stiffness_Nm_per_rad(block, "free"),
+        "held": torsional_stiffness_Nm_per_rad(block, "held"),
+        "spring": torsional_stiffness_Nm_per_rad(block, "spring", spring) if spring else None,
+    }
+
+
+def _bending(block: Condensed, scene: Scene) -> dict[str, float | None]:
+    spring = bearing_spring_N_per_mm(scene)
+    return {
+        "pinned": bending_stiffness_N_per_mm(block, "pinned"),
+        "clamped": bending_stiffness_N_per_mm(block, "clamped"),
+        "spring": bending_stiffness_N_per_mm(block, "spring", spring) if spring else None,
+    }
 
 
 def _check_volume(meshed: MeshedThrow, volume_mm3: float) -> None:

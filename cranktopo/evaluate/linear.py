@@ -48,13 +48,32 @@ def solve_symmetric(
     Raises:
         CranktopoError: singular matrix, or a residual above the limit.
     """
+    return symmetric_solver(matrix, prolongation, method)(loads)
+
+
+def symmetric_solver(
+    matrix: sp.csr_matrix, prolongation: sp.csr_matrix, method: str = "auto"
+) -> Callable[[Array], Array]:
+    """What solves a symmetric positive definite system again and again, factorised once.
+
+    Args:
+        matrix, prolongation, method: as `solve_symmetric`.
+
+    Returns:
+        A function from loads, shape (n, k), to solutions; it raises what `solve_symmetric` does.
+
+    Raises:
+        CranktopoError: singular matrix.
+    """
     direct = method == "direct" or (method == "auto" and matrix.shape[0] <= DIRECT_LIMIT)
-    if direct:
-        solution = _factorise(matrix)(loads)
-    else:
-        solution = _conjugate_gradients(matrix, loads, _cycle(matrix, prolongation))
-    _check_residual(matrix, loads, solution)
-    return solution
+    factor = _factorise(matrix) if direct else _cycle(matrix, prolongation)
+
+    def solve(loads: Array) -> Array:
+        solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor)
+        _check_residual(matrix, loads, solution)
+        return solution
+
+    return solve
 
 
 def _factorise(matrix: sp.csr_matrix) -> Callable[[Array], Array]:

@@ -73,8 +73,12 @@ def _strain(basis: Any, displacement: Array) -> Array:
     """Tensor strains, shape (fields, elements, points, 6)."""
     gradients = np.stack([phi[0].grad for phi in basis.basis])  # (10, 3, elements, points)
     nodes = displacement.reshape(len(displacement), -1, 3)[:, basis.element_dofs]  # (fields, 10, elements, 3)
-    slope = np.einsum("njeq,fnei->feqij", gradients, nodes, optimize=True)
-    strain = (slope + slope.swapaxes(-1, -2)) / 2
+    return tensor_strain(np.einsum("njeq,fnei->feqij", gradients, nodes, optimize=True))
+
+
+def tensor_strain(slopes: Array) -> Array:
+    """Tensor strains (..., 6), last axis as `COMPONENTS`, of displacement gradients (..., 3, 3)."""
+    strain = (slopes + slopes.swapaxes(-1, -2)) / 2
     return np.asarray(strain[..., (0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0)])
 
 

@@ -56,10 +56,17 @@ def bending_stiffness_N_per_mm(
     return 2.0 / (block.load_compliance + float(block.load @ motion))
 
 
-def torsion_motion(block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0) -> Array:
-    """Section motion per unit torque, shape (m,), mm and rad per N mm."""
+def torsion_motion(
+    block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0, force: Array | None = None
+) -> Array:
+    """Section motion under section forces, shape (m,), mm and rad.
+
+    Args:
+        force: on the section of the half throw, shape (m,), N and N mm; by default a torque of 1 N mm.
+    """
     torque = np.array([1.0 if m == RZ else 0.0 for m in block.motions])
-    return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), torque)
+    force = torque if force is None else force
+    return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), force)
 
 
 def bending_motion(

@@ -63,7 +63,7 @@ def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, f
         elements: nodes of each element, shape (10, elements).
         planes: (axis, position in mm) of symmetry planes and end sections.
     """
-    local, owners = _boundary(elements)
+    local, owners = boundary_faces(elements)
     numbers = elements[local, owners]
     points = model.nodes_mm[:, numbers]  # (3, 6, faces)
     inner = np.ones(len(owners), dtype=bool)
@@ -86,8 +86,12 @@ def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> S
     return SurfaceStress(stress, _depth(model, surface, found), _jumps(surface, found))
 
 
-def _boundary(elements: Index) -> tuple[Index, Index]:
-    """Local node numbers (6, f) and owners (f,) of the faces that occur once."""
+def boundary_faces(elements: Index) -> tuple[Index, Index]:
+    """Local node numbers (6, f) and owners (f,) of the faces that occur once.
+
+    Args:
+        elements: nodes of each element, shape (10, elements).
+    """
     count = elements.shape[1]
     corners = np.sort(np.stack([elements[list(face)] for face in _CORNERS]), axis=1)  # (4, 3, elements)
     keys = corners.transpose(0, 2, 1).reshape(-1, 3)

@@ -63,9 +63,13 @@ def unit_fields(
 
 
 def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
-    block = condense(model, scene, "antisymmetric", "odd" if mirrored else "none")
-    motion = torsion_motion(block, scene.supports.torsion, _spring(scene, scene.supports.torsion))
-    return {"torsion": UnitField("torsion", _units(block) @ motion, -1, -1)}
+    return {"torsion": twisted(condense(model, scene, "antisymmetric", "odd" if mirrored else "none"), scene)}
+
+
+def twisted(block: Condensed, scene: Scene) -> UnitField:
+    """Field of a unit torque from the antisymmetric condensation."""
+    motion = torsion_motion(block, scene.supports.torsion, support_spring(scene, scene.supports.torsion))
+    return UnitField("torsion", _units(block) @ motion, -1, -1)
 
 
 def _symmetric(
@@ -93,15 +97,24 @@ def _loaded(
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
     forces = [_force(model, scene, kind, parts) for kind in further]
     block = condense(model, scene, parity, lateral, np.column_stack(forces) if forces else None)
-    cases: dict[FieldKind, tuple[Array, Array]] = {
-        "moment": (np.zeros(model.nodes_mm.size), np.array([1.0 if m == RX else 0.0 for m in block.motions]))
-    }
+    return loaded(block, scene, kinds)
+
+
+def loaded(block: Condensed, scene: Scene, kinds: Collection[FieldKind]) -> dict[FieldKind, UnitField]:
+    """Fields of some loads from a symmetric condensation.
+
+    Args:
+        kinds: those of `tangential` and `centrifugal` are the block's further loads, in this order.
+    """
+    further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
+    turn = np.array([1.0 if m == RX else 0.0 for m in block.motions])
+    cases: dict[FieldKind, tuple[Array, Array]] = {"moment": (np.zeros(len(block.displacement)), turn)}
     if "bending" in kinds:
-        cases["bending"] = (block.displacement[:, len(block.motions)] / (2 * parts), block.load / 2)
+        cases["bending"] = (block.displacement[:, len(block.motions)] / (2 * block.parts), block.load / 2)
     start = block.displacement.shape[1] - len(further)
     for column, kind in enumerate(further):
         cases[kind] = (block.displacement[:, start + column], block.further[:, column])
-    spring = _spring(scene, scene.supports.bending)
+    spring = support_spring(scene, scene.supports.bending)
     found: dict[FieldKind, UnitField] = {}
     for kind in kinds:
         fixed, force = cases[kind]
@@ -122,5 +135,6 @@ def _units(block: Condensed) -> Array:
     return block.displacement[:, : len(block.motions)]
 
 
-def _spring(scene: Scene, support: Literal["free", "held", "pinned", "clamped", "spring"]) -> float:
+def support_spring(scene: Scene, support: Literal["free", "held", "pinned", "clamped", "spring"]) -> float:
+    """Stiffness of the bearing spring of a support, N/mm; 0 for others."""
     return required_bearing_spring_N_per_mm(scene) if support == "spring" else 0.0

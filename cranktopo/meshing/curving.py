@@ -50,6 +50,17 @@ def straighten_folded(points_mm: Array, cells: NDArray[np.int64]) -> tuple[Array
     return points, int(straightened.sum())
 
 
+def least_jacobian_ratio(points_mm: Array, before_mm: Array, cells: NDArray[np.int64]) -> float:
+    """Least Jacobian of moved elements over the least of the same element before, the worst of all.
+
+    Args:
+        points_mm, before_mm: nodes, shape (3, nodes).
+        cells: ten nodes per element, VTK order, shape (10, elements).
+    """
+    now, was = (_jacobians(points[:, cells]).min(axis=0) for points in (points_mm, before_mm))
+    return float((now / was).min())
+
+
 def _straight(points: Array, cells: NDArray[np.int64]) -> Array:
     """Element nodes with every edge node midway between its corners, shape (3, 10, elements)."""
     nodes = points[:, cells]

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
-from cranktopo.scene.features.fitted import LEAST_MM, FittedFeature, Named, rounded
+from cranktopo.scene.features.fitted import LEAST_MM, FittedFeature, Named
 from cranktopo.scene.features.flank import Flank, flank_through, largest_half_width_mm
 
 Array = NDArray[np.float64]
+_DECIMALS = 2
+"""Of the dimensions in a scene, mm and degrees; the constraints keep as much clear."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,11 @@ def bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[A
 
 def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     """The `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
+    return {**_rounded(exact_web_of(layout, values, scene)), "thickness_mm": scene.web.thickness_mm}
+
+
+def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
+    """The `[web]` table of a parameter vector to the last digit, as plain data."""
     flank = flank_of(layout, np.asarray(values, dtype=np.float64))
     frame = (float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank))
     features: dict[str, list[dict[str, Any]]] = {key: [] for key in scene.web.feature_keys}
@@ -87,7 +94,16 @@ def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     return {
         "thickness_mm": scene.web.thickness_mm,
         "outline": "profile",
-        "stations_mm": [rounded(y) for y in flank.points_mm[:, 1]],
-        "half_widths_mm": [rounded(h) for h in flank.points_mm[:, 0]],
+        "stations_mm": [float(y) for y in flank.points_mm[:, 1]],
+        "half_widths_mm": [float(h) for h in flank.points_mm[:, 0]],
         **features,
     }
+
+
+def _rounded(table: Any) -> Any:
+    """Plain data with every number rounded to 0.01."""
+    if isinstance(table, dict):
+        return {key: _rounded(value) for key, value in table.items()}
+    if isinstance(table, list):
+        return [_rounded(value) for value in table]
+    return round(float(table), _DECIMALS) + 0.0 if isinstance(table, float) else table

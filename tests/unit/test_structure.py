@@ -29,6 +29,7 @@ ORDER = [
     "meshing",
     "remodel",
     "evaluate",
+    "shape",
     "accuracy",
     "report",
     "pipeline",

@@ -25,7 +25,6 @@ from cranktopo.scene.features.fitted import (
     Named,
     Surroundings,
     depth_mm,
-    rounded,
 )
 from cranktopo.scene.features.primitives import (
     Arc,
@@ -232,10 +231,9 @@ class FittedBevel(FittedToSections):
         return _arc(self.face, named["y"], named["depth"], named["crown"], (ends[0], ends[1]))
 
     @override
-    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
-        arc = self.arc(named, ends)
-        depth = depth_mm(self.face, axes[2], web_z_mm)
-        return np.asarray(arc.distance_mm(depth[None, :], arc.outward * axes[1][:, None])[None])
+    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        arc, (_, y, z) = self.arc(named, ends), at
+        return [np.asarray(arc.distance_mm(depth_mm(self.face, z, web_z_mm), arc.outward * y))]
 
     def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
         """Clear of the journal on its face, a wall under the other journal's edge, no turning back."""
@@ -250,7 +248,7 @@ class FittedBevel(FittedToSections):
 
     @override
     def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
-        return [{"face": self.face, **{f"{name}_mm": rounded(value) for name, value in named.items()}}]
+        return [{"face": self.face, **{f"{name}_mm": value for name, value in named.items()}}]
 
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array:
         """Start, depth and crown (0), mm, from how far the body reaches at each height."""

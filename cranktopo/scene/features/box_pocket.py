@@ -81,8 +81,8 @@ class FittedBox(FittedPocket):
         return None if region.kind == "window" or region.face is None else cls(region.face, region.pair)
 
     @override
-    def section_mm(self, named: Named, across: Array, along: Array) -> Array:
-        return np.asarray(np.minimum(named["size_x"] / 2 - np.abs(across), named["size_y"] / 2 - along))
+    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
+        return [np.abs(across) - named["size_x"] / 2, np.abs(along) - named["size_y"] / 2]
 
     @override
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:

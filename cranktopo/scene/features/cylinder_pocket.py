@@ -86,8 +86,8 @@ class FittedCylinder(FittedPocket):
         return None if region.face is None else cls(region.face, region.pair)
 
     @override
-    def section_mm(self, named: Named, across: Array, along: Array) -> Array:
-        return np.asarray(named["diameter"] / 2 - np.sqrt(across**2 + along**2 + _TINY))
+    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
+        return [np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2]
 
     @override
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -138,11 +139,14 @@ class FittedFeature(ABC):
         """Lower and upper bound of each parameter."""
 
     @abstractmethod
-    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
-        """Signed distance of the cells, positive where it leaves material, broadcastable to (nx, ny, nz).
+    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        """Signed distance of points from each of its faces, positive on the side of the material.
+
+        A point is in the material where the largest is positive. Each is smooth near its face.
 
         Args:
             ends: least and largest y of the outline, mm.
+            at: x > 0, y and z of the points, broadcastable.
         """
 
     @abstractmethod
@@ -151,7 +155,7 @@ class FittedFeature(ABC):
 
     @abstractmethod
     def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
-        """Its tables in the scene, rounded.
+        """Its tables in the scene.
 
         Args:
             frame_mm: least and largest y of the outline, largest half-width.
@@ -166,13 +170,20 @@ class FittedFeature(ABC):
         return None
 
     def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
-        """`inside_mm` of values in the order of `names`."""
-        return self.inside_mm(dict(zip(self.names, values, strict=True)), ends, axes, web_z_mm)
+        """Signed distance of the cells, positive where it leaves material, broadcastable to (nx, ny, nz).
+
+        Args:
+            values: in the order of `names`.
+            ends: least and largest y of the outline, mm.
+        """
+        named = dict(zip(self.names, values, strict=True))
+        at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
+        return functools.reduce(np.maximum, self.faces_mm(named, ends, at, web_z_mm))
 
     def pulled_back(
         self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array
     ) -> tuple[Array, Array]:
-        """Derivative of sum(weight * inside_mm) by the values and by the ends, by central differences."""
+        """Derivative of sum(weight * field_mm) by the values and by the ends, by central differences."""
         both, across = np.concatenate([values, ends]), weight.sum(axis=0, keepdims=True)
         count, slopes = len(both) if self.follows_ends else len(values), np.zeros(len(both))
         for i, step in enumerate(_STEP * np.eye(len(both))[:count]):
@@ -191,11 +202,6 @@ class FittedToSections(FittedFeature):
     @abstractmethod
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values; None where the body shows no such feature."""
-
-
-def rounded(value: Any) -> float:
-    """A parameter as it stands in the scene."""
-    return round(float(value), 2) + 0.0
 
 
 def depth_mm(face: str, z_mm: Any, web_z_mm: tuple[float, float]) -> Any:

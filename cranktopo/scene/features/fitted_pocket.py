@@ -20,7 +20,6 @@ from cranktopo.scene.features.fitted import (
     Region,
     Surroundings,
     depth_mm,
-    rounded,
 )
 
 if TYPE_CHECKING:
@@ -45,8 +44,8 @@ class FittedPocket(FittedFeature):
         """The pocket that could take out a region; None if the region does not fit the kind."""
 
     @abstractmethod
-    def section_mm(self, named: Named, across: Array, along: Array) -> Array:
-        """Signed distance in a section, positive in the pocket; from its centre, |along|."""
+    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
+        """Signed distance in a section from each wall, negative in the pocket; from its centre."""
 
     @abstractmethod
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
@@ -71,12 +70,12 @@ class FittedPocket(FittedFeature):
         return [ranges.get(name, (LEAST_MM, far)) for name in self.names]
 
     @override
-    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
-        x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2]
-        result = self.section_mm(named, x - named.get("x", 0.0), np.abs(y - named["y"]))
+    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        x, y, z = at
+        walls = self.walls_mm(named, x - named.get("x", 0.0), y - named["y"])
         if self.face == "through":
-            return -result
-        return np.asarray(-np.minimum(result, named["depth"] - depth_mm(self.face, z, web_z_mm)))
+            return walls
+        return [*walls, depth_mm(self.face, z, web_z_mm) - named["depth"]]
 
     def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
         """Walls toward bores and the outline, between twins, and journals out of the tool's way."""
@@ -101,7 +100,7 @@ class FittedPocket(FittedFeature):
 
     @override
     def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
-        values = {f"{name}_mm": rounded(value) for name, value in named.items()}
+        values = {f"{name}_mm": value for name, value in named.items()}
         table = {"shape": self.shape, "face": self.face, **values}
         if not self.pair:
             return [{**table, "x_mm": 0.0}]

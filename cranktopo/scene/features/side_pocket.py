@@ -23,7 +23,6 @@ from cranktopo.scene.features.fitted import (
     Limits,
     Named,
     Surroundings,
-    rounded,
 )
 from cranktopo.scene.features.hole import check_cut, check_depth
 from cranktopo.scene.features.primitives import (
@@ -293,15 +292,15 @@ class FittedSlot(FittedToSections):
         return [ranges[name] for name in self.names]
 
     @override
-    def inside_mm(self, named: Named, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
-        x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2]
-        angle, deep = np.deg2rad(named["draft"]), x - named["floor"]
+    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        (x, y, z), angle = at, np.deg2rad(named["draft"])
+        deep = x - named["floor"]
         opening = deep * np.tan(angle)
         height = np.abs(z - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"])
-        walls = named["height"] / 2 + opening - height
+        walls = [height - named["height"] / 2 - opening]
         if not self.through:
-            walls = np.minimum(walls, named["length"] / 2 + opening - np.abs(y - named["y"]))
-        return np.asarray(-np.minimum(deep, walls * np.cos(angle)))
+            walls.append(np.abs(y - named["y"]) - named["length"] / 2 - opening)
+        return [-deep, *(wall * np.cos(angle) for wall in walls)]
 
     def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
         """Flanges on both sides, walls toward bores and, unless it runs through them, bevels."""
@@ -329,10 +328,10 @@ class FittedSlot(FittedToSections):
     @override
     def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
         low, high, widest = frame_mm
-        values = {name: rounded(value) for name, value in named.items()}
-        draft, depth = values.pop("draft"), rounded(widest - values.pop("floor"))
+        values = dict(named)
+        draft, depth = values.pop("draft"), widest - values.pop("floor")
         if self.through:
-            values |= {"y": rounded((low + high) / 2), "length": rounded(high - low + 2 * _BEYOND_MM)}
+            values |= {"y": (low + high) / 2, "length": high - low + 2 * _BEYOND_MM}
         lengths = {f"{name}_mm": value for name, value in values.items()}
         return [{"shape": "side", **lengths, "depth_mm": depth, "draft_deg": draft}]
 

@@ -1,0 +1,106 @@
+"""Gradients of a parametric web on a moved mesh, against the moved faces, differences and new meshes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from cranktopo.errors import CranktopoError
+from cranktopo.remodel.family import Layout
+from cranktopo.scene import Scene
+from cranktopo.shape.mesh_model import MeshModel, MeshResponses
+from tests.physics.shape_cases import COARSE_MM, Array, full_web, solid_web
+
+WEBS = {"every-feature": full_web, "solid-journals": solid_web}
+
+
+@dataclass(frozen=True)
+class Case:
+    scene: Scene
+    layout: Layout
+    model: MeshModel
+    values: Array
+    found: MeshResponses
+
+
+@pytest.fixture(scope="module", params=WEBS)
+def case(request: pytest.FixtureRequest) -> Case:
+    scene, layout, values = WEBS[request.param]()
+    model = MeshModel(scene, layout, values, COARSE_MM)
+    return Case(scene, layout, model, values, model.responses(values))
+
+
+def directions(case: Case, count: int) -> Array:
+    """Changes of all parameters at once, (count, parameters), mm or degrees."""
+    return np.random.default_rng(7).standard_normal((count, len(case.values)))
+
+
+def test_nodes_follow_the_faces_of_the_web_to_second_order(case: Case) -> None:
+    moved, step = case.model.moved, 0.02
+    motion = moved.velocities(moved.mesh, case.values)
+    before = moved.distances_mm(moved.mesh.points_mm, case.values).max()
+    assert before < 1e-6
+    for i, name in enumerate(case.layout.names):
+        changed = case.values + step * np.eye(len(case.values))[i]
+        off = moved.distances_mm(moved.mesh.points_mm + step * motion[:, :, i], changed).max()
+        unmoved = moved.distances_mm(moved.mesh.points_mm, changed).max()
+        assert off < 2 * before + step**2, name
+        assert unmoved > 20 * off, name
+
+
+def test_a_moved_mesh_lies_on_the_new_web_and_its_journals_stand_still(case: Case) -> None:
+    moved = case.model.moved
+    changed = case.values + 0.2 * directions(case, 1)[0]
+    mesh = moved.at(changed)
+    assert moved.distances_mm(mesh.points_mm, changed).max() < 1e-8
+    assert 0.5 < moved.quality(mesh) < 1
+    low, _ = case.model.scene.web_z_mm
+    z = moved.mesh.points_mm[2]
+    surface = np.hypot(moved.mesh.points_mm[0], moved.mesh.points_mm[1])
+    rim = np.abs(surface - case.model.scene.throw.main_journal.radius_mm) < 1e-6
+    still = rim & (z < low)
+    assert still.any()
+    assert np.array_equal(mesh.points_mm[:, still], moved.mesh.points_mm[:, still])
+
+
+def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
+    step = 1e-3
+    for direction in directions(case, 2):
+        above, below = (case.model.responses(case.values + s * step * direction) for s in (1, -1))
+        for name, value in case.found.values.items():
+            measured = (above.values[name] - below.values[name]) / (2 * step)
+            assert case.found.slopes[name] @ direction == pytest.approx(measured, rel=1e-4, abs=1e-8 * value)
+
+
+@pytest.mark.slow
+def test_gradients_by_each_parameter_are_those_of_the_moved_mesh(case: Case) -> None:
+    """Every parameter alone: `pytest -m slow tests/physics/test_shape_mesh.py`."""
+    step = 1e-3
+    for i, name in enumerate(case.layout.names):
+        change = step * np.eye(len(case.values))[i]
+        above, below = (case.model.responses(case.values + s * change) for s in (1, -1))
+        for quantity, value in case.found.values.items():
+            measured = (above.values[quantity] - below.values[quantity]) / (2 * step)
+            exact = pytest.approx(measured, rel=1e-3, abs=1e-7 * value)
+            assert case.found.slopes[quantity][i] == exact, f"{quantity} by {name}"
+
+
+def test_a_moved_mesh_tells_the_change_that_a_new_mesh_tells(case: Case) -> None:
+    """New meshes of this size scatter by 0.1 %; masses are exact on them."""
+    change = 0.3 * directions(case, 1)[0]
+    changed = case.values + change
+    fresh = MeshModel(case.scene, case.layout, changed, COARSE_MM).responses(changed)
+    moved = case.model.responses(changed)
+    for name in ("mass", "inertia", "unbalance"):
+        assert moved.values[name] == pytest.approx(fresh.values[name], rel=1e-4), name
+    for name in ("torsion", "bending"):
+        assert moved.values[name] == pytest.approx(fresh.values[name], rel=3e-3), name
+
+
+def test_a_move_that_folds_the_mesh_is_refused(case: Case) -> None:
+    far = case.values.copy()
+    far[case.layout.names.index("bevel-journal.y")] -= 40.0
+    with pytest.raises(CranktopoError, match="folds"):
+        case.model.moved.at(far)
