@@ -13,7 +13,7 @@ import click
 from cranktopo.cli.completion import designs, runs
 from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
-from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
+from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice, Number
 from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
 from cranktopo.errors import ExitCode
 
@@ -38,8 +38,13 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--process",
-    type=Choice(["free", "forged", "cast"]),
-    help="How the web is made: a die releases forged and cast ones along x; default: the design's.",
+    type=Choice(["free", "forged", "cast", "milled"]),
+    help="How the web is made: by a die, in a mould, by a mill, or anyhow; default: the design's.",
+)
+@click.option(
+    "--draft-deg",
+    type=Number(0, 20),
+    help="Draft of forged and cast walls, degrees; default: the design's.",
 )
 @click.option(
     "--accuracy", metavar="PERCENT", callback=percent, help="Wanted error of the stiffnesses, such as 5%."
@@ -60,6 +65,7 @@ def command(
     volume_fraction: float | None,
     resolution_mm: float | None,
     process: str | None,
+    draft_deg: float | None,
     accuracy: float | None,
     budget: float | None,
     max_iterations: int | None,
@@ -97,6 +103,7 @@ def command(
                 volume_fraction=volume_fraction,
                 resolution_mm=resolution_mm,
                 process=process,
+                draft_deg=draft_deg,
                 max_iterations=max_iterations,
             )
             scene = with_goal_options(scene, minimise, maximise, limits)

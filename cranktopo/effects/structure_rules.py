@@ -91,11 +91,15 @@ def lateral_symmetry(facts: Facts) -> Estimate:
 
 
 def manufacturing_constraint(facts: Facts) -> Estimate:
-    """A die that parts in x = 0; what it costs is the difference between two optimisations."""
-    process = facts.scene.optimise.process
+    """A die, a mould or a mill; what it costs is the difference between two optimisations."""
+    settings = facts.scene.optimise
+    process, along_x = settings.process, settings.parting == "lateral"
     changes = "the shape may have undercuts and closed hollows"
-    why = "a die that parts in the plane x = 0 must release the web along x"
-    if process in ("forged", "cast"):
+    why = {
+        "milled": "a mill must reach every void from a web face or a side",
+        "cast": f"the halves of a mould must leave along {'x' if along_x else 'z'}",
+    }.get(process, f"a die that parts in {'the plane x = 0' if along_x else 'mid-web'} must release the web")
+    if process != "free":
         return Estimate(None, why, changes, needed=f"optimise.process is {process}")
     return Estimate(None, "", changes, absent=f"optimise.process is {process}: no die to release from")
 

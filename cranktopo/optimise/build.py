@@ -9,8 +9,9 @@ from cranktopo.errors import invalid
 from cranktopo.fem.model import ThrowModel, build_model
 from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise.assess import assess_original
+from cranktopo.optimise.chain import build_chain
 from cranktopo.optimise.material import Interpolation
-from cranktopo.optimise.problem import DensityProblem, SolverSettings, build_chain
+from cranktopo.optimise.problem import DensityProblem, SolverSettings
 from cranktopo.optimise.proposals import by_moving_asymptotes, by_optimality_criteria
 from cranktopo.optimise.responses import (
     Response,

@@ -1,72 +1,115 @@
-"""Forging or casting constraint: density that never grows away from the die's parting plane x = 0.
+"""Forging constraint: density that never grows away from the die's parting plane, with draft if wanted.
 
-The die halves leave along +x and -x. What lies outward of a void would hold them back, so each cell takes a
-smooth minimum over the cells between it and the parting plane. Sums only grow outward: the result is
-monotone whatever the sharpness, and stays 1 where all cells are solid.
+The die halves leave along +x and -x, or through the web's faces along +z and -z. What lies outward of a void
+would hold them back, so each cell takes a smooth minimum over the cells between it and the parting plane.
+Sums only grow outward: the result is monotone whatever the sharpness, and stays 1 where all cells are solid.
+
+With a draft angle the solid shrinks outward: a layer must lie within the one before it, eroded by tan(draft)
+times the distance between them. On densities that is -f_n >= tan(draft) |grad_t f| (n outward, t in the
+layer), which the Godunov scheme of the eikonal equation keeps exactly from layer to layer.
 
 Source of the idea: A. R. Gersborg, C. S. Andreasen, An explicit parameterization for casting constraints in
 gradient driven topology optimization, SMO 44, 2011. The smooth minimum is the Kreisselmeier-Steinhauser
-function (DFVLR report, 1979), shifted so that full density stays full.
+function (DFVLR report, 1979), shifted so that full density stays full. The slope condition on the gradient
+is that of X. Qian, Undercut and overhang angle control in topology optimization, IJNME 111, 2017, the scheme
+that of E. Rouy, A. Tourin, SIAM J. Numer. Anal. 29, 1992.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.domain.build import Domain
-from cranktopo.domain.through_holes import through_holes
-from cranktopo.scene import Scene
-from cranktopo.scene.polygons import polygons
-
 SHARPNESS = 60.0
+NO_DRAFT = (0.0, 0.0)
 
 
-def parting_index(domain: Domain) -> int:
-    """Number of cells on the negative side of the parting plane x = 0, which is a grid plane."""
-    return int(np.searchsorted(domain.grid.x_mm, -1e-6 * float(domain.grid.steps_mm[0][0])))
+@dataclass(frozen=True)
+class Die:
+    """Two die halves that part in a grid plane.
 
-
-def open_cells(scene: Scene, domain: Domain) -> NDArray[np.bool_]:
-    """Cells of the web's layers (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
-
-    Bores and holes through the envelope along the crank axis are drilled after forging or casting.
+    Attributes:
+        free: designable cells (nx, ny, nw); the others are no obstacle.
+        kept: cells that are solid whatever the density, behind a journal; None where none is.
+        axis: along which the halves leave, 0 or 2.
+        parting: cells on the negative side of the parting plane.
+        fall: tan(draft) times the cell's edge along the axis over its edge along each other axis.
     """
-    first, last = domain.web_layers
-    x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
-    bored = np.zeros((len(x), len(y)), bool)
-    for journal, centre in scene.throw.journals:
-        bored |= np.hypot(x[:, None], y[None, :] - centre) < journal.bore_radius_mm
-    filled = (domain.design > 0) | (domain.fixed > 0)
-    z = ((domain.grid.z_mm[1:] + domain.grid.z_mm[:-1]) / 2)[first:last]
-    holes = [polygons(contours)(x[:, None], y[None, :]) for contours in through_holes(scene, z.tolist())]
-    return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
+
+    free: jax.Array
+    kept: jax.Array | None
+    axis: int
+    parting: int
+    fall: tuple[float, float] = NO_DRAFT
+
+    def __call__(self, smooth: jax.Array) -> jax.Array:
+        """The density that the die releases (nx, ny, nw), nowhere above the given one but where kept."""
+        raised = smooth if self.kept is None else jnp.where(self.kept, 1.0, smooth)
+        density, free = jnp.moveaxis(raised, self.axis, 0), jnp.moveaxis(self.free, self.axis, 0)
+        found = without_undercuts(density, free, self.parting, self.fall)
+        found = jnp.moveaxis(found, 0, self.axis)
+        return found if self.kept is None else jnp.where(self.kept, 1.0, found)
 
 
-def unreachable_share(scene: Scene, domain: Domain) -> float:
-    """Share of the design space that no die half reaches past the voids of the envelope, 0 to 1."""
-    first, last = domain.web_layers
-    design = (domain.design * domain.volume_mm3)[:, :, first:last]
-    kept = design * reachable(open_cells(scene, domain), parting_index(domain))
-    return float(1 - kept.sum() / design.sum())
-
-
-def reachable(open_to_die: NDArray[np.bool_], parting: int) -> NDArray[np.bool_]:
-    """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane."""
-    left, right = open_to_die[:parting][::-1], open_to_die[parting:]
+def reachable(open_to_die: NDArray[np.bool_], parting: int, axis: int = 0) -> NDArray[np.bool_]:
+    """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane along an axis."""
+    moved = np.moveaxis(open_to_die, axis, 0)
+    left, right = moved[:parting][::-1], moved[parting:]
     sides = (np.logical_and.accumulate(left)[::-1], np.logical_and.accumulate(right))
-    return np.concatenate(sides)
+    return np.moveaxis(np.concatenate(sides), 0, axis)
 
 
-def without_undercuts(density: jax.Array, free: jax.Array, parting: int) -> jax.Array:
-    """Density that never grows away from the parting plane.
+def without_undercuts(
+    density: jax.Array, free: jax.Array, parting: int, fall: tuple[float, float] = NO_DRAFT
+) -> jax.Array:
+    """Density that never grows away from the parting plane, along the first axis.
 
     Returns:
         (nx, ny, nw) in [0, 1], at most `density` where that is designable.
     """
-    full = jnp.exp(-SHARPNESS)
-    gap = jnp.where(free, jnp.exp(-SHARPNESS * density) - full, 0.0)
-    outward = (jnp.cumsum(gap[:parting][::-1], axis=0)[::-1], jnp.cumsum(gap[parting:], axis=0))
-    return -jnp.log(jnp.minimum(jnp.concatenate(outward) + full, 1.0)) / SHARPNESS
+    gaps = jnp.where(free, gap(density), 0.0)
+    left, right = smallest_so_far(gaps[:parting][::-1], fall)[::-1], smallest_so_far(gaps[parting:], fall)
+    return jnp.concatenate([left, right])
+
+
+def smallest_so_far(gaps: jax.Array, fall: tuple[float, float]) -> jax.Array:
+    """Smooth minimum of densities over the layers up to each one, the first axis; with draft the solid of
+    each layer lies within the eroded one before it.
+    """
+    if not any(fall):
+        return smooth_minimum(jnp.cumsum(gaps, axis=0))
+
+    def layer(before: jax.Array, own: jax.Array) -> tuple[jax.Array, jax.Array]:
+        found = smooth_minimum(own + gap(eroded(before, fall)))
+        return found, found
+
+    return jax.lax.scan(layer, jnp.ones(gaps.shape[1:]), gaps)[1]
+
+
+def gap(density: jax.Array) -> jax.Array:
+    """What a density adds to the sum in a smooth minimum: nothing where it is full."""
+    return jnp.exp(-SHARPNESS * density) - jnp.exp(-SHARPNESS)
+
+
+def smooth_minimum(gaps: jax.Array) -> jax.Array:
+    """Smooth minimum of densities from the sum of their gaps; at most the true one."""
+    return -jnp.log(jnp.minimum(gaps + jnp.exp(-SHARPNESS), 1.0)) / SHARPNESS
+
+
+def eroded(layer: jax.Array, fall: tuple[float, float]) -> jax.Array:
+    """A layer less its steepest descent over so many cells along each axis; flat beyond its edges."""
+    square = jnp.zeros_like(layer)
+    for axis, part in enumerate(fall):
+        edges = [(1, 1) if axis == other else (0, 0) for other in range(2)]
+        padded = jnp.pad(layer, edges, mode="edge")
+        before, after = (jax.lax.slice_in_dim(padded, k, k + layer.shape[axis], axis=axis) for k in (0, 2))
+        square += (part * jnp.maximum(0.0, layer - jnp.minimum(before, after))) ** 2
+    steep = square > 0  # the root has no derivative at 0
+    return layer - jnp.where(steep, jnp.sqrt(jnp.where(steep, square, 1.0)), 0.0)
+
+
+jax.tree_util.register_dataclass(Die, data_fields=["free", "kept"], meta_fields=["axis", "parting", "fall"])

@@ -16,6 +16,7 @@ from cranktopo.fem.response import compliances, solve
 from cranktopo.optimise.continuation import advance, tolerance_at
 from cranktopo.optimise.material import (
     Interpolation,
+    eroded_density,
     greyness,
     physical_density,
     relative_moduli,
@@ -127,5 +128,6 @@ def _design(
     chain: Interpolation, x: jax.Array, beta: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     density = physical_density(chain, x, beta)
-    moduli, solid = relative_moduli(chain, density), solid_fraction(chain, density)
+    moduli = relative_moduli(chain, eroded_density(chain, x, beta))
+    solid = solid_fraction(chain, density)
     return moduli, solid, volume_fraction(chain, density), greyness(chain, density)

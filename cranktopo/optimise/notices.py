@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cranktopo.domain.build import Domain
 from cranktopo.domain.stl_envelope import symmetrised
-from cranktopo.optimise.forging_constraint import unreachable_share
+from cranktopo.optimise.manufacturing import unreachable_share
 from cranktopo.scene import Scene
 
 _WORTH_SAYING = 1e-3

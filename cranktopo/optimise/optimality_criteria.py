@@ -13,6 +13,8 @@ import jax.numpy as jnp
 
 from cranktopo.optimise.material import (
     Interpolation,
+    dilated_density,
+    eroded_density,
     physical_density,
     relative_moduli,
     solid_fraction,
@@ -36,8 +38,8 @@ def design_gradients(
     Returns:
         Two arrays of the shape of x.
     """
-    _, pull_objective = jax.vjp(lambda v: relative_moduli(data, physical_density(data, v, beta)), x)
-    _, pull_volume = jax.vjp(lambda v: volume_fraction(data, physical_density(data, v, beta)), x)
+    _, pull_objective = jax.vjp(lambda v: relative_moduli(data, eroded_density(data, v, beta)), x)
+    _, pull_volume = jax.vjp(lambda v: volume_fraction(data, dilated_density(data, v, beta)), x)
     by_x = pull_objective(by_moduli)[0]
     if by_solid is not None:
         _, pull_solid = jax.vjp(lambda v: solid_fraction(data, physical_density(data, v, beta)), x)

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from cranktopo.domain.build import Domain
 from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.multigrid import Precision
-from cranktopo.optimise.forging_constraint import open_cells
-from cranktopo.optimise.material import Interpolation, build_interpolation
+from cranktopo.optimise.material import Interpolation
 from cranktopo.optimise.responses import Design
 from cranktopo.optimise.state import Proposal, State
 from cranktopo.optimise.statement import Statement
-from cranktopo.scene.schema import Scene
 
 # The error of a compliance is the square of the residual's: a loose solve, started from the last design's
 # displacements, leads to the same design in half the cycles. The final design is assessed at 1e-8.
@@ -77,15 +74,3 @@ class DensityProblem:
 
 Method = Callable[[DensityProblem, State, Design], Proposal]
 """A way to the next design variables, such as those of `proposals`."""
-
-
-def build_chain(scene: Scene, domain: Domain) -> Interpolation:
-    """The density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
-    radius = scene.optimise.filter_radius_mm or default_filter_radius_mm(domain)
-    die = scene.effects.manufacturing_constraint == "on"
-    return build_interpolation(domain, radius, open_cells(scene, domain) if die else None)
-
-
-def default_filter_radius_mm(domain: Domain) -> float:
-    """Filter radius when the scene gives none: 2.5 cells, and never below 3 mm."""
-    return max(3.0, 2.5 * domain.grid.largest_edge_mm)

@@ -12,7 +12,13 @@ import numpy as np
 from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.response import compliance_gradients, compliance_gradients_by_solid, solve
 from cranktopo.optimise.continuation import largest_move, tolerance_at
-from cranktopo.optimise.material import Interpolation, physical_density, relative_moduli, solid_fraction
+from cranktopo.optimise.material import (
+    Interpolation,
+    dilated_density,
+    eroded_density,
+    relative_moduli,
+    solid_fraction,
+)
 from cranktopo.optimise.mma import Asymptotes, first_asymptotes, mma_step
 from cranktopo.optimise.optimality_criteria import update
 from cranktopo.optimise.problem import DensityProblem
@@ -103,8 +109,8 @@ def pulled_back(
     """Derivatives (k, nx, ny, nw) by the design variables of k functions of moduli and solid fraction."""
 
     def fields(x: jax.Array) -> tuple[jax.Array, jax.Array]:
-        density = physical_density(chain, x, beta)
-        return relative_moduli(chain, density), solid_fraction(chain, density)
+        moduli = relative_moduli(chain, eroded_density(chain, x, beta))
+        return moduli, solid_fraction(chain, dilated_density(chain, x, beta))
 
     _, pull = jax.vjp(fields, x)
     return jax.vmap(lambda *by: pull(by)[0])(by_moduli, by_solid)

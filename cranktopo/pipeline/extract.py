@@ -13,8 +13,8 @@ from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.fem.precision import double_precision
 from cranktopo.formats import SurfaceFormat
+from cranktopo.optimise.chain import build_chain
 from cranktopo.optimise.loop import WebDensities, design_of
-from cranktopo.optimise.problem import build_chain
 from cranktopo.optimise.state import from_checkpoint
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run

@@ -13,7 +13,7 @@ from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import double_precision
 from cranktopo.loads import analyse
-from cranktopo.optimise.problem import build_chain
+from cranktopo.optimise.chain import build_chain
 from cranktopo.pipeline.run_stress import read_run_stress, solve_run_stress
 from cranktopo.pipeline.snapshots import snapshots
 from cranktopo.report.pages.report_file import REPORT, write_report

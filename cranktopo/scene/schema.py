@@ -43,8 +43,10 @@ FkmGroup = Literal[
     "Al_cast",
 ]
 """Material groups of the FKM guideline."""
-Process = Literal["free", "forged", "cast"]
-"""How the web is made; forged and cast ones come from a die that parts in the plane x = 0."""
+Process = Literal["free", "forged", "cast", "milled"]
+"""How the web is made; free: anyhow, so that undercuts and closed hollows are possible."""
+Parting = Literal["lateral", "web_faces"]
+"""Where the halves of a die or mould leave: along x, or along z through the web's faces."""
 
 
 @cache
@@ -109,7 +111,7 @@ class Effects(SceneTable):
     lateral_symmetry: EffectState = "auto"
     """Use of the mirror plane x = 0: half the cells, same answer."""
     manufacturing_constraint: EffectState = "auto"
-    """Forging or casting constraint of the density optimisation; needs `optimise.process`."""
+    """Forging, casting or milling constraint of the density optimisation; needs `optimise.process`."""
     fatigue: EffectState = "auto"
     """Fatigue safety in the plan and in `compare`."""
 
@@ -140,7 +142,14 @@ class Optimise(SceneTable):
     """Iterations after which the optimisation stops even if it has not converged."""
     weights: Weights = Weights()
     process: Process = "free"
-    """How the web is made: `forged` and `cast` webs come from a die that parts in the plane x = 0."""
+    """How the web is made: `forged` by a die with a flat parting plane, `cast` in a mould of two halves with
+    any parting surface, `milled` from both web faces and both sides, or `free`."""
+    parting: Parting = "lateral"
+    """How die and mould open: `lateral` along x, the die parting in x = 0; `web_faces` along z, mid-web."""
+    draft_deg: float = Field(default=0.0, ge=0, le=20)
+    """Least angle between the walls of a forged or cast web and the way its die or mould opens."""
+    tool_radius_mm: Length = 5.0
+    """Radius of the end mill of a milled web."""
 
 
 class Published(SceneTable):

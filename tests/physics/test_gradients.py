@@ -23,6 +23,7 @@ from cranktopo.fem.response import (
     throw_unbalance_kg_mm,
     twist_rad,
 )
+from cranktopo.optimise.chain import build_chain
 from cranktopo.optimise.material import (
     Interpolation,
     build_interpolation,
@@ -32,7 +33,6 @@ from cranktopo.optimise.material import (
     volume_fraction,
 )
 from cranktopo.optimise.optimality_criteria import design_gradients
-from cranktopo.optimise.problem import build_chain
 from cranktopo.scene import Scene
 from tests.physics.throw_cases import BENDING, CENTRIFUGAL, TANGENTIAL, TORSION, forged
 
@@ -108,7 +108,7 @@ def test_compliance_of_a_forged_web(float64: None, mikron: Scene) -> None:
     scene = forged(mikron, filter_radius_mm=FILTER_MM)
     domain = build_domain(scene, CELL_MM)
     model, chain = build_model(scene, domain, (BENDING, TORSION, TANGENTIAL)), build_chain(scene, domain)
-    assert chain.parting is not None
+    assert chain.process is not None
     x, direction = 0.3 + 0.5 * some_design(chain), some_direction(chain)
 
     def moduli(x: jax.Array) -> jax.Array:

@@ -9,8 +9,8 @@ import pytest
 
 from cranktopo.domain.build import build_domain
 from cranktopo.effects import planned_scene
+from cranktopo.optimise.chain import build_chain
 from cranktopo.optimise.loop import design_of
-from cranktopo.optimise.problem import build_chain
 from cranktopo.scene import load_scene, scene_from_dict
 from cranktopo.surface.checked_surface import checked_surface
 from cranktopo.triangles.surface_files import write_stl

@@ -17,7 +17,8 @@ from cranktopo.fem.lattice import Cells, Lattice
 from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.response import compliance_gradients, compliances, solve
 from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise.material import Interpolation, cone_kernel, physical_density, relative_moduli
+from cranktopo.optimise.density_filter import ConeFilter, cone_kernel
+from cranktopo.optimise.material import Interpolation, physical_density, relative_moduli
 from cranktopo.optimise.optimality_criteria import update
 
 VOLUME_FRACTION = 0.3
@@ -61,7 +62,9 @@ def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, Interpola
     model = ThrowModel(lattice, _levels(cells), supports, jnp.asarray(forces), loads, 1.0, 1.0)
     design = jnp.ones(lattice.cells)
     kernel = jnp.asarray(cone_kernel((1.0, 1.0, 1.0), FILTER_CELLS))
-    return model, Interpolation(jnp.zeros(lattice.cells), design, (0, length), kernel, False)
+    return model, Interpolation(
+        jnp.zeros(lattice.cells), design, (0, length), ConeFilter(design, kernel, False)
+    )
 
 
 def optimise(model: ThrowModel, chain: Interpolation, iterations: int) -> tuple[list[Iteration], jax.Array]:

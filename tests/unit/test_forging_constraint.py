@@ -12,9 +12,10 @@ from manifold3d import Manifold
 
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.effects import plan, simulated_scene
-from cranktopo.optimise.forging_constraint import SHARPNESS, open_cells, parting_index, without_undercuts
+from cranktopo.optimise.chain import build_chain
+from cranktopo.optimise.forging_constraint import SHARPNESS, Die, without_undercuts
+from cranktopo.optimise.manufacturing import open_cells, parting_index
 from cranktopo.optimise.material import Interpolation, physical_density, smooth_density
-from cranktopo.optimise.problem import build_chain
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import OutlineEnvelope
 from cranktopo.surface.undercuts import undercuts
@@ -33,6 +34,11 @@ def chain(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> Inter
     return chain_of(forged(mikron), extent=request.param)[1]
 
 
+def parting_of(chain: Interpolation) -> int:
+    assert isinstance(chain.process, Die)
+    return chain.process.parting
+
+
 def noise(chain: Interpolation, seed: int = 0) -> jax.Array:
     return jnp.asarray(np.random.default_rng(seed).random(chain.design.shape))
 
@@ -41,8 +47,8 @@ def noise(chain: Interpolation, seed: int = 0) -> jax.Array:
 def test_density_never_grows_away_from_the_parting_plane(chain: Interpolation, beta: float) -> None:
     density = np.asarray(physical_density(chain, noise(chain), beta))
     free = np.asarray(chain.design) > 0
-    assert chain.parting is not None
-    right, left = slice(chain.parting, None), slice(chain.parting - 1, None, -1) if chain.parting else None
+    parting = parting_of(chain)
+    right, left = slice(parting, None), slice(parting - 1, None, -1) if parting else None
     for side in (right, left):
         if side is None:
             continue
@@ -69,7 +75,10 @@ def test_smooth_minimum_is_between_its_bounds(float64: None) -> None:
 
 def test_quarter_is_the_half(float64: None, mikron: Scene) -> None:
     quarter, half = (chain_of(forged(mikron), extent=extent)[1] for extent in ("quarter", "half"))
-    assert (quarter.parting, half.parting) == (0, 11)  # 48 mm in cells of 4.36 mm, one cell of padding
+    assert (parting_of(quarter), parting_of(half)) == (
+        0,
+        11,
+    )  # 48 mm in cells of 4.36 mm, one cell of padding
     x = noise(quarter, 2)
     mirrored = jnp.zeros(half.design.shape).at[:22].set(jnp.concatenate([x[:11][::-1], x[:11]]))
     both = smooth_density(half, mirrored)

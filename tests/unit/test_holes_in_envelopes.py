@@ -12,7 +12,8 @@ from manifold3d import Manifold
 
 from cranktopo.domain.build import build_domain
 from cranktopo.effects import plan, simulated_scene
-from cranktopo.optimise.forging_constraint import open_cells, parting_index, reachable, unreachable_share
+from cranktopo.optimise.forging_constraint import reachable
+from cranktopo.optimise.manufacturing import open_cells, parting_index, unreachable_share
 from cranktopo.optimise.notices import notices
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.surface.undercuts import undercuts

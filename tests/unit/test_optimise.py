@@ -11,19 +11,18 @@ import pytest
 
 from cranktopo.domain.build import build_domain
 from cranktopo.fem.precision import double_precision
+from cranktopo.optimise.density_filter import cone_kernel
 from cranktopo.optimise.material import (
     CONTRAST,
     Interpolation,
     build_interpolation,
-    cone_kernel,
-    filtered,
     greyness,
     physical_density,
-    projected,
     relative_moduli,
     volume_fraction,
 )
 from cranktopo.optimise.optimality_criteria import falling_root, update
+from cranktopo.optimise.projection import projected
 from cranktopo.optimise.state import Record, State, from_checkpoint, to_checkpoint
 from cranktopo.scene import Scene
 from cranktopo.store import load_checkpoint, save_checkpoint
@@ -49,9 +48,9 @@ def test_cone_weights() -> None:
 
 def test_filter_keeps_constants_and_bounds(chain: Interpolation) -> None:
     inside = np.asarray(chain.design) > 0
-    constant = filtered(chain, jnp.full(chain.design.shape, 0.37))
+    constant = chain.density_filter(jnp.full(chain.design.shape, 0.37))
     np.testing.assert_allclose(np.asarray(constant)[inside], 0.37, rtol=1e-12)
-    smooth = np.asarray(filtered(chain, random_design(chain)))[inside]
+    smooth = np.asarray(chain.density_filter(random_design(chain)))[inside]
     assert smooth.min() >= 0.0
     assert smooth.max() <= 1.0
     assert smooth.std() < 0.5 * np.asarray(random_design(chain))[inside].std()
@@ -65,10 +64,10 @@ def test_filter_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scene)
     mirrored = np.zeros(half.design.shape)
     n = x.shape[0]
     mirrored[:n], mirrored[n : 2 * n] = x[::-1], x
-    result = np.asarray(filtered(half, jnp.asarray(mirrored)))[n : 2 * n]
+    result = np.asarray(half.density_filter(jnp.asarray(mirrored)))[n : 2 * n]
     inside = np.asarray(quarter.design) > 0
     np.testing.assert_allclose(
-        result[inside], np.asarray(filtered(quarter, jnp.asarray(x)))[inside], rtol=1e-12
+        result[inside], np.asarray(quarter.density_filter(jnp.asarray(x)))[inside], rtol=1e-12
     )
 
 
