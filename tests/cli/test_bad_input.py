@@ -148,8 +148,8 @@ def test_error_as_json(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("typed", "message"),
     [
-        ("forgd", "'forgd' is none of free, forged, cast. Did you mean 'forged'?"),
-        ("xyz", "'xyz' is none of free, forged, cast. See"),
+        ("forgd", "'forgd' is none of free, forged, cast, milled. Did you mean 'forged'?"),
+        ("xyz", "'xyz' is none of free, forged, cast, milled. See"),
     ],
 )
 def test_misspelt_word_of_an_option(typed: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
