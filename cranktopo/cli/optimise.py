@@ -120,7 +120,8 @@ def command(
 def _exit_code(metrics: dict[str, Any]) -> ExitCode:
     if metrics["status"] != "converged":
         return ExitCode.NOT_CONVERGED
-    return ExitCode.CRITERION_NOT_MET if "refusal" in metrics["surface"] else ExitCode.DONE
+    broken = any(limit["holds"] is False for limit in metrics.get("goal", {}).get("limits", ()))
+    return ExitCode.CRITERION_NOT_MET if broken or "refusal" in metrics["surface"] else ExitCode.DONE
 
 
 class _Bar:
@@ -147,7 +148,12 @@ class _Bar:
         self._bar.total = done + (0 if state.done else iterations_left(problem, state))
         cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
         work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
-        text = f"{work}, volume {row.volume_fraction:.3f}, grey {row.greyness:.3f}"
+        reached = [
+            f"{response.name} {value:.4g} {response.unit}".rstrip()
+            for response, value in zip(problem.statement.responses, (*row.goals, *row.limits), strict=False)
+        ]
+        wanted = ", ".join(dict.fromkeys(reached)) or f"{work}, volume {row.volume_fraction:.3f}"
+        text = f"{wanted}, grey {row.greyness:.3f}"
         self._bar.set_postfix_str(text, refresh=False)
         detail(f"iteration {row.iteration}: {text}, {row.cg_iterations} cycles, {row.seconds:.2f} s")
         if row.notice and level() > QUIET:

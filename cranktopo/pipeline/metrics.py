@@ -19,6 +19,8 @@ from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared
 from cranktopo.optimise.state import State
 from cranktopo.scene import Scene
+from cranktopo.scene.goal.outcome import goal_json
+from cranktopo.scene.goal.wanted import wanted
 from cranktopo.surface.checked_surface import CheckedSurface
 from cranktopo.surface.surface_checks import surface_json
 
@@ -63,6 +65,7 @@ def optimise_metrics(
         assumed: entries of the manifest: what the design does not say.
     """
     scene, domain = prepared.scene, prepared.domain
+    goal = wanted(scene)
     return {
         "schema_version": SCHEMA_VERSION,
         "run": run_name,
@@ -78,6 +81,7 @@ def optimise_metrics(
         "load_cases": _load_cases(scene, problem, result, domain),
         "stiffness_per_mass": _per_mass(result),
         "original_web": _original(scene, problem, result, original, domain),
+        **({} if goal is None else {"goal": goal_json(goal, result.quantities, original.quantities)}),
         "surface": _surface(surface, scene),
         "solver": _solver(problem, state, result),
         "seconds": _seconds(state, timing),

@@ -207,7 +207,7 @@ def _finish(
     optimised = time.perf_counter()
     scene, domain = prepared.scene, prepared.domain
     design = loop.final_design(problem, state)
-    rows = history_rows(state.history, problem.model.case_names)
+    rows = history_rows(problem, state.history)
     surface, refusal = _surface(prepared, design)
     mesh = None if surface is None else surface.surface.half_throw
     files = write_run_files(run, scene, domain, design, rows, mesh)

@@ -7,10 +7,12 @@ from typing import Any
 
 from cranktopo.domain.build import Domain
 from cranktopo.optimise.loop import WebDensities
+from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.state import Record
 from cranktopo.report.figures.picture import save_run_picture
 from cranktopo.report.vtu import write_density_vtu
 from cranktopo.scene import Scene
+from cranktopo.scene.goal.wanted import wanted
 from cranktopo.store import RunStore
 from cranktopo.triangles.surface_files import write_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh
@@ -18,8 +20,12 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh
 _SURFACE, _PICTURE, _DENSITY = "web.stl", "result.png", "density.vtu"
 
 
-def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Rows of history.csv: one per design, units in the column names, compliances in N mm by load case."""
+def history_rows(problem: DensityProblem, history: Sequence[Record]) -> list[dict[str, Any]]:
+    """Rows of history.csv: one per design, units in the column names, compliances in N mm by load case.
+
+    With a goal, its value and those of its limits are among them.
+    """
+    case_names, responses = problem.model.case_names, problem.statement.responses
     return [
         {
             "iteration": row.iteration,
@@ -29,6 +35,10 @@ def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> li
                 f"{name}_compliance_N_mm": value
                 for name, value in zip(case_names, row.compliance_N_mm, strict=True)
             },
+            **{
+                column_name(response.name, response.unit): value
+                for response, value in zip(responses, (*row.goals, *row.limits), strict=False)
+            },
             "volume_fraction": row.volume_fraction,
             "greyness": row.greyness,
             "change": row.change,
@@ -37,6 +47,12 @@ def history_rows(history: tuple[Record, ...], case_names: tuple[str, ...]) -> li
         }
         for row in history
     ]
+
+
+def column_name(name: str, unit: str) -> str:
+    """Machine name of a quantity: `torsion` in `N m/(rad kg)` is `torsion_Nm_per_rad_kg`."""
+    plain = unit.replace("N m", "Nm").replace("/", "_per_").replace("(", "").replace(")", "")
+    return f"{name} {plain}".strip().replace(" ", "_")
 
 
 def write_run_files(
@@ -62,7 +78,9 @@ def write_run_files(
             (run.path / name).unlink(missing_ok=True)
         return files
     write_stl(run.path / _SURFACE, half_throw)
-    title = f"{scene.name}, volume fraction {scene.optimise.volume_fraction:g}"
+    goal = wanted(scene)
+    share = f"volume fraction {scene.optimise.volume_fraction:g}"
+    title = f"{scene.name}, {share if goal is None else f'{goal.sense} {goal.quantity}'}"
     save_run_picture(run.path / _PICTURE, half_throw, rows, title, scene.web_z_mm)
     return {"stl": _SURFACE, **files, "picture": _PICTURE}
 

@@ -25,10 +25,12 @@ from cranktopo.report.pages.stress_section import stress_section
 from cranktopo.report.pages.verdict import facts, headline
 from cranktopo.report.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.report.run_record import RunRecord
+from cranktopo.report.tables.goal_table import goal_line, limits_table
 from cranktopo.report.tables.result_table import ResultTable, Row
 from cranktopo.report.verdict_sentence import stiffness_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.scene.goal.outcome import HOLDS
 
 _NAMES = ("original web", "optimised")
 _THROW = replace(MASS, key="mass_of_throw")
@@ -50,6 +52,7 @@ def run_page(record: RunRecord) -> Page:
         headline=headline(metrics),
         facts=facts(record),
         sections=(
+            *_goal(metrics),
             _variants(metrics),
             _convergence(record),
             loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
@@ -61,6 +64,19 @@ def run_page(record: RunRecord) -> Page:
         scene3d=scene3d,
         picture=_still(record),
     )
+
+
+def _goal(metrics: Mapping[str, Any]) -> tuple[Section, ...]:
+    """What was wanted and what was reached; nothing for a run without a goal."""
+    goal = metrics.get("goal")
+    if goal is None:
+        return ()
+    line = goal_line(goal)
+    text = (
+        f"{line[0].upper()}{line[1:]}. Percent are of the original web in the same model; a limit holds "
+        f"within {100 * HOLDS:g} %, and decides the design where the web is at it."
+    )
+    return (Section("goal", "Goal and limits", text, (("Limits", limits_table(goal)),)),)
 
 
 def _variants(metrics: Mapping[str, Any]) -> Section:

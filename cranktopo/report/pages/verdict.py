@@ -8,6 +8,7 @@ from typing import Any
 from cranktopo.report.pages.page import Fact, FactStatus
 from cranktopo.report.quantities import MASS, TORSION
 from cranktopo.report.run_record import RunRecord
+from cranktopo.report.tables.goal_table import broken_limits, goal_words
 from cranktopo.report.tables.undercut_table import obstacles
 from cranktopo.report.verdict_sentence import (
     NOTICEABLE_PERCENT,
@@ -34,6 +35,7 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
     return (
         _mass(metrics),
         *_stiffness(metrics),
+        *_limits(metrics),
         fatigue_fact(record.fatigue, _NO_FILLETS.format(run=record.folder)),
         run_undercuts_fact(metrics),
         _end(metrics),
@@ -72,6 +74,17 @@ def run_undercuts_fact(metrics: Mapping[str, Any]) -> Fact:
     if undercuts is None:  # a run of an earlier version
         return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
     return Fact(label, "yes", "a die that parts in x = 0 releases it", "good")
+
+
+def _limits(metrics: Mapping[str, Any]) -> list[Fact]:
+    """Whether the limits of a goal hold in the optimiser's model; nothing without a goal."""
+    goal = metrics.get("goal")
+    if goal is None:
+        return []
+    broken, known = broken_limits(goal), [e for e in goal["limits"] if e["holds"] is not None]
+    note = "; ".join(broken) if broken else f"{goal_words(goal)} within them"
+    value = f"{len(known) - len(broken)} of {len(known)} hold"
+    return [Fact("Limits", value, note, "bad" if broken else "good")]
 
 
 def _mass(metrics: Mapping[str, Any]) -> Fact:

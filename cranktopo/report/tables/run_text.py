@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from cranktopo.report.tables.goal_table import goal_line, limits_table
 from cranktopo.report.tables.result_table import terminal
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
 from cranktopo.report.tables.undercut_table import obstacles
@@ -30,6 +31,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
         now, before = metrics["mass_kg"][part], original["mass_kg"][part]
         masses = f"{now:14.3f}{before:14.3f}{percent_change(now, before):+10.1f} %"
         lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
+    lines += _goal_lines(metrics)
     seconds = metrics["seconds"]
     report = f", report {seconds['report']:.1f} s" if "report" in seconds else ""
     lines += [
@@ -54,6 +56,12 @@ def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
         lines.append(str(folder / f"step-{data['best_step']:02d}" / "web.toml"))
     files = (folder / file for file in LOOP_FILES.values())
     return "\n".join([*lines, *(str(file) for file in files if file.is_file())])
+
+
+def _goal_lines(metrics: Mapping[str, Any]) -> list[str]:
+    """Goal and limits of a run that has them."""
+    goal = metrics.get("goal")
+    return [] if goal is None else ["", goal_line(goal), terminal(limits_table(goal))]
 
 
 def _case_line(name: str, metrics: Mapping[str, Any]) -> str:

@@ -1,0 +1,72 @@
+"""What became of a goal: required, reached, holds, active."""
+
+from __future__ import annotations
+
+import pytest
+
+from cranktopo.report.tables.goal_table import broken_limits, goal_line, limits_table
+from cranktopo.report.tables.result_table import terminal
+from cranktopo.scene.goal import Goal, Limit
+from cranktopo.scene.goal.outcome import LimitOutcome, goal_json
+
+ORIGINAL = {"mass": 1.6, "torsion": 140e3, "unbalance": 35.0}
+
+
+@pytest.mark.parametrize(
+    ("limit", "reached", "original", "required", "holds", "active"),
+    [
+        (Limit("torsion", ">=", 110.0, percent=True), 154e3, 140e3, 154e3, True, True),
+        (Limit("torsion", ">=", 110.0, percent=True), 153.4e3, 140e3, 154e3, True, True),  # 0.4 % short
+        (Limit("torsion", ">=", 110.0, percent=True), 153e3, 140e3, 154e3, False, True),  # 0.6 % short
+        (Limit("torsion", ">=", 110.0, percent=True), 160e3, 140e3, 154e3, True, False),
+        (Limit("mass", "<=", 1.5), 1.49, 1.6, 1.5, True, True),
+        (Limit("mass", "<=", 1.5), 1.40, 1.6, 1.5, True, False),
+        (Limit("mass", "<=", 1.5), 1.52, 1.6, 1.5, False, True),
+        (Limit("unbalance", ">=", 0.0), -0.1, 35.0, 0.0, True, True),  # 0.3 % of the original's
+        (Limit("unbalance", ">=", 0.0), -1.0, 35.0, 0.0, False, True),
+        (Limit("unbalance", "<=", -3.0), -2.9, 35.0, -3.0, False, True),
+        (Limit("fatigue_safety", ">=", 100.0, percent=True), None, None, None, None, False),
+        (Limit("fatigue_safety", ">=", 1.5), None, None, 1.5, None, False),
+    ],
+)
+def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
+    limit: Limit,
+    reached: float | None,
+    original: float | None,
+    required: float | None,
+    holds: bool | None,
+    active: bool,
+) -> None:
+    found = LimitOutcome(limit, reached, original)
+    assert found.required == pytest.approx(required)
+    assert (found.holds, found.active) == (holds, active)
+
+
+def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
+    limits = (Limit("torsion", ">=", 110.0, percent=True), Limit("unbalance", "<=", 30.0))
+    goal = Goal("minimise", "mass", (*limits, Limit("fatigue_safety", ">=", 100.0, True, assumed=True)))
+    found = goal_json(goal, {"mass": 1.4, "torsion": 147e3, "unbalance": 28.0}, ORIGINAL)
+    assert found["minimise"] == "mass"
+    assert found["reached_percent"] == pytest.approx(87.5)
+    torsion, unbalance, safety = found["limits"]
+    assert {"quantity", "required", "reached", "unit", "holds", "active"} <= torsion.keys()
+    assert (torsion["required"], torsion["unit"]) == (pytest.approx(154e3), "N m/rad")
+    assert (torsion["required_percent"], torsion["reached_percent"]) == (110.0, pytest.approx(105.0))
+    assert unbalance["required_percent"] == pytest.approx(100 * 30 / 35)
+    assert (torsion["holds"], unbalance["holds"], safety["holds"]) == (False, True, None)
+    assert goal_line(found) == "least mass: 1.4 kg, 87.5 % of the original web"
+    assert broken_limits(found) == ["torsion >= 154,000 N m/rad: reached 147,000 N m/rad"]
+    lines = terminal(limits_table(found)).splitlines()
+    assert lines[3].split() == [
+        *("torsion", ">=", "154,000", "N", "m/rad", "147,000", "N", "m/rad"),
+        *("110.0", "105.0", "NO"),
+    ]
+    assert lines[5].split()[:4] == ["fatigue_safety", ">=", "100", "%"]
+    assert lines[5].endswith("left to the evaluation")
+
+
+def test_percent_of_a_balanced_original_is_none() -> None:
+    goal = Goal("minimise", "mass", (Limit("unbalance", "<=", 30.0),))
+    (limit,) = goal_json(goal, {"unbalance": 3.0}, {"unbalance": 0.0})["limits"]
+    assert limit["reached_percent"] is None
+    assert limit["holds"] is True
