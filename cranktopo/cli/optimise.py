@@ -118,6 +118,8 @@ def command(
 
 
 def _exit_code(metrics: dict[str, Any]) -> ExitCode:
+    if metrics["status"] == "infeasible":
+        return ExitCode.CRITERION_NOT_MET
     if metrics["status"] != "converged":
         return ExitCode.NOT_CONVERGED
     broken = any(limit["holds"] is False for limit in metrics.get("goal", {}).get("limits", ()))

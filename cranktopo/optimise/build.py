@@ -102,4 +102,4 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
 def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> Requirement:
     own = original[limit.quantity]
     bound = limit.value / 100 * own if limit.percent else limit.value
-    return Requirement(response, limit.sense, bound, scale=abs(own), text=str(limit))
+    return Requirement(response, limit.sense, bound, own, limit.percent)

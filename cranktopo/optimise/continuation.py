@@ -19,6 +19,8 @@ WINDOW = 3
 # The volume may differ by the first, as a share of the design space; a limit may be broken by the second.
 FEASIBILITY, LIMIT_FEASIBILITY = 1e-3, 2e-3
 GREYNESS_LIMIT = 0.15
+# Limits exclude each other when over so many iterations the worst comes less than this share nearer.
+STUCK_WINDOW, STUCK = 6, 0.8
 # The steeper the projection, the smaller the move: a full step would flip boundary cells to and fro.
 MOVE_LEAST = 0.05
 
@@ -39,9 +41,14 @@ def advance(problem: DensityProblem, state: State, new_x: Array) -> State:
             f"{_kept(problem)}, greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
         )
         return replace(following, status="converged", reason=reason)
+    if _stuck(problem, state, in_stage):
+        reason = f"the limits exclude each other, the nearest design found breaks {_broken(problem, last)}"
+        return replace(following, status="infeasible", reason=reason)
     if len(state.history) >= problem.max_iterations:
         reason = f"iteration limit {problem.max_iterations} reached before the objective settled"
-        return replace(following, status="stopped", reason=reason + _broken(problem, last))
+        broken = _broken(problem, last)
+        reason += f"; limits not met: {broken}" if broken else ""
+        return replace(following, status="stopped", reason=reason)
     return following
 
 
@@ -58,12 +65,25 @@ def _kept(problem: DensityProblem) -> str:
 
 
 def _broken(problem: DensityProblem, last: Record) -> str:
-    """Which limits a stopped run has broken, to follow its reason."""
+    """Which limits are broken, and what was reached."""
     pairs = zip(problem.statement.limits, last.limits, strict=False)
     texts = [
-        f"{limit}: reached {value:.4g}" for limit, value in pairs if limit.broken(value) > LIMIT_FEASIBILITY
+        f"{limit}: reached {limit.shown(value)}"
+        for limit, value in pairs
+        if limit.broken(value) > LIMIT_FEASIBILITY
     ]
-    return f"; limits not met: {', '.join(texts)}" if texts else ""
+    return ", ".join(texts)
+
+
+def _stuck(problem: DensityProblem, state: State, in_stage: int) -> bool:
+    """Whether broken limits have come no nearer during two windows at the final projection."""
+    last = state.last
+    if last.beta < problem.schedule.projection_last or last.broken <= LIMIT_FEASIBILITY:
+        return False
+    recent = [row.broken for row in state.history[-in_stage:]]
+    if len(recent) < 2 * STUCK_WINDOW:
+        return False
+    return min(recent[-STUCK_WINDOW:]) > STUCK * min(recent[:-STUCK_WINDOW])
 
 
 def largest_move(schedule: Schedule, beta: float) -> float:

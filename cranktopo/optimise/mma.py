@@ -59,6 +59,9 @@ class MmaStep(NamedTuple):
     multipliers: jax.Array
 
 
+_DualState = tuple[jax.Array, jax.Array, jax.Array, jax.Array]
+
+
 class _Subproblem(NamedTuple):
     """Sum of p / (high - x) + q / (x - low): row 0 of p and q is the objective, the others are the limits."""
 
@@ -98,14 +101,15 @@ def mma_step(
     """
     shape = x.shape
     flat = [v.reshape(-1) for v in jnp.broadcast_arrays(x, *bounds)]
-    memory = Asymptotes(*(v.reshape(-1) for v in asymptotes[:4]), asymptotes.steps)
+    memory = jax.tree.map(lambda v: v.reshape(-1), asymptotes)
     here, least, most = flat
     low, high = _moved(here, most - least, memory)
     all_slopes = jnp.concatenate([slope.reshape(1, -1), slopes.reshape(len(values), -1)])
     problem = _approximation(here, (least, most), (low, high), all_slopes, values, move, epigraph)
     multipliers = _solve_dual(problem)
     new = _minimiser(problem, multipliers)[0]
-    kept = Asymptotes(*(v.reshape(shape) for v in (low, high, here, memory.last)), memory.steps + 1)
+    fields = [v.reshape(shape) for v in (low, high, here, memory.last)]
+    kept = Asymptotes(fields[0], fields[1], fields[2], fields[3], asymptotes.steps + 1)
     return MmaStep(new.reshape(shape), kept, multipliers)
 
 
@@ -113,7 +117,7 @@ def _moved(x: jax.Array, width: jax.Array, memory: Asymptotes) -> tuple[jax.Arra
     """Asymptotes about x: further away where a variable goes on, closer where it turns back."""
     trend = (x - memory.last) * (memory.last - memory.before)
     factor = jnp.where(trend > 0, _GROW, jnp.where(trend < 0, _SHRINK, 1.0))
-    first = memory.steps < 2
+    first = memory.steps[0] < 2
     below = jnp.where(first, _FIRST * width, factor * (memory.last - memory.low))
     above = jnp.where(first, _FIRST * width, factor * (memory.high - memory.last))
     near, far = _CLOSEST * width, _WIDEST * width
@@ -182,7 +186,7 @@ def _solve_dual(problem: _Subproblem) -> jax.Array:
     def residual(multipliers: jax.Array, slack: jax.Array, gradient: jax.Array) -> jax.Array:
         return jnp.maximum(jnp.max(jnp.abs(gradient + slack)), jnp.max(multipliers * slack))
 
-    def narrow(state: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
+    def narrow(state: _DualState) -> _DualState:
         multipliers, slack, _, count = state
         gradient, hessian = _dual(problem, multipliers)
         barrier = 0.1 * jnp.mean(multipliers * slack)
@@ -196,7 +200,7 @@ def _solve_dual(problem: _Subproblem) -> jax.Array:
         slack = slack + length * slack_step
         return multipliers, slack, residual(multipliers, slack, _dual(problem, multipliers)[0]), count + 1
 
-    def open_(state: tuple[jax.Array, ...]) -> jax.Array:
+    def open_(state: _DualState) -> jax.Array:
         return (state[2] > _DUAL_ACCURACY) & (state[3] < _DUAL_STEPS)
 
     ones = jnp.ones(m, problem.p.dtype)

@@ -51,9 +51,8 @@ def _compliance_slopes(
 def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design) -> Proposal:
     """Any goals and limits."""
     statement = problem.statement
-    functions = tuple(item.scaled for item in (*statement.goals, *statement.limits))
     adjoints = _adjoints(problem, state, design)
-    values, by_moduli, by_solid = slopes(problem.model, functions, design, adjoints)
+    values, by_moduli, by_solid = slopes(problem.model, statement.functions, design, adjoints)
     x, beta = jnp.asarray(state.x), jnp.asarray(state.beta)
     by_x = pulled_back(problem.chain, x, beta, by_moduli, by_solid)
     several = len(statement.goals) if statement.worst_of_several else 0
@@ -87,14 +86,14 @@ def _remembered(state: State, x: jax.Array) -> Asymptotes:
 def _adjoints(problem: DensityProblem, state: State, design: Design) -> dict[int, jax.Array]:
     """Solutions for the responses that read displacements; each starts from that of the last design."""
     found = {}
-    items = (*problem.statement.goals, *problem.statement.limits)
-    for index, item in enumerate(items):
-        if item.response.reads_displacements:
+    statement = problem.statement
+    for index, (response, function) in enumerate(zip(statement.responses, statement.functions, strict=True)):
+        if response.reads_displacements:
             guess = state.memory.get(f"adjoint_{index}")
             found[index] = solve(
                 problem.model,
                 design.moduli,
-                forces=loads_of(item.scaled, design),
+                forces=loads_of(function, design),
                 guess=None if guess is None else jnp.asarray(guess),
                 tolerance=tolerance_at(problem, state.beta),
                 precision=problem.solving.precision,

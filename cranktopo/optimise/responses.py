@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -58,7 +58,9 @@ class Response:
         unit: as in messages.
         value: pure JAX function of the solved design.
         reads_displacements: whether `value` reads the displacements themselves; its derivative takes a solve.
-        needs_solve: whether `value` depends on the loads; without, it is known before any solve.
+        needs_solve: whether `value` depends on the loads; without, it is a sum over the cells.
+        stiffest: whether more material, wherever it is put, gives the response its most or its least value;
+            empty where that depends.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Response:
     value: Callable[[Design], jax.Array]
     reads_displacements: bool = False
     needs_solve: bool = True
+    stiffest: Literal["most", "least", ""] = ""
 
 
 def weighted_compliance(weights: Sequence[float]) -> Response:
@@ -99,16 +102,26 @@ def quantities(model: ThrowModel, density_kg_m3: float) -> dict[str, Response]:
 
     The stiffness of a load case has the case's name.
     """
-    mass, *others = (
-        Response(name, unit, lambda design, of=of: of(model, design.solid, density_kg_m3), needs_solve=False)
-        for name, unit, of in (
-            ("mass", "kg", throw_mass_kg),
-            ("inertia", "kg mm2", throw_inertia_kg_mm2),
-            ("unbalance", "kg mm", throw_unbalance_kg_mm),
-        )
-    )
+    mass, *others = (_of_solid(name, unit, of, model, density_kg_m3) for name, unit, of in _OF_SOLID)
     loaded = [r for index, case in enumerate(model.cases) for r in _of_case(index, case, mass)]
     return {response.name: response for response in (mass, *others, *loaded)}
+
+
+_OF_SOLID = (
+    ("mass", "kg", throw_mass_kg),
+    ("inertia", "kg mm2", throw_inertia_kg_mm2),
+    ("unbalance", "kg mm", throw_unbalance_kg_mm),
+)
+
+
+def _of_solid(
+    name: str,
+    unit: str,
+    of: Callable[[ThrowModel, jax.Array, float], jax.Array],
+    model: ThrowModel,
+    density_kg_m3: float,
+) -> Response:
+    return Response(name, unit, lambda design: of(model, design.solid, density_kg_m3), needs_solve=False)
 
 
 def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
@@ -118,14 +131,19 @@ def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
         return []
     unit, turn = (NMM_PER_NM, math.degrees(1)) if torsion else (1.0, 1.0)
     stiffness = Response(
-        case.name, "N m/rad" if torsion else "N/mm", lambda design: load**2 / design.works[index] / unit
+        case.name,
+        "N m/rad" if torsion else "N/mm",
+        lambda design: load**2 / design.works[index] / unit,
+        stiffest="most",
     )
-    motion = _MOTIONS.get(case.name, f"{case.name}_{'twist' if torsion else 'displacement'}")
-    return [
-        stiffness,
-        ratio(f"{case.name}_per_mass", "N m/(rad kg)" if torsion else "N/(mm kg)", stiffness, mass),
-        Response(motion, "deg" if torsion else "mm", lambda design: design.works[index] / load * turn),
-    ]
+    per_mass = ratio(f"{case.name}_per_mass", "N m/(rad kg)" if torsion else "N/(mm kg)", stiffness, mass)
+    motion = Response(
+        _MOTIONS.get(case.name, f"{case.name}_{'twist' if torsion else 'displacement'}"),
+        "deg" if torsion else "mm",
+        lambda design: design.works[index] / load * turn,
+        stiffest="least",
+    )
+    return [stiffness, per_mass, motion]
 
 
 _MOTIONS = {"bending": "pin_displacement", "torsion": "twist"}

@@ -112,7 +112,7 @@ def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
 
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
     """The state from what `to_checkpoint` returned, exactly."""
-    records = [
+    records: list[dict[str, Any]] = [
         {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
         for row in data["history"]
     ]

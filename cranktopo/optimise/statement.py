@@ -6,6 +6,7 @@ which it is broken. A stiffness enters through its reciprocal, which is nearly l
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -40,19 +41,24 @@ class Requirement:
     """A response that must be at most (<=) or at least (>=) a bound.
 
     Attributes:
-        scale: positive size that a bound of zero or of either sign is measured by.
-        text: the limit as its author wrote it, for messages; by default from the numbers.
+        original: value of the original web, by which a bound of zero is measured; 0 where there is none.
+        percent: whether messages give values in percent of the original's.
     """
 
     response: Response
     sense: Literal["<=", ">="]
     bound: float
-    scale: float = 0.0
-    text: str = ""
+    original: float = 0.0
+    percent: bool = False
 
     def __str__(self) -> str:
-        unit = f" {self.response.unit}" if self.response.unit else ""
-        return self.text or f"{self.response.name} {self.sense} {self.bound:.6g}{unit}"
+        return f"{self.response.name} {self.sense} {self.shown(self.bound)}"
+
+    def shown(self, value: float) -> str:
+        """A value of the response with its unit, as in messages."""
+        if self.percent:
+            return f"{100 * value / self.original:.4g} %"
+        return f"{value:.6g} {self.response.unit}".rstrip()
 
     def scaled(self, design: Design) -> jax.Array:
         """Share by which the limit is broken: at most 0 where it holds.
@@ -75,7 +81,7 @@ class Requirement:
 
     @property
     def _size(self) -> float:
-        return max(abs(self.bound), self.scale) or 1.0
+        return abs(self.bound) or abs(self.original) or 1.0
 
 
 @dataclass(frozen=True)
@@ -92,7 +98,12 @@ class Statement:
     @property
     def responses(self) -> tuple[Response, ...]:
         """Those of the goals, then those of the limits."""
-        return tuple(item.response for item in (*self.goals, *self.limits))
+        return (*(g.response for g in self.goals), *(r.response for r in self.limits))
+
+    @property
+    def functions(self) -> tuple[Callable[[Design], jax.Array], ...]:
+        """The scaled functions in the same order."""
+        return (*(g.scaled for g in self.goals), *(r.scaled for r in self.limits))
 
     @property
     def worst_of_several(self) -> bool:

@@ -18,6 +18,7 @@ from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
 from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.continuation import with_limit
+from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
@@ -100,6 +101,10 @@ def optimise_design(
     prepared = prepare(scene)
     assumed = assumptions(scene, RUN_TABLES)
     announce(prepared, assumed, info)
+    with double_precision():
+        clock = CompileClock()
+        problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
+        check_limits(problem, prepared.scene, prepared.domain)
     run = create_run(
         design=scene.name,
         design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
@@ -110,7 +115,7 @@ def optimise_design(
         assumed=assumed_json(assumed),
         out=out,
     )
-    return _optimise(run, prepared, progress, began)
+    return _optimise(run, prepared, problem, clock, progress, began)
 
 
 def announce(prepared: Prepared, assumed: Sequence[Assumption], info: Info) -> None:
@@ -156,17 +161,24 @@ def resume_optimisation(
     run.require_same_inputs()
     prepared = prepare(scene_of_run(run).with_optimise(max_iterations=max_iterations))
     announce(prepared, stored_assumptions(run.manifest().get("assumed", ())), info)
-    return _optimise(run, prepared, progress, began, resume=True)
+    with double_precision():
+        clock = CompileClock()
+        problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
+    return _optimise(run, prepared, problem, clock, progress, began, resume=True)
 
 
 def _optimise(
-    run: RunStore, prepared: Prepared, progress: Progress, began: float, resume: bool = False
+    run: RunStore,
+    prepared: Prepared,
+    problem: DensityProblem,
+    clock: CompileClock,
+    progress: Progress,
+    began: float,
+    resume: bool = False,
 ) -> OptimisedRun:
     with working_in(run, "what is done is saved") as check, double_precision():
-        clock = CompileClock()
         if resume:
             run.resume()
-        problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
         state = _first_state(run, problem, resume)
         state = iterate(problem, state, _kept(run, progress, check))
         metrics = _finish(run, prepared, problem, state, clock, began)

@@ -1,0 +1,73 @@
+"""Limits that no design can meet, found by one solve before the first iteration.
+
+Stiffness grows with every bit of material: the envelope all solid is the stiffest design there is. Mass,
+inertia and unbalance are sums over the cells: their extreme is solid where that helps, void elsewhere. Each
+limit is looked at alone; limits that exclude each other show in the iterations.
+"""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+from cranktopo.domain.build import Domain
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.optimise.assess import assess_envelope
+from cranktopo.optimise.material import solid_fraction
+from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.responses import Design
+from cranktopo.optimise.statement import Requirement
+from cranktopo.scene.schema import Scene
+
+_ROUNDING = 1e-6
+
+
+def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
+    """Refuse limits that not even the best design for each of them alone meets.
+
+    Call it inside `double_precision()`.
+
+    Raises:
+        CranktopoError: such limits, with what can be reached (exit code 6).
+    """
+    found = [
+        _of_cells(problem, limit) for limit in problem.statement.limits if not limit.response.needs_solve
+    ]
+    if any(_monotone(limit) for limit in problem.statement.limits):
+        full = assess_envelope(problem, scene, domain).quantities
+        found += [
+            (limit, full[limit.response.name], "the whole envelope reaches")
+            for limit in problem.statement.limits
+            if _monotone(limit) and limit.response.name in full
+        ]
+    broken = [item for item in found if item[0].broken(item[1]) > _ROUNDING]
+    if broken:
+        raise CranktopoError(
+            "; ".join(f"{limit}: {what} {limit.shown(value)}" for limit, value, what in broken) + ".",
+            hint="No design meets it: ask for less, or give the web another envelope.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+
+
+def _monotone(limit: Requirement) -> bool:
+    """Whether the limit is met best by the stiffest design."""
+    return limit.response.stiffest == {"<=": "least", ">=": "most"}[limit.sense]
+
+
+def _of_cells(problem: DensityProblem, limit: Requirement) -> tuple[Requirement, float, str]:
+    """Best value of a sum over the cells, and what has it."""
+    chain = problem.chain
+    empty = jnp.zeros_like(chain.design)
+
+    def broken(density: jax.Array) -> jax.Array:
+        solid = solid_fraction(chain, density)
+        nothing = jnp.zeros(0)
+        return limit.response.value(Design(solid, solid, nothing, nothing, nothing))
+
+    worse = jax.grad(broken)(empty) > 0
+    density = jnp.where(worse == (limit.sense == ">="), 1.0, 0.0)
+    share = float(jnp.mean(density[chain.design > 0]))
+    what = {0.0: "the journals alone have", 1.0: "the whole envelope has"}.get(
+        share, "the best share of the envelope has"
+    )
+    return limit, float(broken(density)), what
