@@ -113,7 +113,9 @@ def _mould(scene: Scene, domain: Domain) -> ToolAccess:
 
 def _mill(scene: Scene, domain: Domain) -> ToolAccess:
     radius, steps = scene.optimise.tool_radius_mm, web_cell_mm(domain)
-    margin = tuple(max(1, math.ceil(radius / step)) for step in steps)
+    x, y, z = (max(1, math.ceil(radius / step)) for step in steps)
+    # A tool centred a radius beyond the mirror plane touches what stands two radii beyond it.
+    margin = (2 * x if domain.mirrored_x else x, y, z)
     faces = disc(radius, steps[0], steps[1])
     sides = disc(radius, steps[1], steps[2])
     ways = (Direction(Z, 1, faces), Direction(Z, -1, faces), Direction(X, -1, sides), Direction(X, 1, sides))
