@@ -70,7 +70,7 @@ def command(
 
     The stiffnesses are those of the supports in the designs, each with its error estimate. A star marks the
     best of each column, unless another is within the estimate. The baseline is evaluated too when it is not
-    among the targets.
+    among the targets. Of a design with a [goal] it tells which limits hold; --fatigue tells its safety.
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
@@ -103,6 +103,7 @@ def command(
 
 def _text(comparison: Comparison, form: str) -> str:
     from cranktopo.report.tables import comparison_tables as tables
+    from cranktopo.report.tables.goal_table import goal_line, limits_table
     from cranktopo.report.tables.result_table import comma_separated, markdown, terminal
 
     if form == "json":
@@ -117,4 +118,8 @@ def _text(comparison: Comparison, form: str) -> str:
     ]
     parts = [printed(table) for table in shown if table is not None]
     verdicts = [] if comparison.fatigue is None else ["\n".join(comparison.fatigue.verdicts)]
-    return "\n\n".join([*parts, *verdicts])
+    goals = [
+        f"{name}: {goal_line(goal, comparison.base.name)}\n\n{printed(limits_table(goal))}"
+        for name, goal in comparison.goals.items()
+    ]
+    return "\n\n".join([*parts, *verdicts, *goals])

@@ -126,7 +126,7 @@ def _of_solid(
 
 def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
     """Stiffness, stiffness per mass and motion of the load under one case; a body force has none."""
-    load, torsion = case_load(case), case.kind == "torsion"
+    load, torsion = abs(case_load(case)), case.kind == "torsion"
     if case.kind == "centrifugal" or load == 0:
         return []
     unit, turn = (NMM_PER_NM, math.degrees(1)) if torsion else (1.0, 1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.cad.solid_files import surface_of
@@ -14,6 +14,7 @@ from cranktopo.evaluate.targets import Target, resolve_targets
 from cranktopo.loads import LoadCase, analyse, load_cases
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
+from cranktopo.pipeline.evaluated_goal import evaluated_goals
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
 from cranktopo.remodel.usual_size import usual_scale
 from cranktopo.report.comparison import Comparison, Entry, check_same_supports, compare
@@ -72,7 +73,9 @@ def compare_targets(
     published = [None if target.file else target.scene.published for target in targets]
     safeties = safety.safeties if safety else [None] * len(targets)
     entries = [Entry(*parts) for parts in zip(found.evaluations, published, safeties, strict=True)]
-    return ComparedTargets(compare(entries, entries[index].name, safety), tuple(targets), found.missed)
+    comparison = compare(entries, entries[index].name, safety)
+    comparison = replace(comparison, goals=evaluated_goals(targets, entries, index))
+    return ComparedTargets(comparison, tuple(targets), found.missed)
 
 
 def report_comparison(

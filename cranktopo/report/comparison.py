@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Evaluation
@@ -48,11 +49,18 @@ class Entry:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Entries, the position of the baseline among them, and their fatigue where it was assessed."""
+    """Targets beside a baseline.
+
+    Attributes:
+        baseline: position of the entry that counts as 100 %.
+        fatigue: of the entries, where it was assessed.
+        goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
+    """
 
     entries: tuple[Entry, ...]
     baseline: int
     fatigue: FatigueComparison | None = None
+    goals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

@@ -19,8 +19,8 @@ from cranktopo.pipeline.optimise import OptimisedRun
 from cranktopo.scene import Scene
 
 BEHIND = {
-    "optimise": ["optimise_design", "resume_optimisation", "with_cells_for"],
-    "plan": ["load_scene", "plan"],
+    "optimise": ["optimise_design", "resume_optimisation", "with_cells_for", "with_goal"],
+    "plan": ["load_scene", "plan", "wanted"],
     "loads": ["loads_at_speeds", "write_load_curves", "plot_load_curves"],
     "evaluate": ["resolve_targets", "evaluate_target", "evaluate_targets", "MeshRequest"],
     "compare": ["compare_targets", "report_comparison"],

@@ -31,6 +31,7 @@ from cranktopo.report.quantities import (
     Quantity,
 )
 from cranktopo.report.tables.comparison_tables import percent_table, published_table, value_table
+from cranktopo.report.tables.goal_table import goal_line, limits_table
 from cranktopo.report.tables.result_table import Column, tabulate
 from cranktopo.report.tables.undercut_table import DesignUndercuts, undercut_table
 from cranktopo.report.verdict_sentence import comparison_sentence
@@ -83,6 +84,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(comparison.entries))),
         sections=(
             _variants(comparison, record.undercuts),
+            *_goals(comparison),
             _accuracy(comparison),
             stress_section(scene3d, f"{record.command} --stress"),
             loads_section(record.loads, [case.as_json() for case in record.cases]),
@@ -158,6 +160,16 @@ def _variants(comparison: Comparison, undercuts: Sequence[DesignUndercuts]) -> S
         tuple(tables),
         scatter_pictures(scatter_points(comparison), comparison.baseline),
     )
+
+
+def _goals(comparison: Comparison) -> tuple[Section, ...]:
+    """What became of the goals of the designs; nothing where none has one."""
+    if not comparison.goals:
+        return ()
+    base, goals = comparison.base.name, comparison.goals.items()
+    lines = [f"{name}: {goal_line(goal, base)}." for name, goal in goals]
+    tables = tuple((name, limits_table(goal)) for name, goal in goals)
+    return (Section("goals", "Goals and limits", " ".join(lines), tables),)
 
 
 def _safety(comparison: Comparison) -> str:

@@ -91,6 +91,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         },
         "published": None if published is None else records(published),
         "fatigue": None if comparison.fatigue is None else comparison.fatigue.json,
+        **({"goals": dict(comparison.goals)} if comparison.goals else {}),
     }
 
 

@@ -11,12 +11,12 @@ from cranktopo.scene.goal import QUANTITIES, GoalQuantity
 _Entry = Mapping[str, Any]
 
 
-def goal_line(goal: _Entry) -> str:
+def goal_line(goal: _Entry, reference: str = "the original web") -> str:
     """The goal and its value: `least mass: 1.407 kg, 88.6 % of the original web`."""
     quantity = quantity_of(goal)
     line = f"{goal_words(goal)}: {value_text(goal['reached'], quantity.unit)}"
     percent = goal["reached_percent"]
-    return line if percent is None else f"{line}, {percent:.1f} % of the original web"
+    return line if percent is None else f"{line}, {percent:.1f} % of {reference}"
 
 
 def goal_words(goal: _Entry) -> str:
@@ -59,7 +59,7 @@ def _limit(entry: _Entry) -> str:
 
 def _holds(entry: _Entry) -> str:
     if entry["holds"] is None:
-        return "left to the evaluation"
+        return "not told"
     return ("yes, decides" if entry["active"] else "yes") if entry["holds"] else "NO"
 
 
