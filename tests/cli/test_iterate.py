@@ -258,7 +258,13 @@ def page_holds(data: dict[str, Any], text: str) -> None:
     """Verdict, a row of values and a body for every step, the command."""
     names = ["original web", *(f"step {row['number']}" for row in data["steps"][1:])]
     assert re.findall(r"<option[^>]*>([^<]*)</option>", text) == names
-    assert best_line(data)[1:] in text
+    options = re.findall(r"<option([^>]*)>", text)
+    shown = data["best_step"] or len(names) - 1
+    assert [number for number, option in enumerate(options) if "selected" in option] == [shown]
+    if data["best_step"] is None:
+        assert best_line(data)[1:] in text
+    else:
+        assert f"Step {shown} is the best: " in text
     for row in data["steps"]:
         assert f'data-value="{row["throw_kg"]}"' in text
     number = data["best_step"] or len(names) - 1

@@ -71,6 +71,27 @@ def test_views_are_right_handed_and_named_right() -> None:
     assert np.linalg.det(axes) == pytest.approx(1)
 
 
+def test_no_face_is_drawn_twice(throw: SurfaceMesh) -> None:
+    """Each cut, of 10 x 10 and 6 x 10 mm, is drawn once: two faces in one place would show in stripes."""
+    body = shaded(throw, WEB_Z)
+    corners = body.vertices_mm[body.faces]
+    flat = np.ptp(corners[:, :, 2], axis=1) < 1e-9
+    areas = np.linalg.norm(np.cross(*np.diff(corners, axis=1).transpose(1, 0, 2)), axis=1) / 2
+    for low, high, area in ((9.9, 9.999, 100.0), (16.001, 16.1, 60.0)):
+        here = flat & (corners[:, 0, 2] > low) & (corners[:, 0, 2] < high)
+        assert areas[here].sum() == pytest.approx(area)
+        assert (body.colours[here] == JOURNAL_COLOUR).all()
+
+
+@pytest.mark.parametrize("off_mm", [-0.05, 0.05])
+def test_sides_of_a_body_that_lies_off_stay_web(throw: SurfaceMesh, off_mm: float) -> None:
+    body = shaded(throw, (WEB_Z[0] + off_mm, WEB_Z[1] + off_mm))
+    corners = body.vertices_mm[body.faces]
+    side = (np.isin(corners[:, :, 2], WEB_Z).all(axis=1)) & (corners[:, :, 0] > 8.5).any(axis=1)
+    assert side.any()
+    assert (body.colours[side] == WEB_COLOUR).all()
+
+
 def test_what_is_in_front_hides_what_is_behind(throw: SurfaceMesh) -> None:
     from_pin, from_journal = _pixels(throw, (0, 0, 1)), _pixels(throw, (0, 0, -1))
     assert _is(_at(from_pin, 5, 25), JOURNAL_COLOUR)

@@ -61,7 +61,7 @@ def _draw_compliances(axes: Any, history: History) -> None:
         axes.set_yscale("log")
     axes.set_ylabel("compliance over its start (-)", fontsize=9)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize=9, frameon=False)
+        axes.legend(fontsize=9, frameon=False, loc="upper right", bbox_to_anchor=(1.0, 0.94))
 
 
 def _draw_share(axes: Any, history: History, key: str, label: str) -> None:

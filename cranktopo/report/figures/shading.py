@@ -32,7 +32,8 @@ STRESS_COLOURS = (
 )
 """Viridis without its darkest end: readable with any colour vision and on any page."""
 LARGEST_FACE_MM = 3.0
-_HAIR_MM = 1e-3
+_BEYOND_MM = 0.06
+"""How far beyond its sides the web still is web: a body from CAD may lie off by 0.05 mm."""
 _SHARP_DEGREES = 35.0
 _AMBIENT = 0.30
 # Direction to each light in the axes of the picture (right, up, to the viewer), and its strength.
@@ -65,13 +66,20 @@ def shaded(
         web_z_mm: axial range of the web; what lies outside is a journal.
         largest_face_mm: longest edge, as sorting by depth needs it; None keeps the faces as they are.
     """
-    # A hair off the sides of the web: a cut in the plane of a face may leave that face on either part.
-    start, end = web_z_mm[0] - _HAIR_MM, web_z_mm[1] + _HAIR_MM
-    whole = solid_of(mesh)
-    main, rest = whole.split_by_plane((0.0, 0.0, -1.0), -start)
-    web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -end)
-    coloured = ((main, JOURNAL_COLOUR), (web, WEB_COLOUR), (pin, JOURNAL_COLOUR))
-    parts = [_coloured(solid, colour, largest_face_mm) for solid, colour in coloured if not solid.is_empty()]
+    whole = solid_of(mesh).as_original()
+    main, rest = whole.split_by_plane((0.0, 0.0, -1.0), _BEYOND_MM - web_z_mm[0])
+    web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -_BEYOND_MM - web_z_mm[1])
+    # The faces of a cut belong to the journal alone: drawn twice in one place, both would show in stripes.
+    coloured = (
+        (main, JOURNAL_COLOUR, None),
+        (web, WEB_COLOUR, whole.original_id()),
+        (pin, JOURNAL_COLOUR, None),
+    )
+    parts = [
+        _coloured(solid, colour, largest_face_mm, only)
+        for solid, colour, only in coloured
+        if not solid.is_empty()
+    ]
     before = np.cumsum([0, *(len(part.vertices_mm) for part in parts)])
     return ShadedMesh(
         vertices_mm=np.concatenate([part.vertices_mm for part in parts]),
@@ -127,10 +135,14 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
     axes.set_aspect("equal")
 
 
-def _coloured(solid: Manifold, colour: Colour, largest_face_mm: float | None) -> ShadedMesh:
+def _coloured(solid: Manifold, colour: Colour, largest_face_mm: float | None, only: int | None) -> ShadedMesh:
+    """A part of a body; `only` keeps the faces that come from the original of this number."""
     with_normals = solid.calculate_normals(0, _SHARP_DEGREES)
     fine = (with_normals.refine_to_length(largest_face_mm) if largest_face_mm else with_normals).to_mesh64(0)
     table, faces = np.asarray(fine.vert_properties), np.asarray(fine.tri_verts).astype(np.int64)
+    if only is not None:
+        origin = np.repeat(fine.run_original_id, np.diff(fine.run_index) // 3)
+        faces = faces[origin == only]
     return ShadedMesh(table[:, :3], table[:, 3:6], faces, np.tile(colour, (len(faces), 1)))
 
 

@@ -29,7 +29,7 @@ def save_steps_plot(path: Path, data: Mapping[str, Any]) -> None:
 
 def steps_figure(data: Mapping[str, Any]) -> Figure:
     """Every step in percent of the original web; `data` as iterate.json holds it."""
-    figure = Figure(figsize=(9, 5.2), dpi=130, layout="constrained")
+    figure = Figure(figsize=(7.2, 4.6), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     numbers = [step["number"] for step in data["steps"]]

@@ -12,12 +12,13 @@ from cranktopo.report.figures.accuracy_plot import error_picture
 from cranktopo.report.figures.scatter import scatter_points
 from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import (
+    assumed_tables,
     effects_section,
     gallery_picture,
     loads_section,
     pairs,
     scatter_pictures,
-    versions_table,
+    versions_section,
 )
 from cranktopo.report.pages.stress_section import stress_section
 from cranktopo.report.pages.verdict import fatigue_fact
@@ -32,7 +33,7 @@ from cranktopo.report.quantities import (
 )
 from cranktopo.report.tables.comparison_tables import percent_table, published_table, value_table
 from cranktopo.report.tables.goal_table import goal_line, limits_table
-from cranktopo.report.tables.result_table import Column, tabulate
+from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
 from cranktopo.report.tables.undercut_table import DesignUndercuts, undercut_table
 from cranktopo.report.verdict_sentence import comparison_sentence
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
@@ -75,7 +76,8 @@ def comparison_page(record: ComparisonRecord) -> Page:
     """The report of a comparison."""
     comparison, bodies = record.comparison, record.bodies
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
-    scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed)) if bodies else None
+    best = comparison.leading(TORSION_PER_MASS)
+    scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed), first=best) if bodies else None
     others = [e.name for row, e in enumerate(comparison.entries) if row != comparison.baseline]
     return Page(
         title=f"{', '.join(others)} against {comparison.base.name}",
@@ -90,6 +92,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
             loads_section(record.loads, [case.as_json() for case in record.cases]),
             effects_section(record.effects.as_json()),
             _provenance(record),
+            versions_section(record.versions),
         ),
         scene3d=scene3d,
         picture=gallery_picture(bodies) if bodies else None,
@@ -209,10 +212,22 @@ def _accuracy(comparison: Comparison) -> Section:
     )
 
 
+def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
+    """What a target does not say, one table for all; fatigue names what it uses as well."""
+    known = comparison.fatigue.json["fatigue"] if comparison.fatigue else []
+    entries = [entry.evaluation.as_json() for entry in comparison.entries]
+    found = [
+        {**item, "key": f"{entry['target']}: {item['key']}"}
+        for entry in known or entries
+        for item in entry.get("assumed", ())
+    ]
+    return assumed_tables(found)
+
+
 def _provenance(record: ComparisonRecord) -> Section:
     rows = [("command", record.command), ("written", record.written), *record.hashes.items()]
     return Section(
         "provenance",
         "Where this comes from",
-        tables=(("Comparison", pairs(rows)), ("Versions", versions_table(record.versions))),
+        tables=(("Comparison", pairs(rows)), *_assumed(record.comparison)),
     )

@@ -13,13 +13,21 @@ from cranktopo.report.pages.sections import (
     gallery_picture,
     origin_rows,
     pairs,
-    versions_table,
+    versions_section,
 )
-from cranktopo.report.quantities import BENDING_PER_MASS, MASS, TORSION_PER_MASS, Quantity
-from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
+from cranktopo.report.quantities import (
+    BENDING,
+    BENDING_PER_MASS,
+    MASS,
+    TORSION,
+    TORSION_PER_MASS,
+    Quantity,
+)
+from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_tables
+from cranktopo.report.verdict_sentence import comparison_sentence
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 
-_FACTS = (TORSION_PER_MASS, BENDING_PER_MASS, MASS)
+_FACTS = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
 
 
 def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
@@ -31,22 +39,36 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: t
     return Page(
         title=f"Loop over the crank web of {data['design']}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
-        headline=_sentence(best_line(data)),
+        headline=_headline(data),
         facts=(*_facts(data), Fact("Ended", f"{len(bodies) - 1} steps", data["stop_reason"], "neutral")),
-        sections=(_steps(data), _provenance(data, manifest)),
-        scene3d=Scene3D(bodies),
+        sections=(_steps(data), _provenance(data, manifest), versions_section(manifest["versions"])),
+        scene3d=Scene3D(bodies, first=_shown_step(data)),
         picture=gallery_picture(bodies),
     )
 
 
-def _sentence(line: str) -> str:
-    return f"{line[0].upper()}{line[1:]}."
+def _headline(data: Mapping[str, Any]) -> str:
+    """Which step is best, and all that it changes; what got worse is said first."""
+    number = data["best_step"]
+    if number is None:
+        line = best_line(data)
+        return f"{line[0].upper()}{line[1:]}."
+    share = data["steps"][number]["percent_of_original"]
+    changes = {quantity: share[quantity.key] - 100 for quantity in (MASS, TORSION, BENDING)}
+    gain = share[TORSION_PER_MASS.key] - 100
+    return f"Step {number} is the best: {gain:+.1f} % torsional stiffness per mass. " + comparison_sentence(
+        "It", changes, "the original web"
+    )
+
+
+def _shown_step(data: Mapping[str, Any]) -> int:
+    """The best step, or the last where none beats the original."""
+    return int(data["best_step"] or data["steps"][-1]["number"])
 
 
 def _facts(data: Mapping[str, Any]) -> tuple[Fact, ...]:
-    """The best step, or the last where none beats the original, against the original web."""
-    number = data["best_step"] or data["steps"][-1]["number"]
-    step, original = data["steps"][number], data["steps"][0]
+    """The shown step against the original web."""
+    step, original = data["steps"][_shown_step(data)], data["steps"][0]
     return tuple(_fact(step, original, quantity) for quantity in _FACTS)
 
 
@@ -72,15 +94,11 @@ def _steps(data: Mapping[str, Any]) -> Section:
         f"Evaluated with fillets on body-fitted meshes; {steps_estimate(data['steps'])}. Every step keeps "
         "its web as TOML, STEP and STL in a folder beside this page."
         + "".join(f" Note: {notice}." for notice in data.get("notices", ())),
-        (("Every step, the original web first", steps_table(data["steps"])),),
+        steps_tables(data["steps"]),
         (Picture("steps", figure, alt),),
     )
 
 
 def _provenance(data: Mapping[str, Any], manifest: Mapping[str, Any]) -> Section:
-    tables = (
-        ("Loop", pairs(origin_rows(manifest))),
-        *assumed_tables(data.get("assumed", ())),
-        ("Versions", versions_table(manifest["versions"])),
-    )
+    tables = (("Loop", pairs(origin_rows(manifest))), *assumed_tables(data.get("assumed", ())))
     return Section("provenance", "Where this comes from", tables=tables)

@@ -32,13 +32,21 @@ class Fact:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report; `anchor` is its name for links, `text` one paragraph, `tables` by caption."""
+    """A part of the report.
+
+    Attributes:
+        anchor: its name for links.
+        text: one paragraph.
+        tables: by caption.
+        on_paper: whether it is printed; details that only help beside the files are not.
+    """
 
     anchor: str
     title: str
     text: str = ""
     tables: tuple[tuple[str, ResultTable], ...] = ()
     pictures: tuple[Picture, ...] = ()
+    on_paper: bool = True
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from cranktopo.report.pages.sections import (
     origin_rows,
     pairs,
     scatter_pictures,
-    versions_table,
+    versions_section,
 )
 from cranktopo.report.pages.stress_section import stress_section
 from cranktopo.report.pages.verdict import facts, headline
@@ -60,6 +60,7 @@ def run_page(record: RunRecord) -> Page:
             accuracy_section(metrics, record.accuracy, record.folder),
             effects_section(metrics["effects"]),
             _provenance(record),
+            versions_section(manifest["versions"], metrics["files"]),
         ),
         scene3d=scene3d,
         picture=_still(record),
@@ -153,16 +154,10 @@ def _provenance(record: RunRecord) -> Section:
         ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
         ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
     ]
-    files = [(what, name) for what, name in metrics["files"].items()]
     return Section(
         "provenance",
         "Where this comes from",
-        tables=(
-            ("Run", pairs(rows)),
-            *assumed_tables(metrics.get("assumed", ())),
-            ("Versions", versions_table(manifest["versions"])),
-            ("Files beside this page", pairs(files)),
-        ),
+        tables=(("Run", pairs(rows)), *assumed_tables(metrics.get("assumed", ()))),
     )
 
 

@@ -105,9 +105,14 @@ def assumed_tables(entries: Sequence[Mapping[str, Any]]) -> list[tuple[str, Resu
     return [("Assumed, because the design does not say it", pairs(rows))] if rows else []
 
 
-def versions_table(versions: Mapping[str, str | None]) -> ResultTable:
-    """Versions of what took part; none of what is not installed."""
-    return pairs([(name, text or "not installed") for name, text in versions.items()])
+def versions_section(versions: Mapping[str, str | None], files: Mapping[str, str] | None = None) -> Section:
+    """Versions of what took part, and the files beside the page; left out on paper."""
+    found = pairs([(name, text or "not installed") for name, text in versions.items()])
+    tables = [("Versions", found)]
+    if files:
+        tables.append(("Files beside this page", pairs(list(files.items()))))
+    title = "Software and files" if files else "Software"
+    return Section("software", title, tables=tuple(tables), on_paper=False)
 
 
 def pairs(rows: Sequence[tuple[str, Any]]) -> ResultTable:

@@ -8,7 +8,7 @@ from typing import Any
 
 from cranktopo.report.tables.goal_table import goal_line, limits_table
 from cranktopo.report.tables.result_table import terminal
-from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_table
+from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_tables
 from cranktopo.report.tables.undercut_table import obstacles
 from cranktopo.report.verdict_sentence import percent_change, run_changes_percent, worse_line
 
@@ -49,7 +49,10 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
 
 def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
     """A finished loop; `data` as iterate.json holds it."""
-    lines = [terminal(steps_table(data["steps"])), "", steps_estimate(data["steps"])]
+    lines = []
+    for caption, table in steps_tables(data["steps"]):
+        lines += [caption, terminal(table), ""]
+    lines.append(steps_estimate(data["steps"]))
     lines += [f"ended: {data['stop_reason']}", best_line(data)]
     lines += [f"note: {notice}" for notice in data.get("notices", ())]
     if data["best_step"] is not None:

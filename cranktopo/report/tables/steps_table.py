@@ -18,8 +18,10 @@ def _in_percent(key: str) -> Callable[[Step], float]:
     return lambda step: step["percent_of_original"][key]
 
 
-_COLUMNS: tuple[Column[Step], ...] = (
-    Column("step", 0, lambda step: "original" if step["number"] == 0 else str(step["number"])),
+_STEP: Column[Step] = Column(
+    "step", 0, lambda step: "original" if step["number"] == 0 else str(step["number"])
+)
+_VALUES: tuple[Column[Step], ...] = (
     Column("throw_kg", MASS.digits, lambda step: step["throw_kg"]),
     Column("web_kg", MASS.digits, lambda step: step["web_kg"]),
     Column(TORSION.column, TORSION.digits, lambda step: step["torsion_Nm_per_rad"] / 1000),
@@ -34,15 +36,27 @@ _COLUMNS: tuple[Column[Step], ...] = (
         BENDING_PER_MASS.digits,
         lambda step: step["bending_per_mass_N_per_mm_kg"] / 1000,
     ),
-    *(Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in IN_PERCENT),
+)
+_SHAPE: tuple[Column[Step], ...] = (
     Column("transition_mm", 1, lambda step: step["transition_mm"]),
     Column("overlap_percent", 1, lambda step: step["overlap_percent"]),
+)
+_PERCENT: tuple[Column[Step], ...] = tuple(
+    Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in IN_PERCENT
 )
 
 
 def steps_table(steps: Sequence[Step]) -> ResultTable:
-    """One row per step, the original web first."""
-    return tabulate(_COLUMNS, steps)
+    """One row per step, the original web first: every column, for a file."""
+    return tabulate((_STEP, *_VALUES, *_PERCENT, *_SHAPE), steps)
+
+
+def steps_tables(steps: Sequence[Step]) -> tuple[tuple[str, ResultTable], ...]:
+    """The same in two tables by caption, for readers: values, and percent of the original web."""
+    return (
+        ("Every step, the original web first", tabulate((_STEP, *_VALUES, *_SHAPE), steps)),
+        ("Percent of the original web", tabulate((_STEP, *_PERCENT), steps)),
+    )
 
 
 def steps_estimate(steps: Sequence[Step]) -> str:

@@ -61,16 +61,18 @@ class Scene3D:
     """Everything that the 3D view shows.
 
     Attributes:
-        bodies: surfaces, the first one at the start.
+        bodies: surfaces, one of them at a time.
         steps: designs of the optimisation, on one grid.
         notes: line shown with each step.
         stress_scales: what the colours of each load case mean, where every body has stresses.
+        first: number of the body that is shown at the start.
     """
 
     bodies: tuple[ShownBody, ...]
     steps: tuple[DesignSnapshot, ...] = ()
     notes: tuple[str, ...] = ()
     stress_scales: tuple[StressScale, ...] = ()
+    first: int = 0
 
 
 def packed(scene3d: Scene3D) -> str:
@@ -82,6 +84,7 @@ def packed(scene3d: Scene3D) -> str:
     most = MOST_FACES // len(scene3d.bodies)
     header = {
         "bodies": [_body(arrays, body, most, scene3d.stress_scales) for body in scene3d.bodies],
+        "first": scene3d.first,
         "stress": _stress(scene3d.stress_scales),
         "steps": _steps(arrays, scene3d.steps, scene3d.notes),
         "arrays": arrays.index,

@@ -48,7 +48,7 @@
   );
   const bodies = header.bodies.map(bodyBuffers);
   const steps = header.steps;
-  const state = { ...START, body: 0, colour: -1,
+  const state = { ...START, body: header.first, colour: -1,
     step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
   let blocks = null, waiting = false;
 
