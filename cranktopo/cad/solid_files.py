@@ -6,11 +6,12 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.cad.session import cad_session, triangles
-from cranktopo.cad.step_text import StepLabel, label_step, time_of_writing
+from cranktopo.cad.step_text import StepLabel, label_step
 from cranktopo.cad.throw_solid import (
     add_crankshaft,
     add_full_throw,
@@ -24,6 +25,7 @@ from cranktopo.formats import SOLIDS, SolidPart
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
 from cranktopo.store import check_file, replacing
+from cranktopo.store.dates import time_of_writing
 from cranktopo.store.manifest import versions
 
 if TYPE_CHECKING:
@@ -33,12 +35,15 @@ STEP_TOLERANCE = 1e-6
 """Largest relative change of the volume when a written STEP file is read back."""
 
 
-def export_solid(scene: Scene, part: SolidPart, path: Path, facet_mm: float = 1.0) -> float:
+def export_solid(
+    scene: Scene, part: SolidPart, path: Path, facet_mm: float = 1.0, started: datetime | None = None
+) -> float:
     """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
 
     Args:
         path: target, suffix .step, .stp or .stl; mm, in the frame of `cranktopo.frames`.
         facet_mm: edge length of STL facets.
+        started: when the work began that the file is a part of, the date of a STEP file; now by default.
 
     Returns:
         Volume of the exact body, mm3.
@@ -60,7 +65,7 @@ def export_solid(scene: Scene, part: SolidPart, path: Path, facet_mm: float = 1.
             with _quiet_stdout():
                 gmsh.write(str(temporary))
         if suffix != ".stl":
-            label_step(temporary, _label(scene, part))
+            label_step(temporary, _label(scene, part, time_of_writing(started)))
             _read_back(temporary, volume)
     return volume
 
@@ -105,7 +110,7 @@ def _remove_loose(occ: Any) -> int:
     return before - len(occ.getEntities())
 
 
-def _label(scene: Scene, part: SolidPart) -> StepLabel:
+def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
     names = {"half": "half throw"}
     version = versions()["cranktopo"] or "unknown version"
     return StepLabel(
@@ -113,7 +118,7 @@ def _label(scene: Scene, part: SolidPart) -> StepLabel:
         "mm; z along the crank axis, y along the throw, origin at the mid-main-journal plane",
         "cranktopo",
         version,
-        time_of_writing(),
+        written,
     )
 
 

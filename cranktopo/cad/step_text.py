@@ -5,13 +5,12 @@ ISO 10303-21 (clear text encoding); the schema stays as OCC writes it, AP214 (au
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
-from cranktopo.errors import CranktopoError, ExitCode, invalid
+from cranktopo.errors import CranktopoError, ExitCode
 
 _TEXT = r"'(?:[^']|'')*'"
 _HEADER = re.compile(r"(?s)\AISO-10303-21;\s*HEADER;.*?(FILE_SCHEMA\s*\(.*?\);)\s*ENDSEC;")
@@ -36,25 +35,6 @@ class StepLabel:
     program: str
     version: str
     written: datetime
-
-
-def time_of_writing() -> datetime:
-    """Now in UTC, to the second, or the time in SOURCE_DATE_EPOCH, which makes files repeatable.
-
-    Source: https://reproducible-builds.org/specs/source-date-epoch/
-
-    Raises:
-        CranktopoError: SOURCE_DATE_EPOCH is not a number of seconds.
-    """
-    given = os.environ.get("SOURCE_DATE_EPOCH")
-    if not given:
-        return datetime.now(UTC).replace(microsecond=0)
-    try:
-        return datetime.fromtimestamp(int(given), UTC)
-    except (ValueError, OverflowError, OSError):
-        raise invalid(
-            "SOURCE_DATE_EPOCH", given, "must be seconds since 1970", "Unset it, or correct it."
-        ) from None
 
 
 def label_step(path: Path, label: StepLabel) -> None:

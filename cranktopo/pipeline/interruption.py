@@ -1,4 +1,4 @@
-"""Ctrl-C that cannot be lost."""
+"""Ctrl-C, and the system's request to end, that cannot be lost."""
 
 from __future__ import annotations
 
@@ -13,30 +13,35 @@ from types import FrameType
 def interruptible() -> Iterator[Callable[[], None]]:
     """A block in which Ctrl-C raises KeyboardInterrupt at once and again at each call of what it yields.
 
+    So does SIGTERM, where it raises KeyboardInterrupt outside the block: batch systems and containers end
+    programs with it.
+
     Python drops a KeyboardInterrupt that is raised inside a callback of compiled code, a destructor or a
     listener: it prints a warning at most, and the work goes on. Long work therefore calls the yielded
     function between its steps. Blocks may be nested. Outside the main thread, and where the signal is
     ignored, nothing is changed.
     """
     pressed = False
-    before = signal.getsignal(signal.SIGINT)
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    watched = {number: handler for number, handler in before.items() if callable(handler)}
 
     def remember(number: int, frame: FrameType | None) -> None:
         nonlocal pressed
         pressed = True
-        if callable(before):
-            before(number, frame)
+        watched[signal.Signals(number)](number, frame)
 
     def check() -> None:
         if pressed:
             raise KeyboardInterrupt
 
-    if not callable(before) or threading.current_thread() is not threading.main_thread():
+    if threading.current_thread() is not threading.main_thread():
         yield check
         return
-    signal.signal(signal.SIGINT, remember)
+    for number in watched:
+        signal.signal(number, remember)
     try:
         yield check
         check()
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in watched.items():
+            signal.signal(number, handler)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
 from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.meshing.imported_body import read_half_throw
+from cranktopo.pipeline.interruption import interruptible
 from cranktopo.remodel.fit import FittedWeb, fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
@@ -22,7 +24,7 @@ from cranktopo.report.figures.drawing import write_drawing
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
-from cranktopo.store import check_destination, open_run
+from cranktopo.store import check_destination, moved, open_run, unfinished_folder
 from cranktopo.store.files import write_json, write_text
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 from cranktopo.units import density_kg_per_mm3
@@ -71,21 +73,30 @@ def remodel_run(
     info(f"{run.name}: fitting a parametric web")
     fitted = fit_web(surface, scene, limits)
     near = shape_error(without(fitted.scene, "fillets"), surface)
-    folder.mkdir(parents=True, exist_ok=True)
-    files = write_remodel(fitted, near, surface, folder, info)
-    stiffness = _evaluated(target, fitted.scene, info) if evaluated else None
-    data = _as_json(run.name, fitted, near, limits, stiffness, files)
-    data["seconds"] = {"total": time.perf_counter() - began}
-    write_json(folder / files["json"], data)
+    with interruptible() as check, unfinished_folder(folder.parent) as unfinished:
+        files = write_remodel(fitted, near, surface, unfinished, info, run.started())
+        check()
+        stiffness = _evaluated(target, fitted.scene, info) if evaluated else None
+        data = _as_json(run.name, fitted, near, limits, stiffness, files)
+        data["seconds"] = {"total": time.perf_counter() - began}
+        write_json(unfinished / files["json"], data)
+        check()
+        moved(unfinished, folder)
     return {**data, "folder": str(folder)}
 
 
 def write_remodel(
-    fitted: FittedWeb, near: ShapeError, surface: SurfaceMesh, folder: Path, info: Info
+    fitted: FittedWeb,
+    near: ShapeError,
+    surface: SurfaceMesh,
+    folder: Path,
+    info: Info,
+    started: datetime | None = None,
 ) -> dict[str, str]:
     """Write the scene, STEP and STL of the half throw and the drawing of a fitted web.
 
-    The body is drawn as dashed lines; `folder` exists. Returns the names of the files by kind.
+    The body is drawn as dashed lines; `folder` exists. STEP and drawing are dated `started`, now by default.
+    Returns the names of the files by kind.
 
     Raises:
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
@@ -96,10 +107,10 @@ def write_remodel(
     info(f"{scene.name}: writing the solid and the drawing")
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files["design"], toml_text(scene, heading))
-    export_solid(scene, "half", folder / files["step"])
+    export_solid(scene, "half", folder / files["step"], started=started)
     export_solid(scene, "half", folder / files["stl"], _FACET_MM / usual_scale(scene))
     drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
-    write_drawing(scene, surface_of(scene, "half"), drawings, surface)
+    write_drawing(scene, surface_of(scene, "half"), drawings, surface, started)
     return files
 
 

@@ -4,6 +4,7 @@ from cranktopo.store.cache import user_cache
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from cranktopo.store.destination import check_file, check_folder
 from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
+from cranktopo.store.folders import moved, unfinished_folder
 from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
 from cranktopo.store.kind import (
     LOOP,
@@ -43,6 +44,7 @@ __all__ = [
     "load_checkpoint",
     "load_iteration",
     "locked",
+    "moved",
     "open_run",
     "read_json",
     "read_result",
@@ -55,6 +57,7 @@ __all__ = [
     "save_iteration",
     "saved_iterations",
     "shown_results",
+    "unfinished_folder",
     "user_cache",
     "write_bytes",
     "write_json",

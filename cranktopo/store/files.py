@@ -11,6 +11,7 @@ import io
 import json
 import math
 import os
+import shutil
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -23,7 +24,8 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode, shown
 from cranktopo.inputs import MIB, read_bytes, read_text
 
-_TEMPORARY = ".tmp"
+TEMPORARY = ".tmp"
+"""In the names of files and folders that a process is still writing."""
 _JSON_LIMIT_MIB = 64
 ARRAYS_LIMIT_MIB = 2048
 """A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
@@ -43,7 +45,7 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
         raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{_TEMPORARY}{path.suffix.lower()}")
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}{TEMPORARY}{path.suffix.lower()}")
     try:
         yield temporary
         _flush(temporary)
@@ -171,8 +173,11 @@ def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
 
 def sweep_temporaries(folder: Path) -> None:
     """Remove what killed processes left unfinished in `folder` and the folders below it."""
-    for path in folder.rglob(f".*{_TEMPORARY}*"):
-        path.unlink(missing_ok=True)
+    for path in list(folder.rglob(f".*{TEMPORARY}*")):
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
 
 
 def _flush(path: Path) -> None:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 import shlex
 import shutil
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from cranktopo.errors import CranktopoError, suggest
+from cranktopo.errors import CranktopoError, shown, suggest
 from cranktopo.inputs import read_text
 from cranktopo.store.destination import check_folder
 from cranktopo.store.files import (
@@ -26,6 +23,7 @@ from cranktopo.store.files import (
     write_json,
     write_text,
 )
+from cranktopo.store.folders import moved, unfinished_folder
 from cranktopo.store.lock import locked
 from cranktopo.store.manifest import (
     RunStatus,
@@ -37,7 +35,6 @@ from cranktopo.store.manifest import (
 )
 
 RUNS = Path("runs")
-_UNFINISHED = ".unfinished-"
 _MANIFEST, _DESIGN, _LOG = "manifest.json", "design.toml", "run.log"
 _HISTORY, _METRICS, _CHECKPOINT = "history.csv", "metrics.json", "checkpoint/state.npz"
 
@@ -64,6 +61,16 @@ class RunStore:
         manifest = read_json(path)
         check_manifest(manifest, path)
         return manifest
+
+    def started(self) -> datetime:
+        """When the run was started; raises CranktopoError when the manifest does not say."""
+        text = self.manifest()["started"]
+        try:
+            return datetime.fromisoformat(text)
+        except ValueError:
+            raise CranktopoError(
+                f"'{self.path / _MANIFEST}': started = {shown(text)} is no date.", hint="Start a new run."
+            ) from None
 
     def set_status(self, status: RunStatus) -> None:
         """Record the status; every status but "running" also records the time as the end of the run."""
@@ -183,11 +190,11 @@ def create_run(
         inputs=inputs or {},
         assumed=assumed,
     )
-    with _unfinished(root if out is None else out.parent) as folder:
+    with unfinished_folder(root if out is None else out.parent) as folder:
         write_text(folder / _DESIGN, design_toml)
         write_json(folder / _MANIFEST, manifest)
         RunStore(folder).log(f"started: {shlex.join(command)}")
-        return RunStore(_published(folder, root / stem) if out is None else _moved(folder, out))
+        return RunStore(_published(folder, root / stem) if out is None else moved(folder, out))
 
 
 def open_run(reference: str, root: Path = RUNS) -> RunStore:
@@ -248,21 +255,6 @@ def _check_empty(out: Path) -> None:
         )
 
 
-@contextmanager
-def _unfinished(parent: Path) -> Iterator[Path]:
-    """A hidden folder that becomes a run when it is renamed: a kill before that leaves no half-made run."""
-    try:
-        parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=parent))
-        folder.chmod(0o755)
-    except OSError as error:
-        raise unwritable(parent, error) from None
-    try:
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
 def _published(folder: Path, wanted: Path) -> Path:
     """The folder under the wanted name, with a number behind it where that is taken."""
     number = 1
@@ -272,27 +264,11 @@ def _published(folder: Path, wanted: Path) -> Path:
         write_json(folder / _MANIFEST, {**manifest, "run": path.name})
         if not path.exists():
             try:
-                return _moved(folder, path)
+                return moved(folder, path)
             except CranktopoError:
                 if not path.exists():
                     raise
         number += 1
-
-
-def _moved(folder: Path, path: Path) -> Path:
-    """The folder renamed to a path; an empty folder there keeps its place and gets the files, manifest first.
-
-    With the manifest it is a run that resumes, whatever else a kill keeps back.
-    """
-    try:
-        if path.is_dir():
-            for name in (_MANIFEST, _DESIGN, _LOG):
-                os.replace(folder / name, path / name)
-        else:
-            os.rename(folder, path)
-    except OSError as error:
-        raise unwritable(path, error) from None
-    return path
 
 
 def _by_name(reference: str, root: Path) -> Path:

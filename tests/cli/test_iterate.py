@@ -10,6 +10,7 @@ import re
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -186,11 +187,11 @@ SOLIDS: dict[str, Path] = {}
 """Folders that hold the solids of a web, by the web."""
 
 
-def solids_once(scene: Scene, folder: Path) -> None:
+def solids_once(scene: Scene, folder: Path, started: datetime) -> None:
     """The solids of a step, copied where an earlier loop has built the same web."""
     before = SOLIDS.setdefault(scene.web.model_dump_json(), folder)
     if before == folder:
-        write_solids(scene, folder)
+        write_solids(scene, folder, started)
     else:
         for name in ("web.step", "web.stl", step_solids.WEB):
             shutil.copy(before / name, folder)

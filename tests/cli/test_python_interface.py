@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -139,7 +140,7 @@ def test_loop_is_forged_and_ends_at_forty_percent_by_itself(mikron: Scene) -> No
 def test_loop_starts_and_continues(mikron: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = []
 
-    def interrupted(scene: Scene, folder: Path) -> None:
+    def interrupted(scene: Scene, folder: Path, started: datetime) -> None:
         seen.append((scene.name, folder.name))
         raise KeyboardInterrupt
 

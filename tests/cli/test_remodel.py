@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from matplotlib.image import imread
 
 from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.cli.main import main
+from cranktopo.pipeline import remodel
 from cranktopo.pipeline.remodel import write_remodel
 from cranktopo.remodel.fit import FittedWeb
 from cranktopo.remodel.select import Trial
@@ -167,6 +169,30 @@ def test_a_run_without_a_surface_is_refused(
     error = capsys.readouterr().err
     assert "web.stl is missing, so this is no finished run" in error
     assert len(error.splitlines()) == 1
+
+
+def test_an_interrupted_remodel_leaves_nothing(
+    tmp_path: Path, mikron: Scene, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even the folder, which would be in the way of the next try."""
+    run = unfinished_run(tmp_path, mikron)
+    (run / "web.stl").write_bytes(stl_of(block()))
+    before = sorted(tmp_path.rglob("*"))
+    seen: list[list[str]] = []
+
+    def interrupted(fitted: object, near: object, surface: object, folder: Path, *_: object) -> None:
+        (folder / "half_throw.step").touch()
+        seen.append([path.name for path in run.iterdir() if path.is_dir()])
+        raise KeyboardInterrupt
+
+    for name in ("read_half_throw", "fit_web", "shape_error", "without"):
+        monkeypatch.setattr(remodel, name, lambda *_: SimpleNamespace(scene=mikron))
+    monkeypatch.setattr(remodel, "write_remodel", interrupted)
+    assert main(["remodel", str(run)]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert len(seen[0]) == 1
+    assert seen[0][0].startswith(".unfinished-")
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 @pytest.mark.slow

@@ -5,17 +5,24 @@ from __future__ import annotations
 import contextlib
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 
 from cranktopo.pipeline.interruption import interruptible
 
 
-def swallowed_interrupt() -> None:
+@pytest.fixture(autouse=True)
+def sigterm_as_the_command_has_it() -> Iterator[None]:
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGTERM, before)
+
+
+def swallowed_interrupt(number: signal.Signals = signal.SIGINT) -> None:
     """Ctrl-C while code runs that drops exceptions, as callbacks of compiled libraries do."""
     with contextlib.suppress(KeyboardInterrupt):
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(number)
 
 
 def work(interrupted: Callable[[], None], done: list[int]) -> None:
@@ -31,8 +38,13 @@ def work(interrupted: Callable[[], None], done: list[int]) -> None:
 
 @pytest.mark.parametrize(
     ("interrupted", "expected"),
-    [(lambda: signal.raise_signal(signal.SIGINT), [0, 1]), (swallowed_interrupt, [0, 1, -1])],
-    ids=["at once", "swallowed"],
+    [
+        (lambda: signal.raise_signal(signal.SIGINT), [0, 1]),
+        (lambda: signal.raise_signal(signal.SIGTERM), [0, 1]),
+        (swallowed_interrupt, [0, 1, -1]),
+        (lambda: swallowed_interrupt(signal.SIGTERM), [0, 1, -1]),
+    ],
+    ids=["Ctrl-C", "SIGTERM", "Ctrl-C swallowed", "SIGTERM swallowed"],
 )
 def test_work_ends_at_once_or_with_its_step(interrupted: Callable[[], None], expected: list[int]) -> None:
     done: list[int] = []
@@ -63,11 +75,12 @@ def test_inner_and_outer_work_both_learn_of_it() -> None:
 
 
 def test_handler_is_as_before() -> None:
-    before = signal.getsignal(signal.SIGINT)
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.getsignal(number) for number in numbers]
     with interruptible() as check:
-        assert signal.getsignal(signal.SIGINT) is not before
+        assert not set(before) & {signal.getsignal(number) for number in numbers}
         check()
-    assert signal.getsignal(signal.SIGINT) is before
+    assert [signal.getsignal(number) for number in numbers] == before
 
 
 def test_ignored_signal_stays_ignored() -> None:
@@ -92,3 +105,10 @@ def test_other_threads_work_without_a_handler() -> None:
     thread.start()
     thread.join()
     assert len(found) == 1
+
+
+def test_a_program_that_leaves_sigterm_alone_is_ended_by_it() -> None:
+    """As a library: the handler of the program that imports it stays."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    with interruptible():
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL

@@ -122,11 +122,13 @@ def test_status_and_resume_are_recorded(tmp_path: Path) -> None:
     assert manifest["status"] == "interrupted"
     assert manifest["ended"] >= manifest["started"]
     (run.path / ".state.99.tmp.npz").write_text("left by a killed process")
+    (run.path / "step-01" / ".unfinished-abc.tmp").mkdir(parents=True)
+    (run.path / "step-01" / ".unfinished-abc.tmp" / "design.toml").write_text("as well")
     run.resume()
     assert run.manifest()["status"] == "running"
     assert run.manifest()["ended"] is None
     assert len(run.manifest()["resumed"]) == 1
-    assert not list(run.path.glob(".*tmp*"))
+    assert not list(run.path.rglob(".*tmp*"))
     run.set_status("done")
     assert run.manifest()["scene"] == SCENE
 

@@ -156,12 +156,13 @@ def continue_loop(reference: str, info: Info = lambda _: None) -> Outcome:
     require_kind(run, LOOP)
     run.require_same_inputs()
     scene, settings = scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP])
-    run.resume()
-    return _worked(run, scene, settings, info)
+    return _worked(run, scene, settings, info, resume=True)
 
 
-def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info) -> Outcome:
+def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume: bool = False) -> Outcome:
     with working_in(run, "finished steps are kept") as check:
+        if resume:
+            run.resume()
         outcome = _loop(run, scene, settings, info, check)
         data = outcome.as_json()
         write_json(run.path / RESULT_FILES[LOOP], data)
@@ -173,7 +174,7 @@ def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info) -> Outc
 
 def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Callable[[], None]) -> Outcome:
     scenes = [scene]
-    steps = [_original(run.path / "original", scene, settings, info)]
+    steps = [_original(run, scene, settings, info)]
     reason = f"all {settings.steps} steps done"
     lost = ""
     durations: list[float] = []
@@ -185,7 +186,7 @@ def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Ca
         if not (folder / STEP_FILE).is_file():
             info(f"step {number} of {settings.steps}{guess}")
             try:
-                _step(folder, number, scenes, settings, info)
+                _step(run, folder, number, scenes, settings, info)
             except CranktopoError as error:
                 if number == 1 or error.code == ExitCode.INTERRUPTED:
                     raise
@@ -231,13 +232,14 @@ def _body(folder: Path, number: int) -> ShownBody:
     return ShownBody(name, read_stl(place / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
 
 
-def _original(folder: Path, scene: Scene, settings: Settings, info: Info) -> LoopStep:
+def _original(run: RunStore, scene: Scene, settings: Settings, info: Info) -> LoopStep:
+    folder = run.path / "original"
     if not (folder / STEP_FILE).is_file():
         info("evaluating the original web")
         folder.mkdir(exist_ok=True)
         file = original_file(scene)
         if file is None:
-            write_solids(scene, folder)
+            write_solids(scene, folder, run.started())
         else:
             write_original(file, scene, folder)
         step = step_of(0, _evaluated(scene, settings, file), transition_mm(read_web(folder), scene))
@@ -245,7 +247,9 @@ def _original(folder: Path, scene: Scene, settings: Settings, info: Info) -> Loo
     return LoopStep(**read_json(folder / STEP_FILE)["step"])
 
 
-def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings, info: Info) -> None:
+def _step(
+    run: RunStore, folder: Path, number: int, scenes: Sequence[Scene], settings: Settings, info: Info
+) -> None:
     """Optimise in the last solid, extract, re-model, evaluate; step.json is written last."""
     began = time.monotonic()
     folder.mkdir(exist_ok=True)
@@ -264,7 +268,7 @@ def _step(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings
         }
     )
     write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {scenes[0].name}"))
-    write_solids(scene, folder)
+    write_solids(scene, folder, run.started())
     info("  evaluating")
     found = _evaluated(scene, settings)
     thickness = transition_mm(read_web(folder), scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from pathlib import Path
 
 from cranktopo.cad.solid_files import export_solid
@@ -19,14 +20,16 @@ _X_AXIS = (1.0, 0.0, 0.0)
 _SIMPLIFY_MM = 2e-3
 
 
-def write_solids(scene: Scene, folder: Path) -> None:
+def write_solids(scene: Scene, folder: Path, started: datetime | None = None) -> None:
     """Write web.step and web.stl (half throw, exact solid) and the web alone.
+
+    `started` dates the STEP file, so that a loop that is resumed writes the same bytes; by default it is now.
 
     Raises:
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """
     facet = FACET_MM / usual_scale(scene)
-    export_solid(scene, "half", folder / f"{HALF}.step")
+    export_solid(scene, "half", folder / f"{HALF}.step", started=started)
     export_solid(scene, "half", folder / f"{HALF}.stl", facet)
     export_solid(scene, "web", folder / WEB, facet)
 

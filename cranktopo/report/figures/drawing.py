@@ -6,8 +6,8 @@ general tolerances are those of ISO 2768.
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from cranktopo.report.figures.drawing_views import Sheet, cross_section, front_v
 from cranktopo.scene import Scene
 from cranktopo.scene.features import ProfileWeb
 from cranktopo.scene.symmetry import web_asymmetry
+from cranktopo.store.dates import time_of_writing
 from cranktopo.units import density_kg_per_mm3
 
 if TYPE_CHECKING:
@@ -38,7 +39,11 @@ _NOTES = (
 
 
 def write_drawing(
-    scene: Scene, half_throw: SurfaceMesh, paths: Sequence[Path], body: SurfaceMesh | None = None
+    scene: Scene,
+    half_throw: SurfaceMesh,
+    paths: Sequence[Path],
+    body: SurfaceMesh | None = None,
+    started: datetime | None = None,
 ) -> None:
     """Draw the half throw of a scene with its dimensions.
 
@@ -46,14 +51,25 @@ def write_drawing(
         half_throw: its exact solid, triangulated.
         paths: files to write; each ending gives its format.
         body: closed surface that the web was fitted to, drawn as dashed lines.
+        started: when the work began that the drawing is a part of, its date; now by default.
     """
-    figure = drawing_figure(scene, half_throw, body)
-    for path in paths:
-        figure.savefig(path, dpi=150)
+    import matplotlib as mpl
+
+    written = time_of_writing(started)
+    figure = drawing_figure(scene, half_throw, body, written)
+    with mpl.rc_context({"svg.hashsalt": scene.name}):  # the same names of parts in every drawing
+        for path in paths:
+            date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
+            figure.savefig(path, dpi=150, metadata=date.get(path.suffix.lower()))
 
 
-def drawing_figure(scene: Scene, half_throw: SurfaceMesh, body: SurfaceMesh | None = None) -> Figure:
-    """The drawing as a figure of A3; arguments as `write_drawing`."""
+def drawing_figure(
+    scene: Scene,
+    half_throw: SurfaceMesh,
+    body: SurfaceMesh | None = None,
+    written: datetime | None = None,
+) -> Figure:
+    """The drawing as a figure of A3, dated `written` or today; other arguments as `write_drawing`."""
     from matplotlib.figure import Figure
 
     from cranktopo.triangles.surface_mesh import solid_of
@@ -76,7 +92,7 @@ def drawing_figure(scene: Scene, half_throw: SurfaceMesh, body: SurfaceMesh | No
     page.axis("off")
     frame(page, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
     _table(page, sheet)
-    _title_block(page, sheet, scale)
+    _title_block(page, sheet, scale, time_of_writing(written))
     return figure
 
 
@@ -146,7 +162,7 @@ def _outline_lines(scene: Scene) -> list[str]:
     ]
 
 
-def _title_block(page: Any, sheet: Sheet, scale: float) -> None:
+def _title_block(page: Any, sheet: Sheet, scale: float, written: datetime) -> None:
     """Fields of ISO 7200 in the lower right corner, the notes above them."""
     scene = sheet.scene
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
@@ -157,7 +173,7 @@ def _title_block(page: Any, sheet: Sheet, scale: float) -> None:
         ("Material", scene.material.name),
         ("Mass", f"throw {throw_balance(scene).mass_kg:.3f} kg, one web {web_kg:.3f} kg"),
         ("Scale", f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"),
-        ("Date", f"{datetime.date.today():%Y-%m-%d}"),
+        ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
     )
     step = (_TITLE_MM - 22) / len(rows)

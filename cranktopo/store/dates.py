@@ -1,0 +1,30 @@
+"""The date that files carry, the same when their work is repeated or resumed."""
+
+from __future__ import annotations
+
+import os
+from datetime import UTC, datetime
+
+from cranktopo.errors import invalid
+
+
+def time_of_writing(started: datetime | None = None) -> datetime:
+    """The time that a file says it was written, in UTC to the second.
+
+    SOURCE_DATE_EPOCH, or the time when the work was started that it is a part of, make files repeatable:
+    work that was interrupted and resumed writes the same bytes. Without both it is now.
+
+    Source: https://reproducible-builds.org/specs/source-date-epoch/
+
+    Raises:
+        CranktopoError: SOURCE_DATE_EPOCH is not a number of seconds.
+    """
+    given = os.environ.get("SOURCE_DATE_EPOCH")
+    if not given:
+        return (started or datetime.now(UTC)).astimezone(UTC).replace(microsecond=0)
+    try:
+        return datetime.fromtimestamp(int(given), UTC)
+    except (ValueError, OverflowError, OSError):
+        raise invalid(
+            "SOURCE_DATE_EPOCH", given, "must be seconds since 1970", "Unset it, or correct it."
+        ) from None
