@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 
@@ -112,3 +114,36 @@ def test_a_program_that_leaves_sigterm_alone_is_ended_by_it() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with interruptible():
         assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+DROPPED = """
+import signal, time
+from cranktopo.cli import launch, main
+
+class Object:
+    def __del__(self):
+        signal.raise_signal(signal.{name})
+
+def work():
+    try:
+        Object()
+        time.sleep(20)
+        print("went on")
+    except KeyboardInterrupt:
+        print("interrupted")
+
+main.main = work
+launch.main()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_what_a_destructor_drops_is_raised_again(name: str) -> None:
+    result = subprocess.run(
+        [sys.executable, "-c", DROPPED.format(name=name)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert (result.stdout, result.stderr) == ("interrupted\n", "")
