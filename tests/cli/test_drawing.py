@@ -47,6 +47,11 @@ def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
             f"{y:9.3f}     {h:9.3f}" in found
             for y, h in zip(scene.web.stations_mm, scene.web.half_widths_mm, strict=True)
         )
+        numbers = [number for bevel in scene.web.bevel for number in (bevel.y_mm, bevel.depth_mm)]
+        for pocket in scene.web.pocket:
+            numbers += [value for value in pocket.model_dump().values() if isinstance(value, float)]
+        assert all(f" {number:.2f}" in found for number in numbers)
+        assert "draft 12.00°" in found
 
 
 def test_views_have_the_scale_of_the_title_block(drawn: tuple[Scene, SurfaceMesh]) -> None:
@@ -75,7 +80,7 @@ def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> No
             assert (spot ^ body).area() == 0.0, (axes.get_title(loc="left"), middle)
 
 
-@pytest.mark.parametrize("ending", [".svg", ".pdf"])
+@pytest.mark.parametrize("ending", [".svg", ".pdf", ".png"])
 def test_export_writes_it(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / f"drawing{ending}"
     assert main(["export", "mikron-iiic", str(path)]) == 0

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cranktopo.cad.session import cad_session
 from cranktopo.cad.solid_files import export_solid, surface_of
 from cranktopo.cli.main import main
 from cranktopo.scene import load_scene
@@ -48,6 +49,36 @@ def test_a_body_in_inches_is_named(tmp_path: Path, capsys: pytest.CaptureFixture
     write_stl(path, SurfaceMesh(body.vertices_mm / 25.4, body.faces))
     assert main(["evaluate", str(path), *COARSE]) == 3
     assert "in inches" in json.loads(capsys.readouterr().out)["error"]["hint"]
+
+
+ATTITUDES = {
+    "turned by 90 deg about z": ((0, 0, 1), 90.0, (0.0, 0.0, 0.0)),
+    "turned by 180 deg about z": ((0, 0, 1), 180.0, (0.0, 0.0, 0.0)),
+    "turned end for end": ((0, 1, 0), 180.0, (0.0, 0.0, 57.0)),
+    "turned by 90 deg about y": ((0, 1, 0), 90.0, (0.0, 0.0, 0.0)),
+    "turned by 3 deg about z": ((0, 0, 1), 3.0, (0.0, 0.0, 0.0)),
+    "shifted by (1.00, 0.00, 0.00) mm": ((0, 0, 1), 0.0, (1.0, 0.0, 0.0)),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", ATTITUDES)
+def test_step_bodies_that_lie_elsewhere(
+    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    axis, angle_deg, shift = ATTITUDES[words]
+    right, wrong = tmp_path / "half.step", tmp_path / "wrong.step"
+    export_solid(load_scene("mikron-iiic"), "half", right)
+    with cad_session("wrong") as gmsh:
+        body = gmsh.model.occ.importShapes(str(right))
+        gmsh.model.occ.rotate(body, 0, 0, 0, *axis, np.radians(angle_deg))
+        gmsh.model.occ.translate(body, *shift)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(wrong))
+    assert main(["evaluate", str(wrong), *COARSE]) == 3
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert words in error["message"]
+    assert "--align" in error["hint"]
 
 
 @pytest.mark.slow

@@ -96,6 +96,23 @@ def test_out_may_be_new_or_empty_but_never_taken(tmp_path: Path) -> None:
     assert _tree(tmp_path) == [*before, "file"]
 
 
+def test_what_is_interrupted_before_it_has_a_manifest_is_no_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither a folder that cannot be resumed nor one that is in the way of the next try."""
+
+    def interrupted(*_: object) -> None:
+        assert [path.name for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr("cranktopo.store.runs.write_json", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            _create(tmp_path, out=tmp_path / "mine")
+    assert _tree(tmp_path) == []
+    assert _create(tmp_path, out=tmp_path / "mine").manifest()["status"] == "running"
+
+
 def test_check_destination_writes_nothing(tmp_path: Path) -> None:
     check_destination(tmp_path / "a" / "b")
     check_destination(None, tmp_path / "runs")
