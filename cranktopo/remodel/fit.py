@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.family import bounds, web_of
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.near_ties import best_first
 from cranktopo.remodel.residual_regions import ResidualRegion, residual_regions
 from cranktopo.remodel.search import FitProblem
 from cranktopo.remodel.select import Candidate, Trial, fit_from, model_fill, select
@@ -119,7 +120,10 @@ def fit_problem(body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_
 
 
 def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
-    """Fits from the chosen web and from scattered copies of it, best first."""
+    """Fits from the chosen web and from scattered copies of it, best first.
+
+    All usually end at the same web: then the one from the chosen web itself comes first.
+    """
     random = np.random.default_rng(SEED)
     low, high = bounds(chosen.layout, problem.scene, problem.limits)
     guesses = [chosen.values]
@@ -134,7 +138,7 @@ def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
             hint="Lower the least wall or the least radius.",
             code=ExitCode.CRITERION_NOT_MET,
         )
-    return sorted(fits, key=lambda candidate: -candidate.overlap)
+    return best_first(fits, lambda candidate: candidate.overlap)
 
 
 def _free_of_bores(scene: Scene, cells: VoxelFill) -> Array:

@@ -13,7 +13,6 @@ from cranktopo.scene.features.flank import flank_half_width_mm
 Array = NDArray[np.float64]
 _TYPICAL = 0.75
 """Quantile over the height at which a lateral extent counts: pockets and bevels narrow some sections."""
-_HALF = 0.5
 
 
 def outline_guess(problem: FitProblem, stations: int) -> Array:
@@ -23,8 +22,7 @@ def outline_guess(problem: FitProblem, stations: int) -> Array:
         stations: points of the profile, both round ends included.
     """
     cells = problem.target
-    solid = cells.filled > _HALF
-    rows = np.flatnonzero(solid.any(axis=(0, 2)))
+    rows = np.flatnonzero(cells.solid.any(axis=(0, 2)))
     half = cells.cell_mm[1] / 2
     low, high = cells.y_mm[rows[0]] - half, cells.y_mm[rows[-1]] + half
     extent = np.quantile(_extents(problem), _TYPICAL, axis=-1)
@@ -56,4 +54,4 @@ def _extents(problem: FitProblem) -> Array:
     """Lateral extent of each row in each layer, (ny, nz), mm."""
     cells = problem.target
     outer = cells.x_mm + cells.cell_mm[0] / 2
-    return np.asarray(((cells.filled > _HALF) * outer[:, None, None]).max(axis=0))
+    return np.asarray((cells.solid * outer[:, None, None]).max(axis=0))

@@ -8,7 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.near_ties import best_first
 from cranktopo.remodel.search import FitProblem
+from cranktopo.remodel.voxel_fill import MOST
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -51,11 +53,11 @@ def residual_regions(problem: FitProblem, model: Array) -> list[ResidualRegion]:
     target = problem.target.filled
     found = []
     for excess, lacking in ((model - target, False), (target - model, True)):
-        for region in _regions(excess > 0.5):
+        for region in _regions(excess > MOST):
             volume = float(2 * excess[region].sum() * np.prod(problem.target.cell_mm))
             if volume >= _LEAST_SHARE * problem.target.volume_mm3:
                 found.append(_describe(problem, region, volume, lacking))
-    return sorted(found, key=lambda region: -region.volume_mm3)
+    return best_first(found, lambda region: region.volume_mm3)
 
 
 def _regions(mask: Mask) -> list[Mask]:
@@ -98,7 +100,7 @@ def _open_sideways(problem: FitProblem, region: Mask) -> bool:
     """Whether the void reaches the outside of the body in its own plane, other than through a bore."""
     from scipy import ndimage
 
-    void = (problem.target.filled < 0.5) & (problem.free > 0.5)[:, :, None]
+    void = ~problem.target.solid & (problem.free > 0.5)[:, :, None]
     labels, _ = ndimage.label(void)
     outside = set(np.unique(labels[-1])) | set(np.unique(labels[:, 0])) | set(np.unique(labels[:, -1]))
     return bool((set(np.unique(labels[region])) & outside) - {0})

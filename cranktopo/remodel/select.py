@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.initial_guess import outline_guess, with_stations
+from cranktopo.remodel.near_ties import first_of_the_best
 from cranktopo.remodel.residual_regions import residual_regions
 from cranktopo.remodel.search import Fit, FitProblem, search
 from cranktopo.scene.features.fitted import FittedFeature
@@ -122,7 +123,7 @@ def _try(
         layout = replace(best.layout, parts=(*best.layout.parts, part))
         fitted = fit_from(problem, layout, np.concatenate([best.values, guess]), part.label)
         found += [] if fitted is None else [fitted]
-    chosen = max([best, *found], key=lambda candidate: candidate.overlap)
+    chosen = first_of_the_best([best, *found], _overlap)
     if 100 * (chosen.overlap - best.overlap) < problem.limits.least_gain_percent:
         chosen = best
     trials += [_trial(fitted, fitted.overlap - best.overlap, fitted is chosen) for fitted in found]
@@ -153,14 +154,16 @@ def _stations(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Cand
         if len(tried) > 2 and tried[-1].overlap - tried[-3].overlap < _least(problem):
             break
     chosen = best
-    overlaps = np.maximum.accumulate([found.overlap for found in tried])
-    if len(tried):
-        index = int(np.argmax(overlaps >= overlaps[-1] - _least(problem)))
-        chosen = tried[index]
+    if tried:
+        chosen = first_of_the_best(tried, _overlap, within=_least(problem))
     for i, found in enumerate(tried):
         gain = found.overlap - tried[i - 1].overlap if i else 0.0
         trials.append(_trial(found, gain, found is chosen))
     return chosen
+
+
+def _overlap(candidate: Candidate) -> float:
+    return candidate.overlap
 
 
 def _least(problem: FitProblem) -> float:

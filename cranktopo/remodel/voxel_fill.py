@@ -16,7 +16,11 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 Array = NDArray[np.float64]
+MOST = 0.5 + 1e-6
+"""Share of a cell that is most of it; a plane through its middle leaves half of it but for rounding."""
 _MARGIN_CELLS = 3
+_DIGITS, _DIGITS_MM = 4, 3
+"""Decimals of fills and of the grid's ends: bodies that differ by rounding have the same cells."""
 _LINES = 3
 """Lines per cell, in y and in z, along which the body's lateral extent is taken."""
 
@@ -38,6 +42,11 @@ class VoxelFill:
     filled: Array
 
     @property
+    def solid(self) -> NDArray[np.bool_]:
+        """Cells that are filled for the most part, (nx, ny, nz)."""
+        return self.filled > MOST
+
+    @property
     def volume_mm3(self) -> float:
         """Volume of both sides, mm3."""
         return float(2 * self.filled.sum() * np.prod(self.cell_mm))
@@ -56,7 +65,7 @@ def voxel_fill(body: Manifold, scene: Scene, cell_mm: float) -> VoxelFill:
         CranktopoError: nothing of the body lies between the web faces.
     """
     start, end = scene.web_z_mm
-    x0, y0, z0, x1, y1, z1 = body.bounding_box()
+    x0, y0, z0, x1, y1, z1 = np.round(body.bounding_box(), _DIGITS_MM).tolist()
     if body.is_empty() or z1 <= start or z0 >= end:
         raise CranktopoError(
             f"surface: nothing lies between the web faces at z = {start:g} and {end:g} mm.",
@@ -65,7 +74,7 @@ def voxel_fill(body: Manifold, scene: Scene, cell_mm: float) -> VoxelFill:
     margin = _MARGIN_CELLS * cell_mm
     x = _edges(0.0, max(-x0, x1) + margin, cell_mm)
     y, z = _edges(y0 - margin, y1 + margin, cell_mm), _edges(start, end, cell_mm)
-    filled = np.stack([_layer(body, x, y, pair) for pair in pairwise(z)], axis=-1)
+    filled = np.stack([_layer(body, x, y, pair) for pair in pairwise(z)], axis=-1).round(_DIGITS)
     sizes = np.array([e[1] - e[0] for e in (x, y, z)])
     cx, cy, cz = ((e[:-1] + e[1:]) / 2 for e in (x, y, z))
     return VoxelFill(cx, cy, cz, sizes, filled)

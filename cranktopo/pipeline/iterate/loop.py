@@ -25,6 +25,7 @@ from cranktopo.pipeline.optimise import RUN_TABLES, announce, optimise_design, r
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.fit import fit_web
+from cranktopo.remodel.near_ties import first_of_the_best
 from cranktopo.remodel.shape_error import shape_error
 from cranktopo.report.figures.steps_plot import save_steps_plot
 from cranktopo.report.pages.iterate_page import iterate_page
@@ -340,7 +341,7 @@ def _reason(found: Verdict, steps: Sequence[LoopStep], settings: Settings) -> st
             f"step {last.number}: the web is {last.transition_mm:.1f} mm thick beside a journal, "
             f"less than {settings.least_transition_mm:g} mm"
         )
-    best = max(steps[1:-1], key=lambda step: step.torsion_per_kg)
+    best = first_of_the_best(steps[1:-1], lambda step: step.torsion_per_kg)
     gain = 100 * (last.torsion_per_kg / best.torsion_per_kg - 1)
     return (
         f"step {last.number}: torsional stiffness per mass no longer improves "

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from cranktopo.evaluate.evaluation import Evaluation
+from cranktopo.remodel.near_ties import clearly_more, exceeds, first_of_the_best
 from cranktopo.report.quantities import percent_of, throw_values
 
 Verdict = Literal["better", "no gain", "too thin"]
@@ -50,10 +51,14 @@ class LoopStep:
     def beats(self, original: LoopStep) -> bool:
         """No heavier, no softer in bending, and stiffer in torsion per mass."""
         return (
-            self.throw_kg <= original.throw_kg
-            and self.bending_N_per_mm >= original.bending_N_per_mm
-            and self.torsion_per_kg > original.torsion_per_kg
+            not exceeds(self.throw_kg, original.throw_kg)
+            and not exceeds(original.bending_N_per_mm, self.bending_N_per_mm)
+            and clearly_more(self.torsion_per_kg, original.torsion_per_kg)
         )
+
+    def too_thin(self, least_transition_mm: float) -> bool:
+        """Whether the web beside a journal is thinner than allowed."""
+        return exceeds(least_transition_mm, self.transition_mm)
 
     def values(self) -> dict[str, float]:
         """Mass, stiffnesses and ratios by the keys of their quantities."""
@@ -105,9 +110,9 @@ def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
         least_transition_mm: thickness of the web around its journals below which the loop ends.
     """
     last, before = steps[-1], steps[1:-1]
-    if last.transition_mm < least_transition_mm:
+    if last.too_thin(least_transition_mm):
         return "too thin"
-    if before and last.torsion_per_kg <= max(step.torsion_per_kg for step in before):
+    if before and not clearly_more(last.torsion_per_kg, max(step.torsion_per_kg for step in before)):
         return "no gain"
     return "better"
 
@@ -115,10 +120,12 @@ def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
 def best_step(steps: Sequence[LoopStep], least_transition_mm: float) -> LoopStep | None:
     """The step that gains most in torsional stiffness per mass of those that beat the original web.
 
+    Of steps that gain the same the first is taken.
+
     Args:
         steps: all steps, the original web first.
         least_transition_mm: least thickness of the web around its journals that counts as sound.
     """
     original, *others = steps
-    sound = [s for s in others if s.beats(original) and s.transition_mm >= least_transition_mm]
-    return max(sound, key=lambda step: step.torsion_per_kg, default=None)
+    sound = [s for s in others if s.beats(original) and not s.too_thin(least_transition_mm)]
+    return first_of_the_best(sound, lambda step: step.torsion_per_kg) if sound else None

@@ -252,11 +252,11 @@ class FittedBevel(FittedToSections):
 
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array:
         """Start, depth and crown (0), mm, from how far the body reaches at each height."""
-        solid = (cells.filled > _HALF).any(axis=0)
+        solid = cells.solid.any(axis=0)
         outward = 1.0 if self.face == "journal" else -1.0
         reach = np.where(solid, outward * cells.y_mm[:, None], -np.inf).max(axis=0)
         reach = reach if self.face == "journal" else reach[::-1]
-        below = np.flatnonzero(reach >= reach.max() - cells.cell_mm[1])
+        below = np.flatnonzero(reach > reach.max() - 1.5 * cells.cell_mm[1])
         deepest = scene.web.thickness_mm - limits.min_wall_mm
         depth = float(np.clip((below[0] + _HALF) * cells.cell_mm[2], _LEAST_DEPTH_MM, deepest))
         return np.array([outward * reach[0], depth, 0.0])

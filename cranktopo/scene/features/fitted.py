@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 
-from cranktopo.scene.features.body import Array, Face
+from cranktopo.scene.features.body import Array, Face, Mask
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.bevel_arc import BevelArc
@@ -42,7 +42,7 @@ class Limits(Protocol):
 
 
 class Cells(Protocol):
-    """Fill of the cells by the extracted body, (nx, ny, nz) in [0, 1]; x > 0 only."""
+    """Which cells the extracted body fills; x > 0 only."""
 
     @property
     def x_mm(self) -> Array:
@@ -57,8 +57,8 @@ class Cells(Protocol):
         """Edges of a cell, (3,)."""
 
     @property
-    def filled(self) -> Array:
-        """Fill."""
+    def solid(self) -> Mask:
+        """Which cells are filled for the most part, (nx, ny, nz)."""
 
 
 class Region(Protocol):

@@ -43,7 +43,7 @@ _BEYOND_MM = 1.0
 _LARGEST_DRAFT_DEG = 45.0
 _FIRST_DRAFT_DEG = 10.0
 _LEAST_LENGTH_MM = 6.0
-_HALF = 0.5
+_ROUNDING_MM = 1e-6
 _ENDLESS_MM = 1e4
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
@@ -338,14 +338,14 @@ class FittedSlot(FittedToSections):
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values where the middle of the body is narrower than both faces; None where it is not."""
         outer = cells.x_mm + cells.cell_mm[0] / 2
-        extent = ((cells.filled > _HALF) * outer[:, None, None]).max(axis=0)
+        extent = (cells.solid * outer[:, None, None]).max(axis=0)
         layers = extent.shape[1]
         third = max(1, layers // 3)
         middle = extent[:, third : layers - third].min(axis=1)
         depth = np.minimum(extent[:, :third].max(axis=1), extent[:, layers - third :].max(axis=1)) - middle
-        if depth.max() <= 0:
+        if depth.max() <= _ROUNDING_MM:
             return None
-        inside = np.flatnonzero(depth > depth.max() / 2)
+        inside = np.flatnonzero(depth > depth.max() / 2 + _ROUNDING_MM)
         y, floor = cells.y_mm[inside], float(np.median(middle[inside]))
         place = [] if self.through else [y.mean(), max(y[-1] - y[0], _LEAST_LENGTH_MM)]
         return np.array([*place, scene.web.thickness_mm / 4, floor, 0.0, _FIRST_DRAFT_DEG])
