@@ -24,6 +24,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.formats import SOLIDS, SolidPart
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
+from cranktopo.scene.scale import usual_scale
 from cranktopo.store import check_file, replacing
 from cranktopo.store.dates import time_of_writing
 from cranktopo.store.manifest import versions
@@ -31,18 +32,23 @@ from cranktopo.store.manifest import versions
 if TYPE_CHECKING:
     from cranktopo.triangles.surface_mesh import SurfaceMesh
 
+_FACET_MM = 1.0
 STEP_TOLERANCE = 1e-6
 """Largest relative change of the volume when a written STEP file is read back."""
 
 
 def export_solid(
-    scene: Scene, part: SolidPart, path: Path, facet_mm: float = 1.0, started: datetime | None = None
+    scene: Scene,
+    part: SolidPart,
+    path: Path,
+    facet_mm: float | None = None,
+    started: datetime | None = None,
 ) -> float:
     """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
 
     Args:
         path: target, suffix .step, .stp or .stl; mm, in the frame of `cranktopo.frames`.
-        facet_mm: edge length of STL facets.
+        facet_mm: edge length of STL facets; by default 1 mm for a throw of usual size, others in proportion.
         started: when the work began that the file is a part of, the date of a STEP file; now by default.
 
     Returns:
@@ -61,7 +67,7 @@ def export_solid(
             volume = float(gmsh.model.occ.getMass(*body[0]))
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
-                _triangulate(gmsh, body, facet_mm)
+                _triangulate(gmsh, body, facet_mm or _usual_facet_mm(scene))
             with _quiet_stdout():
                 gmsh.write(str(temporary))
         if suffix != ".stl":
@@ -70,11 +76,11 @@ def export_solid(
     return volume
 
 
-def surface_of(scene: Scene, part: SolidPart, facet_mm: float = 1.0) -> SurfaceMesh:
+def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:
     """Closed triangle mesh of a part of a scene.
 
     Args:
-        facet_mm: edge length of the triangles.
+        facet_mm: edge length of the triangles; by default as `export_solid`.
 
     Raises:
         CranktopoError: impossible dimensions.
@@ -84,7 +90,7 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float = 1.0) -> SurfaceM
     with cad_session(f"{part} of {scene.name}") as gmsh:
         body = _add(gmsh.model.occ, scene, part)
         gmsh.model.occ.synchronize()
-        _triangulate(gmsh, body, facet_mm)
+        _triangulate(gmsh, body, facet_mm or _usual_facet_mm(scene))
         vertices, faces = triangles(gmsh)
     return SurfaceMesh(vertices, faces)
 
@@ -134,6 +140,10 @@ def _quiet_stdout() -> Iterator[None]:
         os.dup2(kept, 1)
         os.close(kept)
         os.close(nowhere)
+
+
+def _usual_facet_mm(scene: Scene) -> float:
+    return _FACET_MM / usual_scale(scene)
 
 
 def _triangulate(gmsh: Any, body: DimTags, facet_mm: float) -> None:

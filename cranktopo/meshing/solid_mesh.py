@@ -19,6 +19,7 @@ from cranktopo.cad.web_solid import DimTags, add_web
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.meshing.curving import straighten_folded
 from cranktopo.scene import Scene
+from cranktopo.scene.scale import usual_scale
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
 _TET10 = 11
@@ -29,6 +30,8 @@ _GROWTH = 0.5
 """Growth of the element size per mm of distance from a refined ring."""
 _FINEST = 1 / 12
 """Element size at a sharp re-entrant ring over the general one."""
+_ROUND_MM = 8.0
+"""Fillet of a throw of usual size, others in proportion, that the general element size suits."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +160,8 @@ def _set_sizes(
     gmsh.model.occ.synchronize()
     terms = [f"{size!r}"]
     if graded:
-        terms += [_ring_size(_finest(size, ring[-1], fillet_fraction), *ring) for ring in _rings(scene, full)]
+        rings = _rings(scene, full)
+        terms += [_ring_size(_finest(scene, size, ring[-1], fillet_fraction), *ring) for ring in rings]
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"
@@ -190,15 +194,15 @@ def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> N
     result = np.full(len(points_mm), size)
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
         across = np.hypot(np.hypot(x, y - axis_y) - radius, z - centre_z)
-        result = np.minimum(result, _finest(size, fillet) + _GROWTH * np.abs(across - fillet))
+        result = np.minimum(result, _finest(scene, size, fillet) + _GROWTH * np.abs(across - fillet))
     return result
 
 
-def _finest(size: float, fillet: float, fraction: float | None = None) -> float:
+def _finest(scene: Scene, size: float, fillet: float, fraction: float | None = None) -> float:
     """Element size on a fillet or at a sharp ring, mm."""
     if fraction is not None and fillet:
         return min(size, fraction * fillet)
-    return size * min(1.0, max(fillet / 8, _FINEST))
+    return size * min(1.0, max(usual_scale(scene) * fillet / _ROUND_MM, _FINEST))
 
 
 def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:

@@ -16,13 +16,13 @@ from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.evaluated_goal import evaluated_goals
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
-from cranktopo.remodel.usual_size import usual_scale
 from cranktopo.report.comparison import Comparison, Entry, check_same_supports, compare
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
 from cranktopo.report.pages.report_file import check_report_path, write_report
 from cranktopo.report.tables.undercut_table import DesignUndercuts
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene
+from cranktopo.scene.scale import usual_scale
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.surface.undercuts import half_throw_undercuts
 from cranktopo.triangles.shells import shell_volumes_mm3
@@ -30,6 +30,7 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _FACET_MM = 2.0
 _RAYS_MM = 1.0
+"""Of throws of usual size; others in proportion."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,8 @@ def comparison_record(
 def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> DesignUndercuts:
     """What would keep a design with this closed surface from being made."""
     hollows = int((shell_volumes_mm3(half_throw) < 0).sum())
-    return DesignUndercuts(name, hollows, half_throw_undercuts(half_throw, scene, _RAYS_MM))
+    step_mm = _RAYS_MM / usual_scale(scene)
+    return DesignUndercuts(name, hollows, half_throw_undercuts(half_throw, scene, step_mm))
 
 
 def _body(

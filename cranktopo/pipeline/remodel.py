@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from cranktopo.cad.solid_files import export_solid, surface_of
+from cranktopo.cad.solid_files import export_solid
 from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
@@ -19,19 +19,18 @@ from cranktopo.pipeline.interruption import interruptible
 from cranktopo.remodel.fit import FittedWeb, fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
-from cranktopo.remodel.usual_size import usual_limits, usual_scale
+from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.report.figures.drawing import write_drawing
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import check_destination, moved, open_run, unfinished_folder
 from cranktopo.store.files import write_json, write_text
+from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 from cranktopo.units import density_kg_per_mm3
 
 SCHEMA_VERSION = 1
-_FACET_MM = 1.0
-"""Facets of throws of usual size; others in proportion."""
 
 
 @dataclass(frozen=True)
@@ -108,9 +107,9 @@ def write_remodel(
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files["design"], toml_text(scene, heading))
     export_solid(scene, "half", folder / files["step"], started=started)
-    export_solid(scene, "half", folder / files["stl"], _FACET_MM / usual_scale(scene))
+    export_solid(scene, "half", folder / files["stl"])
     drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
-    write_drawing(scene, surface_of(scene, "half"), drawings, surface, started)
+    write_drawing(scene, read_stl(folder / files["stl"]), drawings, surface, started)
     return files
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.remodel.family import named_parts
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
-from cranktopo.scene.features.body import SHOULDER_MM
+from cranktopo.scene.features.body import least_shoulder_mm
 from cranktopo.scene.features.fitted import CLEAR_MM, FittedFeature, Surroundings
 from cranktopo.scene.features.flank import Flank
 
@@ -76,8 +76,9 @@ def part_constraints(
 
 def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, float]]:
     """Axes along the throw and the least distance of the outline from each: wall of the bore, fillet."""
+    least = least_shoulder_mm(scene.throw)
     return [
-        (y, max(j.bore_radius_mm + limits.min_wall_mm, j.radius_mm + j.fillet_mm + SHOULDER_MM) + CLEAR_MM)
+        (y, max(j.bore_radius_mm + limits.min_wall_mm, j.radius_mm + j.fillet_mm + least) + CLEAR_MM)
         for j, y in scene.throw.journals
     ]
 

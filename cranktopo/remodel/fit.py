@@ -21,10 +21,10 @@ from cranktopo.remodel.usual_size import (
     scaled_region,
     scaled_throw,
     usual_limits,
-    usual_scale,
 )
 from cranktopo.remodel.voxel_fill import VoxelFill, voxel_fill
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.scale import usual_scale
 from cranktopo.store.manifest import SEED
 
 if TYPE_CHECKING:
@@ -33,8 +33,9 @@ if TYPE_CHECKING:
     from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 Array = NDArray[np.float64]
-_SEARCH_CELL_MM = 2.0
-"""Cells of the search for features and stations."""
+_SEARCH_CELL_MM, _SCALED_DOWN_CELL_MM = 2.0, 4.0
+"""Cells of the search for features and stations; of throws of usual size, and of those scaled down, which
+have the largest usual journals and so get as many cells across as the smallest."""
 _SPREAD = 1.0
 """Standard deviation of the further initial guesses about the first, mm or degrees."""
 _ANGLE = "draft"
@@ -79,7 +80,8 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
     throw = scene if scale == 1 else scaled_throw(scene, scale)
     usual = SurfaceMesh(surface.vertices_mm * scale, surface.faces)
     body, within = solid_of(usual, "surface to be re-modelled"), scaled_limits(limits, scale)
-    chosen, trials = select(fit_problem(body, throw, within, _SEARCH_CELL_MM))
+    coarse_mm = _SCALED_DOWN_CELL_MM if scale < 1 else _SEARCH_CELL_MM
+    chosen, trials = select(fit_problem(body, throw, within, coarse_mm))
     fine = fit_problem(body, throw, within, within.cell_mm)
     fits = _final_fits(fine, chosen)
     best = fits[0]

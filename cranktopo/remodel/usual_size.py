@@ -12,17 +12,9 @@ from typing import Any
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.residual_regions import ResidualRegion
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.scale import usual_scale
 
-_USUAL_MM = (42.0, 84.0)
-"""Diameters of the thinner journal between which nothing is scaled."""
 _DIGITS = 6
-
-
-def usual_scale(scene: Scene) -> float:
-    """Factor that brings the thinner journal to the nearest usual diameter; 1 within their range."""
-    thinner = min(journal.outer_diameter_mm for journal, _ in scene.throw.journals)
-    low, high = _USUAL_MM
-    return min(max(thinner, low), high) / thinner
 
 
 def usual_limits(scene: Scene, **given: float | int | None) -> ManufacturingLimits:

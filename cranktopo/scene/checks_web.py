@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cranktopo.errors import invalid
-from cranktopo.scene.features.body import ROUNDING_MM, SHOULDER_MM
+from cranktopo.scene.features.body import ROUNDING_MM, least_shoulder_mm
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
 
@@ -42,18 +42,19 @@ def shoulder_mm(scene: Scene, y_mm: float) -> float:
 
 def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
     edge = shoulder_mm(scene, y)
+    least = least_shoulder_mm(scene.throw)
     if edge <= 0:
         allowed = f"does not reach around the axis of {key} at y = {y:g} mm"
         raise invalid("web.outline", scene.web.outline, allowed, "Widen or lengthen it.")
-    if journal.bore_radius_mm >= edge - SHOULDER_MM:
+    if journal.bore_radius_mm >= edge - least:
         raise invalid(
             f"{key}.bore_diameter_mm",
             journal.bore_diameter_mm,
-            f"breaks through the web's rim; must be smaller than {2 * (edge - SHOULDER_MM):.4g} mm",
+            f"breaks through the web's rim; must be smaller than {2 * (edge - least):.4g} mm",
             "Reduce the bore or widen the web.",
         )
-    if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - SHOULDER_MM + ROUNDING_MM:
-        room = edge - SHOULDER_MM - journal.radius_mm
+    if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - least + ROUNDING_MM:
+        room = edge - least - journal.radius_mm
         allowed = f"at most {room:.4g} mm fits" if room > 0 else "no fillet fits"
         raise invalid(
             f"{key}.fillet_mm",

@@ -14,7 +14,8 @@ from cranktopo.surface.isosurface import unsmoothed_solid
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]
-_FACET_MM = 1.0
+_FACETS_ALONG = 100
+"""Facets that a surface's longest extent is cut into at least."""
 _NEIGHBOURS = 24
 _MOST_POINTS = 20000
 # A ball in an edge of 90 degrees misses points up to 0.146 of its diameter deep, in one of 45 degrees up to
@@ -58,7 +59,7 @@ def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
     import trimesh
     from scipy.spatial import cKDTree
 
-    fine = solid_of(mesh).refine_to_length(_FACET_MM).to_mesh64()
+    fine = solid_of(mesh).refine_to_length(mesh.extent_mm / _FACETS_ALONG).to_mesh64()
     corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
     count = min(_NEIGHBOURS, len(corners))
     _, near = cKDTree(corners.mean(axis=1)).query(points_mm, k=count)

@@ -47,6 +47,11 @@ class SurfaceMesh:
         a, b, c = np.moveaxis(self.corners_mm, 1, 0)
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
+    @property
+    def extent_mm(self) -> float:
+        """Longest edge of its bounding box, mm."""
+        return float(np.ptp(self.vertices_mm, axis=0).max())
+
     def as_trimesh(self) -> Any:
         """The same vertices and faces as a `trimesh.Trimesh`."""
         import trimesh

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from cranktopo.errors import CranktopoError
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.residual_regions import ResidualRegion
 from cranktopo.remodel.usual_size import (
@@ -11,9 +12,9 @@ from cranktopo.remodel.usual_size import (
     scaled_region,
     scaled_throw,
     usual_limits,
-    usual_scale,
 )
-from cranktopo.scene import Scene
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.scale import usual_scale
 from tests.unit.remodel_cases import WHOLE, known_scene
 
 
@@ -43,6 +44,22 @@ def test_a_throw_scaled_there_and_back_is_itself(mikron: Scene) -> None:
         first, second = one.model_dump(), other.model_dump()
         assert first.keys() == second.keys()
         assert flat(first) == pytest.approx(flat(second), rel=1e-4)
+
+
+def test_least_shoulder_follows_small_throws(mikron: Scene) -> None:
+    """A fillet that leaves 0.1 mm of the web's face: the largest one at 42 mm, and of a seventh at 6 mm."""
+    for factor in (1.0, 1 / 7):
+        room = factor * (mikron.web.largest_half_width_mm - mikron.throw.crankpin.radius_mm)
+        with_fillet(scaled_throw(mikron, factor), 0.99999 * (room - factor * 0.1))
+        with pytest.raises(CranktopoError, match="larger than the shoulder"):
+            with_fillet(scaled_throw(mikron, factor), room - factor * 0.09)
+
+
+def with_fillet(scene: Scene, fillet_mm: float) -> Scene:
+    """The scene with a fillet at its crankpin, checked."""
+    data = scene.model_dump(exclude_none=True)
+    data["throw"]["crankpin"]["fillet_mm"] = fillet_mm
+    return scene_from_dict(data)
 
 
 def flat(data: object) -> list[float]:

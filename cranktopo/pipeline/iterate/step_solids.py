@@ -7,8 +7,8 @@ from pathlib import Path
 
 from cranktopo.cad.solid_files import export_solid
 from cranktopo.meshing.imported_body import half_throw_surface
-from cranktopo.remodel.usual_size import usual_scale
 from cranktopo.scene import Scene
+from cranktopo.scene.scale import usual_scale
 from cranktopo.surface.solids import snapped_to_mirror_plane, web_region
 from cranktopo.triangles.surface_files import read_stl, write_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of

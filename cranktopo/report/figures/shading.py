@@ -31,7 +31,8 @@ STRESS_COLOURS = (
     (0.992, 0.906, 0.145),
 )
 """Viridis without its darkest end: readable with any colour vision and on any page."""
-LARGEST_FACE_MM = 3.0
+_FACES_ALONG = 40
+"""Faces that a body's longest extent is cut into at least, for sorting by depth."""
 _BEYOND_MM = 0.06
 """How far beyond its sides the web still is web: a body from CAD may lie off by 0.05 mm."""
 _SHARP_DEGREES = 35.0
@@ -58,14 +59,15 @@ class ShadedMesh:
 
 
 def shaded(
-    mesh: SurfaceMesh, web_z_mm: tuple[float, float], largest_face_mm: float | None = LARGEST_FACE_MM
+    mesh: SurfaceMesh, web_z_mm: tuple[float, float], faces_along: int | None = _FACES_ALONG
 ) -> ShadedMesh:
     """Make a half throw ready for drawing, journals in another colour than the web.
 
     Args:
         web_z_mm: axial range of the web; what lies outside is a journal.
-        largest_face_mm: longest edge, as sorting by depth needs it; None keeps the faces as they are.
+        faces_along: the body's longest extent over the longest edge; None keeps the faces as they are.
     """
+    largest = mesh.extent_mm / faces_along if faces_along else None
     whole = solid_of(mesh).as_original()
     main, rest = whole.split_by_plane((0.0, 0.0, -1.0), _BEYOND_MM - web_z_mm[0])
     web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -_BEYOND_MM - web_z_mm[1])
@@ -76,9 +78,7 @@ def shaded(
         (pin, JOURNAL_COLOUR, None),
     )
     parts = [
-        _coloured(solid, colour, largest_face_mm, only)
-        for solid, colour, only in coloured
-        if not solid.is_empty()
+        _coloured(solid, colour, largest, only) for solid, colour, only in coloured if not solid.is_empty()
     ]
     before = np.cumsum([0, *(len(part.vertices_mm) for part in parts)])
     return ShadedMesh(

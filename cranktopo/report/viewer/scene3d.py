@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.report.figures.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
-from cranktopo.report.viewer.stress_scale import StressScale
+from cranktopo.report.viewer.stress_scale import FACES_ALONG, StressScale
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
@@ -25,8 +25,6 @@ SCRIPT = Path(__file__).with_name("viewer.js")
 MOST_FACES = 120_000
 """Of all bodies together; finer surfaces are simplified."""
 _SIMPLER_MM = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
-_STRESS_FACE_MM = 2.5
-"""Longest edge of a face whose corners are coloured by stress."""
 _ALIGNMENT = 4
 
 
@@ -120,7 +118,7 @@ def _stress(scales: Sequence[StressScale]) -> dict[str, Any] | None:
 
 
 def _body(arrays: _Arrays, body: ShownBody, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
-    shading = shaded(_simplified(body.mesh, most), body.web_z_mm, _STRESS_FACE_MM if scales else None)
+    shading = shaded(_simplified(body.mesh, most), body.web_z_mm, FACES_ALONG if scales else None)
     low, high = shading.vertices_mm.min(axis=0), shading.vertices_mm.max(axis=0)
     journal = np.zeros(len(shading.vertices_mm), np.uint8)
     journal[shading.faces] = (shading.colours == JOURNAL_COLOUR).all(axis=1)[:, None]

@@ -14,7 +14,8 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 SHARE = 0.99
 """Part of a surface that the colours tell apart: the rest lies at sharp edges, where stress has no limit."""
-_FACE_MM = 2.5
+FACES_ALONG = 48
+"""Longest extent of a body over the longest edge of a face that one colour or one value stands for."""
 _LARGE = 1000
 
 
@@ -63,7 +64,7 @@ def quantiles_MPa(mesh: SurfaceMesh, stress: CaseStress, *shares: float) -> NDAr
     Args:
         shares: parts of the area.
     """
-    fine = mesh_of(solid_of(mesh).refine_to_length(_FACE_MM))
+    fine = mesh_of(solid_of(mesh).refine_to_length(mesh.extent_mm / FACES_ALONG))
     values = stress.at(fine.corners_mm.mean(axis=1))
     order = np.argsort(values, axis=1)
     below = np.cumsum(fine.areas_mm2[order], axis=1) / fine.areas_mm2.sum()

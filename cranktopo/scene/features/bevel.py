@@ -15,7 +15,16 @@ from typing_extensions import override
 from cranktopo.errors import invalid
 from cranktopo.scene.base import Length, LengthOrZero, Place
 from cranktopo.scene.features.bevel_arc import BevelArc
-from cranktopo.scene.features.body import ROUNDING_MM, SHOULDER_MM, Array, Body, Face, Feature, Mask, Span
+from cranktopo.scene.features.body import (
+    ROUNDING_MM,
+    Array,
+    Body,
+    Face,
+    Feature,
+    Mask,
+    Span,
+    least_shoulder_mm,
+)
 from cranktopo.scene.features.fitted import (
     CLEAR_MM,
     Axes,
@@ -98,13 +107,14 @@ class EndBevel(Feature):
             allowed = f"the bevels overlap; the other starts at {starts['journal']:g} mm"
             raise invalid("web.bevel", starts["pin"], allowed)
         arc, (name, journal, axis) = self.arc(scene), _journals(scene.throw, self.face)[0]
-        room = arc.start_mm - arc.outward * axis - SHOULDER_MM
+        shoulder = least_shoulder_mm(scene.throw)
+        room = arc.start_mm - arc.outward * axis - shoulder
         if journal.radius_mm + journal.fillet_mm > room + ROUNDING_MM:
             raise invalid(
                 f"{key}.y_mm",
                 self.y_mm,
-                f"starts {room + SHOULDER_MM:.4g} mm from the axis of throw.{name}, which needs "
-                f"{journal.radius_mm + journal.fillet_mm + SHOULDER_MM:.4g} mm for its radius and fillet",
+                f"starts {room + shoulder:.4g} mm from the axis of throw.{name}, which needs "
+                f"{journal.radius_mm + journal.fillet_mm + shoulder:.4g} mm for its radius and fillet",
                 "Move the bevel outward.",
             )
 
@@ -240,7 +250,7 @@ class FittedBevel(FittedToSections):
         arc = self.arc(named, around.points_mm[[0, -1], 1])
         (_, journal, axis), (_, other, far) = _journals(around.scene.throw, self.face)
         reach = arc.outward * axis + journal.radius_mm + journal.fillet_mm
-        yield reach + SHOULDER_MM + CLEAR_MM - arc.start_mm
+        yield reach + least_shoulder_mm(around.scene.throw) + CLEAR_MM - arc.start_mm
         yield around.limits.min_wall_mm + arc.start_mm - arc.end_mm
         wall = around.scene.web.thickness_mm - around.limits.min_wall_mm
         yield -arc.distance_mm(wall, arc.outward * far + other.radius_mm)

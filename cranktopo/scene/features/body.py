@@ -19,17 +19,24 @@ from cranktopo.scene.features.primitives import FeatureDrawing, Solid
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
+    from cranktopo.scene.geometry import Throw
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Span = tuple[Array, Array]
 """Lateral interval (from, to), mm; empty where from >= to."""
 Face = Literal["journal", "pin"]
-SHOULDER_MM = 0.1
-"""Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
+_SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
+"""Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
 ROUNDING_MM = 1e-9
 """The largest dimension that a message names must itself be accepted."""
 _SAMPLES = 2001
+
+
+def least_shoulder_mm(throw: Throw) -> float:
+    """Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
+    thinner = min(journal.outer_diameter_mm for journal, _ in throw.journals)
+    return min(_SHOULDER_MM, _SHOULDER_SHARE * thinner)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.scene.features.body import SHOULDER_MM, Array
+from cranktopo.scene.features.body import Array, least_shoulder_mm
 from cranktopo.scene.features.fitted import (
     LEAST_MM,
     Axes,
@@ -87,7 +87,7 @@ class FittedPocket(FittedFeature):
             gap = self.gap_mm(named, 0.0, axis)
             yield journal.bore_radius_mm + wall - gap
             if self.face in (face, "through"):
-                yield journal.radius_mm + journal.fillet_mm + SHOULDER_MM - gap
+                yield journal.radius_mm + journal.fillet_mm + least_shoulder_mm(around.scene.throw) - gap
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:

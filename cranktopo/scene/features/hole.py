@@ -10,7 +10,7 @@ import numpy as np
 from typing_extensions import override
 
 from cranktopo.errors import CranktopoError, invalid
-from cranktopo.scene.features.body import SHOULDER_MM, Array, Body, Mask, Span
+from cranktopo.scene.features.body import Array, Body, Mask, Span, least_shoulder_mm
 from cranktopo.scene.features.primitives import Box, Cylinder, Solid
 
 if TYPE_CHECKING:
@@ -133,11 +133,12 @@ def check_cut(scene: ThrowView, body: Body) -> None:
         raise CranktopoError(
             f"{body.key}: lies outside the web's outline and removes nothing.", hint="Move or remove it."
         )
+    least = least_shoulder_mm(scene.throw)
     for bore in bore_holes(scene):
-        if body.distance_mm(bore.y_mm, middle) - bore.radius_mm < SHOULDER_MM:
+        if body.distance_mm(bore.y_mm, middle) - bore.radius_mm < least:
             raise CranktopoError(
                 f"{body.key}: cuts the bore {bore.key} = {2 * bore.radius_mm:g} mm.",
-                hint=f"Keep at least {SHOULDER_MM:g} mm of web between the pocket and the bore.",
+                hint=f"Keep at least {least:.3g} mm of web between the pocket and the bore.",
             )
 
 
