@@ -77,6 +77,8 @@ def _text(found: Extraction, path: Path) -> str:
         f"surface          {report.faces} faces, closed, 1 body, {report.cavities} closed hollows, "
         f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
     ]
+    if surface.fallback:
+        lines.append(f"fallback         the usual surface was not sound: {surface.fallback}")
     if cells < LEAST_MEMBER_CELLS:
         lines.append(f"warning: members thinner than {LEAST_MEMBER_CELLS:g} cells are not resolved")
     return "\n".join([*lines, str(path)])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.cad.solid_files import surface_of
 from cranktopo.scene import Scene
 from cranktopo.store.manifest import SEED
-from cranktopo.surface.fidelity import distances_mm
+from cranktopo.surface.iso_distance import distances_mm
 from cranktopo.surface.solids import web_region
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 

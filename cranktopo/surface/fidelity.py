@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
+from cranktopo.surface.cutter import build_cutter, fine_field
 from cranktopo.surface.density_grid import DensityGrid
-from cranktopo.surface.half_throw import WebSurface, build_cutter, fine_field
-from cranktopo.surface.isosurface import unsmoothed_solid
+from cranktopo.surface.half_throw import WebSurface
+from cranktopo.surface.iso_distance import iso_surface_distances_mm
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]
-_FACETS_ALONG = 100
-"""Facets that a surface's longest extent is cut into at least."""
-_NEIGHBOURS = 24
-_MOST_POINTS = 20000
 # A ball in an edge of 90 degrees misses points up to 0.146 of its diameter deep, in one of 45 degrees up to
 # 0.31; in a member that is too thin for it the ball misses the middle, half of its diameter deep. What lies
 # between counts as thin: knife edges below 35 degrees do. Voxels blur that by a part of their edge.
@@ -42,32 +38,7 @@ def iso_distance_mm(
     """
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
     field = fine_field(cutter, grid, scene, solid_fraction, smooth)
-    raw = unsmoothed_solid(field, surface.iso_value)
-    # Booleans keep the vertices they do not remove: those that are left bound the web.
-    left = _vertices((raw ^ cutter.envelope) - cutter.stubs - cutter.bores)
-    points = _common(_vertices(raw), left)
-    points = points[:: max(1, len(points) // _MOST_POINTS)]
-    return distances_mm(points, surface.web)
-
-
-def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
-    """Distance of points to a surface: to the nearest of the facets around, cut small before.
-
-    Returns:
-        (n,), mm; an upper bound, sharp where facets are regular.
-    """
-    import trimesh
-    from scipy.spatial import cKDTree
-
-    fine = solid_of(mesh).refine_to_length(mesh.extent_mm / _FACETS_ALONG).to_mesh64()
-    corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
-    count = min(_NEIGHBOURS, len(corners))
-    _, near = cKDTree(corners.mean(axis=1)).query(points_mm, k=count)
-    pairs = corners[near.reshape(-1)]
-    targets = np.repeat(points_mm, count, axis=0)
-    closest = trimesh.triangles.closest_point(pairs, targets)
-    gaps = np.linalg.norm(closest - targets, axis=1).reshape(-1, count)
-    return np.asarray(gaps.min(axis=1))
+    return iso_surface_distances_mm(cutter, field, surface.iso_value, surface.web)
 
 
 def minimum_member_mm(mesh: SurfaceMesh, z_mm: tuple[float, float], voxel_mm: float) -> float:
@@ -124,13 +95,3 @@ def _distance(seeds: NDArray[np.bool_], voxel_mm: float) -> Array:
     from scipy import ndimage
 
     return np.asarray(ndimage.distance_transform_edt(~seeds, sampling=voxel_mm), dtype=np.float64)
-
-
-def _vertices(solid: Manifold) -> Array:
-    return np.asarray(solid.to_mesh64().vert_properties)[:, :3]
-
-
-def _common(points: Array, kept: Array) -> Array:
-    """Points that are, bit for bit, among the kept ones."""
-    rows = {row.tobytes() for row in np.ascontiguousarray(kept)}
-    return points[[row.tobytes() in rows for row in np.ascontiguousarray(points)]]

@@ -10,7 +10,7 @@ the other they stay as marching cubes found them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from manifold3d import Manifold
@@ -22,7 +22,8 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
 Array = NDArray[np.float64]
 _PAD_CELLS = 3
-_REFINE = 2
+REFINE = 2
+"""Points of the lattice per cell and axis."""
 _ROUGH_STEPS = 3.0
 """How far around a rough place the surface stays as it is, in steps of the lattice."""
 _TAUBIN_LAMBDA, _TAUBIN_MU, _TAUBIN_STEPS = 0.5, 0.52, 10
@@ -53,14 +54,26 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], without_undercuts: bo
 
     filled = _filled(grid, usable)
     padded = np.pad(filled, _PAD_CELLS, mode="symmetric")
-    fine = ndimage.zoom(padded, _REFINE, order=3, mode="nearest", grid_mode=True)
-    spacing = grid.cell_mm / _REFINE
+    fine = ndimage.zoom(padded, REFINE, order=3, mode="nearest", grid_mode=True)
+    spacing = grid.cell_mm / REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
     if without_undercuts:
         _raise_outward_minima(
-            fine[_REFINE * _PAD_CELLS : -_REFINE * _PAD_CELLS], grid.origin_mm[X] + spacing[X] / 2, spacing[X]
+            fine[REFINE * _PAD_CELLS : -REFINE * _PAD_CELLS], grid.origin_mm[X] + spacing[X] / 2, spacing[X]
         )
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
+
+
+def blurred(field: FineField, steps: float) -> FineField:
+    """The field under a Gaussian filter, its outermost points void as before.
+
+    Args:
+        steps: standard deviation, steps of the lattice.
+    """
+    from scipy import ndimage
+
+    values = ndimage.gaussian_filter(field.values[1:-1, 1:-1, 1:-1], steps, mode="nearest")
+    return replace(field, values=np.pad(values, 1))
 
 
 def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array | None = None) -> Manifold:

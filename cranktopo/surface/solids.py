@@ -18,7 +18,7 @@ CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
 _OVERLAP_MM = 0.2
 _SLICES = 32
-_ON_MIRROR_MM = 1e-4
+ON_MIRROR_MM = 1e-4
 
 
 def segments(radius_mm: float) -> int:
@@ -108,9 +108,9 @@ def web_region(solid: Manifold, scene: Scene) -> Manifold:
     return solid.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
 
 
-def snapped_to_mirror_plane(points: np.ndarray) -> np.ndarray:
+def snapped_to_mirror_plane(points: np.ndarray, within_mm: float = ON_MIRROR_MM) -> np.ndarray:
     """Points (n, 3) with a tiny |x| put on x = 0, in place: mirrored halves then leave no slivers there."""
-    points[np.abs(points[:, X]) < _ON_MIRROR_MM, X] = 0.0
+    points[np.abs(points[:, X]) < within_mm, X] = 0.0
     return points
 
 

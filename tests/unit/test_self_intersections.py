@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from manifold3d import Manifold
 
-from cranktopo.surface import half_throw as extract
 from cranktopo.surface.isosurface import FineField, iso_solid, unsmoothed_solid
-from cranktopo.surface.surface_checks import check_surface
 from cranktopo.triangles.self_intersections import self_intersections_mm
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
-from tests.unit.surface_cases import grid_of, obround, scene_with
+from cranktopo.triangles.surface_mesh import mesh_of
 
 ISO, TOLERANCE_MM = 0.5586, 0.02
 PER_MILLE = """
@@ -51,31 +47,3 @@ def test_nothing_changes_far_from_rough_places() -> None:
     np.testing.assert_array_equal(again.vertices_mm, smooth.vertices_mm)
     rough = mesh_of(iso_solid(field, ISO, TOLERANCE_MM, np.array([[5.0, 5.0, 5.0]])))
     assert len(rough.vertices_mm) != len(smooth.vertices_mm)
-
-
-SLIVER_ATTEMPTS = 4
-
-
-def test_extraction_smooths_less_until_its_surface_is_sound(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two webs report a place however few slivers go; the third is taken, rough around both, volume kept."""
-    scene = scene_with()
-    places = [np.array([[25.0, 20.0, 30.0]]), np.array([[-25.0, 20.0, 30.0]])]
-    found = [place for place in places for _ in range(SLIVER_ATTEMPTS)] + [np.zeros((0, 3))]
-    rough: list[int] = []
-    cut = extract.Cutter.web
-
-    def watched(
-        cutter: extract.Cutter, field: FineField, iso: float, rough_mm: np.ndarray | None = None, **more: bool
-    ) -> Manifold:
-        if rough_mm is not None:
-            rough.append(len(rough_mm))
-        return cut(cutter, field, iso, rough_mm, **more)
-
-    def reported(mesh: SurfaceMesh) -> np.ndarray:
-        return found.pop(0)
-
-    monkeypatch.setattr(extract.Cutter, "web", watched)
-    monkeypatch.setattr(extract, "self_intersections_mm", reported)
-    surface = extract.extract_half_throw(grid_of(scene, obround(), cell_mm=3.0), scene)
-    assert rough == [0, 1, 2]
-    assert check_surface(surface).bodies == 1

@@ -17,8 +17,9 @@ from manifold3d import Manifold
 
 from cranktopo.formats import SURFACES
 from cranktopo.surface import DensityGrid, extract_half_throw
-from cranktopo.surface.fidelity import distances_mm, iso_distance_mm, minimum_member_mm
-from cranktopo.surface.half_throw import SIMPLIFY_MM, find_iso
+from cranktopo.surface.cutter import SIMPLIFY_MM, find_iso
+from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
+from cranktopo.surface.iso_distance import distances_mm
 from cranktopo.surface.isosurface import iso_solid, resample, unsmoothed_solid
 from cranktopo.triangles.surface_files import write_surface
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of

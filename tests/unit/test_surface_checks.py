@@ -14,7 +14,7 @@ from manifold3d import CrossSection, Manifold
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.surface import WebSurface, check_surface, extract_half_throw
-from cranktopo.surface.surface_checks import check_manifold, check_self_intersection
+from cranktopo.surface.mesh_checks import check_manifold, check_self_intersection
 from cranktopo.triangles.shells import shell_volumes_mm3, shells
 from cranktopo.triangles.surface_files import write_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.surface import DensityGrid, WebSurface, check_surface, extract_half_throw
-from cranktopo.surface.half_throw import find_iso
+from cranktopo.surface.cutter import find_iso
 from cranktopo.triangles.shells import shell_volumes_mm3
 from cranktopo.triangles.surface_mesh import solid_of
 from tests.unit.surface_cases import ball, everywhere, grid_of, obround, scene_with, united, without
