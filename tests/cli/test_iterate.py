@@ -121,6 +121,21 @@ def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mi
     assert mirror_difference(envelope_from_file(path)) < 1e-9
 
 
+def test_an_envelope_with_a_crack_is_simplified_otherwise(
+    tmp_path: Path, mikron: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_solids(known_scene(mikron, WHOLE), tmp_path)
+    usual = write_envelope(tmp_path).rename(tmp_path / "usual.stl")
+    faults = ["touches itself", ""]
+    monkeypatch.setattr(step_solids, "manifold_fault", lambda mesh: faults.pop(0))
+    path = write_envelope(tmp_path)
+    assert not faults
+    assert path.read_bytes() != usual.read_bytes()
+    assert trimesh.load_mesh(path).is_watertight
+    assert mirror_difference(envelope_from_file(path)) < 1e-9
+    assert trimesh.load_mesh(path).volume == pytest.approx(trimesh.load_mesh(usual).volume, rel=1e-4)
+
+
 def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene) -> None:
     """Volume of the envelope on the grid against the closed form of the web."""
     write_solids(mikron, tmp_path)

@@ -5,10 +5,13 @@ from __future__ import annotations
 from datetime import datetime
 from pathlib import Path
 
+from manifold3d import Manifold
+
 from cranktopo.cad.solid_files import export_solid
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.scene import Scene
 from cranktopo.scene.scale import usual_scale
+from cranktopo.surface.mesh_checks import manifold_fault
 from cranktopo.surface.solids import snapped_to_mirror_plane, web_region
 from cranktopo.triangles.surface_files import read_stl, write_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
@@ -17,7 +20,8 @@ WEB = "web_only.stl"
 HALF = "web"
 FACET_MM = 2.0
 _X_AXIS = (1.0, 0.0, 0.0)
-_SIMPLIFY_MM = 2e-3
+_SIMPLIFY_MM = (2e-3, 4e-3, 1e-3, 8e-3)
+"""How far simplification may move the surface, from attempt to attempt."""
 
 
 def write_solids(scene: Scene, folder: Path, started: datetime | None = None) -> None:
@@ -56,12 +60,23 @@ def write_envelope(folder: Path) -> Path:
     if path.is_file():
         return path
     web = read_web(folder)
-    body = solid_of(web, f"web of {folder.name}")
-    half = (
-        body.trim_by_plane(_X_AXIS, 0.0)
-        .warp_batch(snapped_to_mirror_plane)
-        .simplify(_SIMPLIFY_MM)
-        .warp_batch(snapped_to_mirror_plane)
-    )
-    write_stl(path, mesh_of(half + half.mirror(_X_AXIS)))  # simplified before it is mirrored, else lopsided
+    write_stl(path, _symmetric(solid_of(web, f"web of {folder.name}")))
     return path
+
+
+def _symmetric(body: Manifold) -> SurfaceMesh:
+    """Surface of the side x >= 0 and its mirror image, simplified before it is mirrored, else it is lopsided.
+
+    Points that are put on x = 0 may leave a crack without width there: then it is simplified otherwise.
+    """
+    for tolerance_mm in _SIMPLIFY_MM:
+        half = (
+            body.trim_by_plane(_X_AXIS, 0.0)
+            .warp_batch(snapped_to_mirror_plane)
+            .simplify(tolerance_mm)
+            .warp_batch(snapped_to_mirror_plane)
+        )
+        mesh = mesh_of(half + half.mirror(_X_AXIS))
+        if not manifold_fault(mesh):
+            break
+    return mesh
