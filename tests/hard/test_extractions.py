@@ -1,7 +1,7 @@
 """No density of an optimisation is refused: 300 of them, half in boxes and half in re-modelled webs.
 
-`python -m pytest tests/hard/test_extractions.py -m slow -n 0 -s` takes many minutes, most of them for compiling;
-`python -m tests.hard.extractions 0 150` prints the same surfaces one by one.
+`python -m pytest tests/hard/test_extractions.py -m slow -n 0 -s` takes many minutes, most of them for
+compiling; `python -m tests.hard.extractions 0 150` prints the same surfaces one by one.
 """
 
 from __future__ import annotations
