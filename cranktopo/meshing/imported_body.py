@@ -16,7 +16,7 @@ from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError
 from cranktopo.frames import Z
 from cranktopo.meshing.found_fillets import with_found_fillets
-from cranktopo.meshing.placement import Placement, placed
+from cranktopo.meshing.placement import Placement, placed, without_bores_left_out
 from cranktopo.meshing.remesh import tetrahedralise
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_body, positive_x, ring_size_mm
 from cranktopo.scene import Scene
@@ -103,13 +103,15 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
     if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
         body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
     occ.synchronize()
-    motion = placed(solid_of(kernel_surface(gmsh), str(path)), scene, str(path), align)
+    surface = solid_of(kernel_surface(gmsh), str(path))
+    scene, lacking = without_bores_left_out(surface, scene)
+    motion = placed(surface, scene, str(path), align)
     if motion is not None:
         occ.affineTransform(body, motion.affine)
     web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
-    return body, solid_properties(occ, body), web_volume, _note(motion)
+    return body, solid_properties(occ, body), web_volume, _note(motion, lacking)
 
 
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
@@ -148,7 +150,7 @@ def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) ->
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
-    surface, motion = _half_throw(path, scene, align)
+    surface, note = _half_throw(path, scene, align)
     body = solid_of(surface, str(path))
     half = _properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
@@ -158,7 +160,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow
     points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
     points = np.ascontiguousarray(_on_planes(points.T, scene, _ROUNDING).T)
     web_volume = float(web_region(body, scene).volume())
-    return MeshedThrow(TetMesh(points, cells, mirrored), half, web_volume, _note(motion))
+    return MeshedThrow(TetMesh(points, cells, mirrored), half, web_volume, note)
 
 
 def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
@@ -173,8 +175,8 @@ def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMes
     return _half_throw(path, scene, align)[0]
 
 
-def _half_throw(path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, Placement | None]:
-    """The surface where the scene's journals are, and the motion that brought it there."""
+def _half_throw(path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, str]:
+    """The surface where the scene's journals are, and what was done or is to be known."""
     surface = read_stl(path, str(path))
     if len(surface.faces) == 0:
         raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
@@ -186,14 +188,18 @@ def _half_throw(path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, Pla
         raise CranktopoError(f"{path}: holds {bodies} separate bodies.", hint="Remove the loose parts.")
     vertices = surface.vertices_mm
     _check_unit(path, scene, float(vertices[:, Z].min()), float(vertices[:, Z].max()))
-    motion = placed(solid_of(SurfaceMesh(vertices, faces), str(path)), scene, str(path), align)
+    body = solid_of(SurfaceMesh(vertices, faces), str(path))
+    scene, lacking = without_bores_left_out(body, scene)
+    motion = placed(body, scene, str(path), align)
     if motion is not None:
         vertices = motion.moved(vertices)
-    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), motion
+    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), _note(
+        motion, lacking
+    )
 
 
-def _note(motion: Placement | None) -> str:
-    return f"moved to where the journals are: it {motion.words}" if motion else ""
+def _note(motion: Placement | None, lacking: str) -> str:
+    return f"moved to where the journals are: it {motion.words}" if motion else lacking
 
 
 def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:

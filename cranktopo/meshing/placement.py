@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
@@ -99,6 +100,17 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
         "Add --align to move it there." if where else f"Is '{scene.name}' the design that it was made from?"
     )
     raise CranktopoError(f"{name}: does not lie where the throw is: {found[0]}.{fits}", hint=hint)
+
+
+def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
+    """The scene as the body has it, and a note, where it lacks the bores that the effects plan leaves out.
+
+    Surfaces of runs are such bodies: what is not simulated is not in them.
+    """
+    plain = planned_scene(scene, ("fillets",))
+    if plain.throw == scene.throw or not misfits(body, scene) or misfits(body, plain):
+        return scene, ""
+    return plain, "without the bores of the journals: the effects plan leaves them out"
 
 
 def misfits(body: Manifold, scene: Scene) -> list[str]:

@@ -8,8 +8,8 @@ from manifold3d import Manifold
 
 from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
-from cranktopo.meshing.placement import misfits, placed, ring_at
-from cranktopo.scene import Scene, load_scene
+from cranktopo.meshing.placement import misfits, placed, ring_at, without_bores_left_out
+from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.surface.solids import cylinder, journal_halves, web_bores
 
 
@@ -40,6 +40,25 @@ def body(mikron: Scene) -> Manifold:
 
 def test_a_body_that_lies_right_passes(body: Manifold, mikron: Scene) -> None:
     assert placed(body, mikron, "body", align=False) is None
+
+
+def test_a_bore_that_the_plan_leaves_out_may_be_missing() -> None:
+    """A run's surface has no bore that changes less than the threshold; the body is read with a note."""
+    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    for name, bore in (("main_journal", 0.0), ("crankpin", 6.0)):
+        data["throw"][name] |= {"bore_diameter_mm": bore, "fillet_mm": 0.0}
+    small = scene_from_dict(data)
+    bare = without(small, "bores")
+    main, pin = journal_halves(bare)
+    start, end = bare.web_z_mm
+    solid = main + pin + sum((cylinder(27.0, y, (start, end)) for y in (0.0, 24.0, 48.0)), Manifold())
+    found, note = without_bores_left_out(solid, small)
+    assert found.throw == bare.throw
+    assert "the effects plan leaves them out" in note
+    kept = small.model_copy(update={"effects": small.effects.model_copy(update={"bores": "on"})})
+    assert without_bores_left_out(solid, kept) == (kept, "")
+    with pytest.raises(CranktopoError, match=r"bore 0\.00 mm instead of 6"):
+        placed(solid, kept, "body", align=False)
 
 
 HALF_PITCH, RADIUS = 57.0, 48.0
