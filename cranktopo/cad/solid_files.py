@@ -146,6 +146,11 @@ def _usual_facet_mm(scene: Scene) -> float:
     return _FACET_MM / usual_scale(scene)
 
 
+def coarse_facet_mm(scene: Scene) -> float:
+    """Twice the usual facet: for what is looked at, and for the envelope of a loop's next step."""
+    return 2 * _usual_facet_mm(scene)
+
+
 def _triangulate(gmsh: Any, body: DimTags, facet_mm: float) -> None:
     """Facets with outward normals: a face's own normal may point into the body, as a bore's does."""
     for dim, tag in body:

@@ -31,7 +31,8 @@ def command(
     """Fit a web that a die or a mill can make to the extracted body of RUN.
 
     Spline outline, end bevels, side pocket and pockets, each kept only for the overlap it gains. Writes a
-    scene that every command accepts, the exact solid as STEP and STL, a drawing and remodel.json.
+    scene that every command accepts, the exact solid as STEP and STL, a drawing, remodel.json and a page;
+    'cranktopo report RUN' shows its numbers as well.
 
     Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
     """

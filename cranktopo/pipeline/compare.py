@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cranktopo.cad.solid_files import surface_of
+from cranktopo.cad.solid_files import coarse_facet_mm, surface_of
 from cranktopo.effects import plan
 from cranktopo.evaluate.case_stress import case_stress
 from cranktopo.evaluate.evaluation import Info
@@ -28,7 +28,6 @@ from cranktopo.surface.undercuts import half_throw_undercuts
 from cranktopo.triangles.shells import shell_volumes_mm3
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
-_FACET_MM = 2.0
 _RAYS_MM = 1.0
 """Of throws of usual size; others in proportion."""
 
@@ -137,7 +136,7 @@ def _body(
 def _surface(target: Target) -> SurfaceMesh:
     if target.file is not None:
         return half_throw_surface(target.file, target.scene, target.align)
-    return surface_of(target.scene, "half", _FACET_MM / usual_scale(target.scene))
+    return surface_of(target.scene, "half", coarse_facet_mm(target.scene))
 
 
 def _hashes(targets: Sequence[Target]) -> dict[str, str]:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from cranktopo.cad.solid_files import surface_of
+from cranktopo.loads.balance import throw_balance
 from cranktopo.report.figures.drawing import write_drawing
 from cranktopo.scene import Scene
 from cranktopo.store.files import replacing
-
-_FACETS = 40.0
-"""Facets along the thinner journal's diameter."""
 
 
 def export_drawing(scene: Scene, path: Path) -> None:
@@ -19,7 +17,6 @@ def export_drawing(scene: Scene, path: Path) -> None:
     Raises:
         CranktopoError: impossible dimensions, or a file that cannot be written.
     """
-    journals = (journal for journal, _ in scene.throw.journals)
-    half = surface_of(scene, "half", min(journal.outer_diameter_mm for journal in journals) / _FACETS)
+    half = surface_of(scene, "half")
     with replacing(path) as temporary:
-        write_drawing(scene, half, [temporary])
+        write_drawing(scene, throw_balance(scene), half, [temporary])

@@ -14,6 +14,7 @@ from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
 from cranktopo.evaluate.targets import Target, resolve_target
+from cranktopo.loads.balance import throw_balance
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.pipeline.interruption import interruptible
 from cranktopo.remodel.fit import FittedWeb, fit_web
@@ -21,11 +22,15 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.report.figures.drawing import write_drawing
+from cranktopo.report.pages.remodel_page import remodel_page
+from cranktopo.report.pages.report_file import REPORT, write_report
+from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import check_destination, moved, open_run, unfinished_folder
 from cranktopo.store.files import write_json, write_text
+from cranktopo.store.manifest import timestamp, versions
 from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 from cranktopo.units import density_kg_per_mm3
@@ -79,6 +84,7 @@ def remodel_run(
         data = _as_json(run.name, fitted, near, limits, stiffness, files)
         data["seconds"] = {"total": time.perf_counter() - began}
         write_json(unfinished / files["json"], data)
+        _write_page(data, fitted.scene, surface, unfinished)
         check()
         moved(unfinished, folder)
     return {**data, "folder": str(folder)}
@@ -102,15 +108,32 @@ def write_remodel(
     """
     scene = fitted.scene
     files = {"design": f"{scene.name}.toml", "step": "half_throw.step", "stl": "half_throw.stl"}
-    files |= {"drawing": "drawing.png", "drawing_svg": "drawing.svg", "json": "remodel.json"}
+    files |= {
+        "drawing": "drawing.png",
+        "drawing_svg": "drawing.svg",
+        "json": "remodel.json",
+        "report": REPORT,
+    }
     info(f"{scene.name}: writing the solid and the drawing")
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files["design"], toml_text(scene, heading))
     export_solid(scene, "half", folder / files["step"], started=started)
     export_solid(scene, "half", folder / files["stl"])
     drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
-    write_drawing(scene, read_stl(folder / files["stl"]), drawings, surface, started)
+    half_throw = read_stl(folder / files["stl"])
+    write_drawing(scene, throw_balance(scene), half_throw, drawings, surface, started)
     return files
+
+
+def _write_page(data: dict[str, Any], scene: Scene, surface: SurfaceMesh, folder: Path) -> None:
+    """The report: the web and the body that it was fitted to, and all that was measured."""
+    fitted = read_stl(folder / data["files"]["stl"])
+    bodies = tuple(
+        ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2)
+        for name, mesh in (("re-modelled", fitted), ("body of the run", surface))
+    )
+    page = remodel_page(data, bodies, versions(), timestamp()[:10])
+    write_report(page, folder / data["files"]["report"])
 
 
 def _surface(target: Target, scene: Scene) -> SurfaceMesh:

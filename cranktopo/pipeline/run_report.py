@@ -35,7 +35,7 @@ from cranktopo.triangles.surface_files import read_stl
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 # What other commands print with --json, where the run holds it.
-_FATIGUE, _ACCURACY = "fatigue.json", "accuracy.json"
+_FATIGUE, _ACCURACY, _REMODEL = "fatigue.json", "accuracy.json", "remodel/remodel.json"
 
 
 def report_run(run: RunStore | str, path: Path | None = None, stress_progress: Info | None = None) -> Path:
@@ -99,6 +99,7 @@ def record_of(
         fatigue=_optional(run.path / _FATIGUE),
         accuracy=_optional(run.path / _ACCURACY),
         stress=stress,
+        remodel=_optional(run.path / _REMODEL),
     )
 
 

@@ -25,7 +25,7 @@ class RunRecord:
         loads: loads of its engine; None without an engine.
         mesh: surface of the half throw, mm; None where the density has none.
         snapshots: its intermediate designs, as far as they were kept.
-        fatigue, accuracy: what those commands print with --json, where the run holds it.
+        fatigue, accuracy, remodel: what those commands print with --json, where the run holds it.
         stress: of its load cases by the body-fitted evaluation, where it was solved.
     """
 
@@ -40,3 +40,4 @@ class RunRecord:
     fatigue: Mapping[str, Any] | None
     accuracy: Mapping[str, Any] | None
     stress: CaseStress | None
+    remodel: Mapping[str, Any] | None = None

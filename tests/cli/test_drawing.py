@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 
 from cranktopo.cad.solid_files import surface_of
 from cranktopo.cli.main import main
+from cranktopo.loads.balance import throw_balance
 from cranktopo.report.figures.drawing import drawing_figure
 from cranktopo.scene import Scene, load_scene
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.surface.solids import web_region
+from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 from tests.unit.remodel_cases import WHOLE, known_scene
 
 A3_MM = (420.0, 297.0)
@@ -33,10 +35,13 @@ def texts(figure: Figure) -> list[str]:
 
 def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
     scene, half = drawn
-    found = "\n".join(texts(drawing_figure(scene, half)))
+    found = "\n".join(texts(drawing_figure(scene, throw_balance(scene), half)))
     throw = scene.throw
     for wanted in (scene.name, scene.material.name, "1:1", "first-angle", "ISO 2768", "Ra"):
         assert wanted in found
+    web_kg = web_region(solid_of(half), scene).volume() * scene.material.density_kg_m3 * 1e-9
+    (shown,) = re.findall(r"one web (\S+) kg", found)
+    assert float(shown) == pytest.approx(web_kg, rel=5e-3)
     for journal in (throw.main_journal, throw.crankpin):
         assert f"⌀{journal.outer_diameter_mm:g}" in found
         assert f"length {journal.length_mm:g}" in found
@@ -56,7 +61,7 @@ def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
 
 def test_views_have_the_scale_of_the_title_block(drawn: tuple[Scene, SurfaceMesh]) -> None:
     scene, half = drawn
-    figure = drawing_figure(scene, half)
+    figure = drawing_figure(scene, throw_balance(scene), half)
     scale = float(next(re.sub(":1", "", t) for t in texts(figure) if re.fullmatch(r"\d+:1", t)))
     assert np.allclose(figure.get_size_inches() * 25.4, A3_MM)
     for axes in figure.axes[:3]:
@@ -69,7 +74,7 @@ def test_views_have_the_scale_of_the_title_block(drawn: tuple[Scene, SurfaceMesh
 def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> None:
     """Middles of all dimension lines, against the cut or outlined area of their view."""
     scene, half = drawn
-    for axes in drawing_figure(scene, half).axes[:3]:
+    for axes in drawing_figure(scene, throw_balance(scene), half).axes[:3]:
         path = axes.patches[0].get_path()
         body = CrossSection([p[:-1] for p in path.to_polygons()], FillRule.EvenOdd)
         arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None) and not text.get_text()]

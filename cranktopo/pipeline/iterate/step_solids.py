@@ -7,10 +7,9 @@ from pathlib import Path
 
 from manifold3d import Manifold
 
-from cranktopo.cad.solid_files import export_solid
+from cranktopo.cad.solid_files import coarse_facet_mm, export_solid
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.scene import Scene
-from cranktopo.scene.scale import usual_scale
 from cranktopo.surface.mesh_checks import manifold_fault
 from cranktopo.surface.solids import snapped_to_mirror_plane, web_region
 from cranktopo.triangles.surface_files import read_stl, write_stl
@@ -18,7 +17,6 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 WEB = "web_only.stl"
 HALF = "web"
-FACET_MM = 2.0
 _X_AXIS = (1.0, 0.0, 0.0)
 _SIMPLIFY_MM = (2e-3, 4e-3, 1e-3, 8e-3)
 """How far simplification may move the surface, from attempt to attempt."""
@@ -32,7 +30,7 @@ def write_solids(scene: Scene, folder: Path, started: datetime | None = None) ->
     Raises:
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """
-    facet = FACET_MM / usual_scale(scene)
+    facet = coarse_facet_mm(scene)
     export_solid(scene, "half", folder / f"{HALF}.step", started=started)
     export_solid(scene, "half", folder / f"{HALF}.stl", facet)
     export_solid(scene, "web", folder / WEB, facet)

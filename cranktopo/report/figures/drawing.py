@@ -11,14 +11,13 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.loads.balance import throw_balance
+from cranktopo.loads.balance import ThrowBalance
 from cranktopo.report.figures.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
 from cranktopo.report.figures.drawing_views import Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.scene import Scene
 from cranktopo.scene.features import ProfileWeb
 from cranktopo.scene.symmetry import web_asymmetry
 from cranktopo.store.dates import time_of_writing
-from cranktopo.units import density_kg_per_mm3
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,6 +39,7 @@ _NOTES = (
 
 def write_drawing(
     scene: Scene,
+    balance: ThrowBalance,
     half_throw: SurfaceMesh,
     paths: Sequence[Path],
     body: SurfaceMesh | None = None,
@@ -48,6 +48,7 @@ def write_drawing(
     """Draw the half throw of a scene with its dimensions.
 
     Args:
+        balance: its masses, for the title block.
         half_throw: its exact solid, triangulated.
         paths: files to write; each ending gives its format.
         body: closed surface that the web was fitted to, drawn as dashed lines.
@@ -56,7 +57,7 @@ def write_drawing(
     import matplotlib as mpl
 
     written = time_of_writing(started)
-    figure = drawing_figure(scene, half_throw, body, written)
+    figure = drawing_figure(scene, balance, half_throw, body, written)
     with mpl.rc_context({"svg.hashsalt": scene.name}):  # the same names of parts in every drawing
         for path in paths:
             date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
@@ -65,6 +66,7 @@ def write_drawing(
 
 def drawing_figure(
     scene: Scene,
+    balance: ThrowBalance,
     half_throw: SurfaceMesh,
     body: SurfaceMesh | None = None,
     written: datetime | None = None,
@@ -92,7 +94,7 @@ def drawing_figure(
     page.axis("off")
     frame(page, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
     _table(page, sheet)
-    _title_block(page, sheet, scale, time_of_writing(written))
+    _title_block(page, sheet, balance, scale, time_of_writing(written))
     return figure
 
 
@@ -162,16 +164,14 @@ def _outline_lines(scene: Scene) -> list[str]:
     ]
 
 
-def _title_block(page: Any, sheet: Sheet, scale: float, written: datetime) -> None:
+def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, written: datetime) -> None:
     """Fields of ISO 7200 in the lower right corner, the notes above them."""
     scene = sheet.scene
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
-    density = density_kg_per_mm3(scene.material.density_kg_m3)
-    web_kg = density * sheet.web_volume_mm3
     rows = (
         ("Title", f"{scene.name}: crank throw, half of it shown"),
         ("Material", scene.material.name),
-        ("Mass", f"throw {throw_balance(scene).mass_kg:.3f} kg, one web {web_kg:.3f} kg"),
+        ("Mass", f"throw {balance.mass_kg:.3f} kg, one web {balance.web_kg:.3f} kg"),
         ("Scale", f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"),
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),

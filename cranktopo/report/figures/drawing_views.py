@@ -70,11 +70,6 @@ class Sheet:
         """How each feature of the web appears."""
         return [feature.drawing(self.scene) for _, _, feature in self.scene.web.features()]
 
-    @cached_property
-    def web_volume_mm3(self) -> float:
-        """Volume between the web faces."""
-        return float(web_region(self.solid, self.scene).volume())
-
     @property
     def y_range_mm(self) -> tuple[float, float]:
         """Extent of web and journals along the throw."""

@@ -12,6 +12,7 @@ from cranktopo.report.figures.plot import Picture, picture
 from cranktopo.report.figures.scatter import LABELS, Point
 from cranktopo.report.pages.accuracy_section import accuracy_section
 from cranktopo.report.pages.page import Page, Section
+from cranktopo.report.pages.remodel_page import remodel_section
 from cranktopo.report.pages.sections import (
     assumed_tables,
     effects_section,
@@ -58,6 +59,7 @@ def run_page(record: RunRecord) -> Page:
             loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
             stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
             accuracy_section(metrics, record.accuracy, record.folder),
+            *([remodel_section(record.remodel)] if record.remodel else []),
             effects_section(metrics["effects"]),
             _provenance(record),
             versions_section(manifest["versions"], metrics["files"]),

@@ -9,10 +9,11 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.scene.base import Length, Place
-from cranktopo.scene.features.body import Array, Body, Feature
+from cranktopo.scene.features.body import Array, Body
+from cranktopo.scene.features.face_pocket import FacePocket
 from cranktopo.scene.features.fitted import Named, Region
 from cranktopo.scene.features.fitted_pocket import FittedPocket
-from cranktopo.scene.features.hole import RectangularHole, check_cut, check_depth, depth_range_mm
+from cranktopo.scene.features.hole import RectangularHole, check_depth, depth_range_mm
 from cranktopo.scene.features.primitives import FeatureDrawing, Polyline, number_lines
 
 if TYPE_CHECKING:
@@ -21,14 +22,12 @@ if TYPE_CHECKING:
 _TINY = 1e-12
 
 
-class BoxPocket(Feature):
+class BoxPocket(FacePocket):
     """Box-shaped pocket cut from one web face."""
 
     shape: Literal["box"]
     face: Literal["journal", "pin"] = Field(examples=["pin"])
     """Web face that it starts from."""
-    x_mm: Place = 0.0
-    """Centre across the throw, from the crank axis."""
     y_mm: Place = Field(examples=[0.0])
     """Centre along the throw, from the crank axis toward the crankpin."""
     size_x_mm: Length = Field(examples=[10.0])
@@ -47,15 +46,6 @@ class BoxPocket(Feature):
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
-
-    @override
-    def check_in_web(self, scene: ThrowView, key: str) -> None:
-        for body in self.bodies(scene, key):
-            check_cut(scene, body)
-
-    @override
-    def mirrored(self) -> Self:
-        return self.model_copy(update={"x_mm": -self.x_mm + 0.0})
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:

@@ -10,10 +10,11 @@ from typing_extensions import override
 
 from cranktopo.errors import invalid
 from cranktopo.scene.base import Length, Place
-from cranktopo.scene.features.body import Array, Body, Feature
+from cranktopo.scene.features.body import Array, Body
+from cranktopo.scene.features.face_pocket import FacePocket
 from cranktopo.scene.features.fitted import Named, Region
 from cranktopo.scene.features.fitted_pocket import FittedPocket
-from cranktopo.scene.features.hole import RoundHole, check_cut, check_depth, depth_range_mm
+from cranktopo.scene.features.hole import RoundHole, check_depth, depth_range_mm
 from cranktopo.scene.features.primitives import Circle, FeatureDrawing, number_lines
 
 if TYPE_CHECKING:
@@ -22,14 +23,12 @@ if TYPE_CHECKING:
 _TINY = 1e-12
 
 
-class CylinderPocket(Feature):
+class CylinderPocket(FacePocket):
     """Cylindrical pocket with its axis parallel to the crank axis."""
 
     shape: Literal["cylinder"]
     face: Literal["through", "journal", "pin"] = "through"
     """Web face that it starts from; `through` = a hole through the web."""
-    x_mm: Place = 0.0
-    """Centre across the throw, from the crank axis."""
     y_mm: Place = Field(examples=[24.0])
     """Centre along the throw, from the crank axis toward the crankpin."""
     diameter_mm: Length = Field(examples=[6.0])
@@ -52,15 +51,6 @@ class CylinderPocket(Feature):
             raise invalid(f"{key}.depth_mm", self.depth_mm, allowed, hint)
         if self.depth_mm is not None:
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
-
-    @override
-    def check_in_web(self, scene: ThrowView, key: str) -> None:
-        for body in self.bodies(scene, key):
-            check_cut(scene, body)
-
-    @override
-    def mirrored(self) -> Self:
-        return self.model_copy(update={"x_mm": -self.x_mm + 0.0})
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
