@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from cranktopo.errors import CranktopoError
 from cranktopo.remodel.constraints import part_constraints
 from cranktopo.remodel.family import Layout, web_of
 from cranktopo.remodel.fit import fit_problem, fit_web, scene_with_web
@@ -146,6 +149,29 @@ def test_pockets_keep_a_wall_between_each_other(mikron: Scene) -> None:
     assert wall_mm(32.0, 24.0, 3.0) == pytest.approx(9.5 - 2.5 - opening - 3.0, abs=0.03)  # above
     assert wall_mm(32.0, 45.0, 12.0) == pytest.approx(21.0 - 3.0 - 12.0 - opening, abs=0.03)  # beyond its end
     assert wall_mm(32.0, 24.0, 12.0) < 0  # into it
+
+
+def test_constraints_refuse_a_groove_whose_floor_a_bevel_takes_off(mikron: Scene) -> None:
+    """What the fit may choose the scene accepts; without the last two terms, one per bevel, it would not."""
+    layout, limits = Layout(7, (*PARTS[:2], FittedSlot(through=True))), ManufacturingLimits(0.5)
+    points = _profile(mikron).flank.along(48)
+    sound = []
+    for floor, offset, height in product((15.0, 20.0, 24.0, 27.0, 31.0), np.linspace(-7, 7, 15), (3.0, 4.0)):
+        values = np.array([*values_of(MORE)[:13], height, floor, offset, 3.0])
+        terms = part_constraints(layout.parts, points, values[7:], mikron, limits)
+        web = web_of(layout, values, mikron)
+        sound.append((terms[:-2].max() <= 0, terms[-2:].max() <= 0, _accepted(mikron, web)))
+    assert (True, True, True) in sound
+    assert (True, False, False) in sound
+    assert (True, True, False) not in sound
+
+
+def _accepted(scene: Scene, web: dict[str, Any]) -> bool:
+    try:
+        scene_with_web(scene, web)
+    except CranktopoError:
+        return False
+    return True
 
 
 def _profile(mikron: Scene) -> ProfileWeb:

@@ -16,6 +16,7 @@ from cranktopo.scene.base import Length, Place
 from cranktopo.scene.features.bevel import height_range_mm
 from cranktopo.scene.features.body import Array, Body, Feature
 from cranktopo.scene.features.fitted import (
+    CLEAR_MM,
     LEAST_MM,
     Axes,
     Cells,
@@ -34,6 +35,7 @@ from cranktopo.scene.features.primitives import (
 from cranktopo.scene.features.side_slots import BEYOND_MM, SideSlots
 
 if TYPE_CHECKING:
+    from cranktopo.scene.features.bevel_arc import BevelArc
     from cranktopo.scene.features.throw_view import ThrowView
 
 _LARGEST_DRAFT_DEG = 45.0
@@ -140,6 +142,20 @@ def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
         )
 
 
+def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> Any:
+    """How far a bevel reaches below a groove's floor where the groove cuts, mm; <= 0 where it nowhere does.
+
+    Args:
+        bottom_mm: depth of the floor's far edge below the bevel's face.
+        floor_mm: half-width at the floor.
+        points_mm: (n, 2) points of the outline's right half; between two of them the worse counts.
+    """
+    depth = arc.depth_at_mm(arc.outward * points_mm[:, 1]) + CLEAR_MM - bottom_mm
+    width = points_mm[:, 0] + CLEAR_MM - floor_mm
+    below, cut = (np.maximum(values[:-1], values[1:]) for values in (depth, width))
+    return np.minimum(below, cut).max()
+
+
 def _check_apart(scene: ThrowView, slots: SideSlots) -> None:
     """Sloped walls stay clear of other pockets."""
     y = np.linspace(*slots.y_range_mm, 401)
@@ -213,6 +229,9 @@ class FittedSlot(FittedToSections):
             reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
             depth = scene.web.thickness_mm / 2 + offset * arc.outward
             yield wall - arc.distance_mm(depth - tall, reach)
+        for arc in around.arcs if self.through else ():
+            bottom = scene.web.thickness_mm / 2 + offset * arc.outward + named["height"] / 2
+            yield _sunk_mm(arc, bottom, named["floor"], around.points_mm)
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:
