@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -43,6 +45,20 @@ def cad_session(what: str) -> Iterator[Any]:
         ) from None
     finally:
         gmsh.finalize()
+
+
+@contextmanager
+def quiet_stdout() -> Iterator[None]:
+    """Reader and writer of STEP in OCC print to the process's stdout, past any Python stream."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def _gmsh() -> Any:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.cad.session import cad_session, triangles
+from cranktopo.cad.session import cad_session, quiet_stdout, triangles
 from cranktopo.cad.step_text import StepLabel, label_step
 from cranktopo.cad.throw_solid import (
     add_crankshaft,
@@ -68,7 +64,7 @@ def export_solid(
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
                 _triangulate(gmsh, body, facet_mm or _usual_facet_mm(scene))
-            with _quiet_stdout():
+            with quiet_stdout():
                 gmsh.write(str(temporary))
         if suffix != ".stl":
             label_step(temporary, _label(scene, part, time_of_writing(started)))
@@ -126,20 +122,6 @@ def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
         version,
         written,
     )
-
-
-@contextmanager
-def _quiet_stdout() -> Iterator[None]:
-    """The STEP writer of OCC prints statistics to the process's stdout, past any Python stream."""
-    sys.stdout.flush()
-    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 1)
-        os.close(kept)
-        os.close(nowhere)
 
 
 def _usual_facet_mm(scene: Scene) -> float:

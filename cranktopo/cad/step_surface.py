@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cranktopo.cad.session import cad_session, triangles
+from cranktopo.cad.session import cad_session, quiet_stdout, triangles
 from cranktopo.errors import CranktopoError
 from cranktopo.inputs import GEOMETRY_LIMIT_MIB, check_input
 
@@ -36,9 +36,8 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
     Raises:
         CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
     """
-    check_step(path, name)
     with cad_session(f"surface of {path}") as gmsh:
-        body = _one_solid(gmsh, path, name)
+        body = step_solid(gmsh, path, name)
         volume = float(gmsh.model.occ.getMass(*body))
         mesh = kernel_surface(gmsh)
     if not (mesh.as_trimesh().is_watertight and abs(mesh.volume_mm3 / volume - 1) < _VOLUME_TOLERANCE):
@@ -63,12 +62,8 @@ def kernel_surface(gmsh: Any) -> SurfaceMesh:
     return SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
 
 
-def check_step(path: Path, name: str) -> None:
-    """Check that a file can be one of STEP, before the reader is asked, which may not survive others.
-
-    Raises:
-        CranktopoError: it cannot be read, is too large, or of another kind.
-    """
+def _check_step(path: Path, name: str) -> None:
+    """Check that a file can be one of STEP, before the reader is asked, which may not survive others."""
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
     with path.open("rb") as file:
         head = file.read(1000)
@@ -76,10 +71,20 @@ def check_step(path: Path, name: str) -> None:
         raise CranktopoError(f"{name}: is no STEP file.", hint="Export one solid again as STEP, mm.")
 
 
-def _one_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
+def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
+    """The one solid of a STEP file, in the open session, synchronised.
+
+    Args:
+        name: of the file in messages.
+
+    Raises:
+        CranktopoError: it cannot be read, is too large, of another kind, or does not hold exactly one solid.
+    """
+    _check_step(path, name)
     occ = gmsh.model.occ
     try:
-        found = occ.importShapes(str(path))
+        with quiet_stdout():
+            found = occ.importShapes(str(path))
     except Exception as error:
         if type(error) is not Exception:  # gmsh raises the bare class
             raise

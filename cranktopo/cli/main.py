@@ -85,7 +85,8 @@ def _run(arguments: list[str]) -> int:
     except click.UsageError as error:
         where = error.ctx.command_path if error.ctx else "cranktopo"
         hint = f"See '{where} --help'."
-        return _report(CranktopoError(error.format_message(), hint=hint, code=ExitCode.USAGE), arguments)
+        message = f"{error.format_message().removesuffix('.')}."
+        return _report(CranktopoError(message, hint=hint, code=ExitCode.USAGE), arguments)
     except click.ClickException as error:
         return _report(CranktopoError(error.format_message(), code=ExitCode.USAGE), arguments)
     except (click.Abort, KeyboardInterrupt):

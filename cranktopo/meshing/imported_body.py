@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.cad.session import cad_session
-from cranktopo.cad.step_surface import STEP_SUFFIXES, check_step, kernel_surface
+from cranktopo.cad.step_surface import STEP_SUFFIXES, kernel_surface, step_solid
 from cranktopo.cad.throw_solid import SolidProperties, solid_properties
 from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError
@@ -93,11 +93,8 @@ def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
 
 def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float, str]:
     """Half throw of a STEP file in the open session, in its place; volume in the web; what was done."""
-    check_step(path, f"'{path}'")
     occ = gmsh.model.occ
-    body = [pair for pair in occ.importShapes(str(path)) if pair[0] == 3]
-    if len(body) != 1:
-        raise CranktopoError(f"{path}: holds {len(body)} solids, not one.", hint="Fuse them first.")
+    body = [step_solid(gmsh, path, f"'{path}'")]
     low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
     _check_unit(path, scene, low, high)
     if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:

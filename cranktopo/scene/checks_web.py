@@ -59,6 +59,7 @@ def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
         raise invalid(
             f"{key}.fillet_mm",
             journal.fillet_mm,
-            f"larger than the shoulder: the web's edge is {edge:.4g} mm from the axis, {allowed}",
+            f"larger than the shoulder: the web's edge is {edge:.4g} mm from the axis, of which "
+            f"{least:.3g} mm stay, {allowed}",
             "Reduce the fillet or widen the web.",
         )

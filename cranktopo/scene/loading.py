@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import tomllib
 from pathlib import Path
@@ -20,8 +21,11 @@ from cranktopo.store import runs_named
 # Keys of the scene that name a file, relative to the design.
 FILE_KEYS = (("engine", "gas", "indicator_csv"), ("envelope", "file"), ("original", "file"))
 _GEOMETRY = {".stl": "an STL", ".step": "a STEP", ".stp": "a STEP", ".iges": "an IGES", ".igs": "an IGES"}
+_BODIES = ("an STL", "a STEP")
+"""Kinds of files that a command takes as a target."""
 _HEADS = {"ISO-10303-21": "a STEP", "solid ": "an STL", "{": "a JSON"}
 _TOML_HINT = "Fix that line; `cranktopo designs new FILE` writes a design to start from."
+_TOML_PLACE = re.compile(r"at line (\d+), column")
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -74,9 +78,13 @@ def design_text(design: str) -> str:
     text = "" if kind else read_text(path, f"design {shown(str(path), 400)}")
     kind = kind or next((kind for head, kind in _HEADS.items() if text.startswith(head)), None)
     if kind:
+        target = f"Give it as a target: cranktopo evaluate {shlex.quote(str(path))} --design DESIGN"
+        other = (
+            "Export the body as STEP." if kind == "an IGES" else "`cranktopo designs new FILE` writes one."
+        )
         raise CranktopoError(
             f"design {shown(str(path), 400)}: is {kind} file; a design is a TOML file.",
-            hint=f"Give it as a target: cranktopo evaluate {shlex.quote(str(path))} --design DESIGN",
+            hint=target if kind in _BODIES else other,
         )
     return text
 
@@ -95,13 +103,17 @@ def parse_scene(text: str, source: str = "scene", folder: Path | None = None) ->
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError: also an integer of thousands of digits
-        raise CranktopoError(f"{source}: not valid TOML: {_toml_reason(error)}.", hint=_TOML_HINT) from None
+        reason = _toml_reason(error, text)
+        raise CranktopoError(f"{source}: not valid TOML: {reason}.", hint=_TOML_HINT) from None
     return scene_from_dict(_with_resolved_files(data, folder or Path.cwd()), source)
 
 
-def _toml_reason(error: Exception) -> str:
+def _toml_reason(error: Exception, text: str) -> str:
+    """What the parser says, with the line that it is about."""
     if isinstance(error, tomllib.TOMLDecodeError):
-        return shown(str(error))[1:-1]
+        reason, place = shown(str(error))[1:-1], _TOML_PLACE.search(str(error))
+        lines = text.splitlines()[int(place[1]) - 1 :] if place else []
+        return f"{reason}: {shown(lines[0].strip())}" if lines else reason
     return "its arrays are too deep" if isinstance(error, RecursionError) else "a number has too many digits"
 
 

@@ -1,4 +1,4 @@
-"""STEP files of every built-in design read by a second OCC binding, which shares no code with gmsh's.
+"""STEP files read and written by a second OCC binding, which shares no code with gmsh's.
 
 Needs the optional extra: `pip install -e '.[cad-check]'`, then `python -m pytest tests/cad_check -m slow`.
 Skipped without it.
@@ -12,9 +12,12 @@ from typing import Any
 import pytest
 
 from cranktopo.cad.solid_files import export_solid
+from cranktopo.cad.step_surface import step_surface
 from cranktopo.formats import PARTS, SolidPart
-from cranktopo.scene import load_scene
+from cranktopo.meshing.imported_body import half_throw_surface
+from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
+from tests.unit.remodel_cases import WHOLE, known_scene
 
 pytestmark = pytest.mark.slow
 BOX_MM = 1e-4
@@ -67,11 +70,8 @@ def box(shape: Any) -> list[float]:
     return [low.X(), low.Y(), low.Z(), high.X(), high.Y(), high.Z()]
 
 
-@pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize("design", sorted(builtin_designs()))
-def test_one_named_sound_solid(design: str, part: SolidPart, tmp_path: Path) -> None:
-    scene = load_scene(design)
-    path = tmp_path / f"{design}-{part}.step"
+def check_part(scene: Scene, part: SolidPart, path: Path) -> None:
+    """Write a part and read it: one sound named solid of its volume, nothing beside it, where it belongs."""
     volume = export_solid(scene, part, path)
     _, document = read(path)
     [(name, shape)] = free_shapes(document)
@@ -88,3 +88,38 @@ def test_one_named_sound_solid(design: str, part: SolidPart, tmp_path: Path) -> 
     ends = {"web": scene.web_z_mm, "half": (0.0, scene.pitch_mm / 2), "throw": (0.0, scene.pitch_mm)}
     if part in ends:
         assert (box(shape)[2], box(shape)[5]) == pytest.approx(ends[part], abs=BOX_MM)
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("design", sorted(builtin_designs()))
+def test_one_named_sound_solid(design: str, part: SolidPart, tmp_path: Path) -> None:
+    check_part(load_scene(design), part, tmp_path / f"{design}-{part}.step")
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_re_modelled_web(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
+    """Spline outline, end bevels, side pocket and pair of pockets."""
+    check_part(known_scene(mikron, WHOLE), part, tmp_path / f"{part}.step")
+
+
+def written(shape: Any, path: Path) -> Path:
+    """A shape as a STEP file of the other binding."""
+    writer = ocp("STEPControl").STEPControl_Writer()
+    writer.Transfer(shape, ocp("STEPControl").STEPControl_StepModelType.STEPControl_AsIs)
+    assert writer.Write(str(path)) == ocp("IFSelect").IFSelect_ReturnStatus.IFSelect_RetDone
+    return path
+
+
+def test_an_envelope_that_it_wrote(mikron: Scene, tmp_path: Path) -> None:
+    corners = [ocp("gp").gp_Pnt(*corner) for corner in ((-48.0, -34.0, 20.0), (48.0, 82.0, 39.0))]
+    box = ocp("BRepPrimAPI").BRepPrimAPI_MakeBox(*corners).Shape()
+    surface = step_surface(written(box, tmp_path / "space.step"), "space.step")
+    assert surface.volume_mm3 == pytest.approx(96.0 * 116.0 * 19.0, rel=1e-9)
+
+
+def test_a_half_throw_that_it_wrote(mikron: Scene, tmp_path: Path) -> None:
+    volume = export_solid(mikron, "half", tmp_path / "half.step")
+    _, document = read(tmp_path / "half.step")
+    [(_, shape)] = free_shapes(document)
+    surface = half_throw_surface(written(shape, tmp_path / "again.step"), mikron)
+    assert surface.volume_mm3 == pytest.approx(volume, rel=1e-3)

@@ -51,6 +51,20 @@ def test_a_body_in_inches_is_named(tmp_path: Path, capsys: pytest.CaptureFixture
     assert "in inches" in json.loads(capsys.readouterr().out)["error"]["hint"]
 
 
+@pytest.mark.parametrize(
+    "content", ["ISO-10303-21;", "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=X("], ids=repr
+)
+def test_a_damaged_step_is_said_to_be_one(
+    content: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing of the reader's own messages stands beside it, also where stdout is to hold JSON alone."""
+    path = tmp_path / "body.step"
+    path.write_text(content)
+    assert main(["evaluate", str(path), *COARSE]) == 3
+    error = json.loads(capfd.readouterr().out)["error"]
+    assert "body.step': cannot be read as STEP." in error["message"] + "." or "0 solids" in error["message"]
+
+
 ATTITUDES = {
     "turned by 90 deg about z": ((0, 0, 1), 90.0, (0.0, 0.0, 0.0)),
     "turned by 180 deg about z": ((0, 0, 1), 180.0, (0.0, 0.0, 0.0)),

@@ -116,6 +116,18 @@ def test_a_body_where_a_design_belongs(tmp_path, name: str, content: str, kind: 
         load_scene(str(tmp_path / name))
 
 
+def test_an_iges_file_is_no_target_either(tmp_path) -> None:
+    (tmp_path / "body.iges").touch()
+    with pytest.raises(CranktopoError, match=r"is an IGES file; .* Export the body as STEP\."):
+        load_scene(str(tmp_path / "body.iges"))
+
+
+def test_the_line_that_is_no_toml_is_shown() -> None:
+    message = error_of(("radius_mm = 48.0", "radius_mm = 48,0"))
+    assert "not valid TOML" in message
+    assert ": 'radius_mm = 48,0'" in message
+
+
 def test_a_run_where_a_design_belongs(tmp_path) -> None:
     (tmp_path / "manifest.json").write_text("{}")
     with pytest.raises(CranktopoError, match=r"is a run, not a design.*cranktopo remodel.*cranktopo extract"):

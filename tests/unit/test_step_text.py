@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
 import pytest
@@ -85,6 +85,16 @@ def test_repeated_exports_are_the_same_bytes(mikron: Scene, tmp_path: Path) -> N
     for name in ("a.step", "b.step"):
         export_solid(mikron, "half", tmp_path / name)
     assert (tmp_path / "a.step").read_bytes() == (tmp_path / "b.step").read_bytes()
+
+
+def test_work_that_is_resumed_writes_the_same_bytes(mikron: Scene, tmp_path: Path) -> None:
+    """With the date when it was started, whatever the zone that the manifest gives it in."""
+    for name, offset in (("first.step", 0), ("second.step", 2)):
+        started = datetime(2020, 5, 17, 10 + offset, 30, tzinfo=timezone(timedelta(hours=offset)))
+        export_solid(mikron, "web", tmp_path / name, started=started)
+    first, second = ((tmp_path / name).read_bytes() for name in ("first.step", "second.step"))
+    assert b"'2020-05-17T10:30:00+00:00'" in first
+    assert first == second
 
 
 def test_time_is_now_unless_given(monkeypatch: pytest.MonkeyPatch) -> None:
