@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -20,7 +21,7 @@ import pytest
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 OPTIMISE = ["optimise", "--resolution-mm", "4.5", "--max-iterations", "6"]
 COMMAND = [sys.executable, "-c", "from cranktopo.cli.launch import main; main()"]
-STOPPED = 5
+DONE, STOPPED = 0, 5
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
@@ -30,12 +31,12 @@ def start(*arguments: str) -> subprocess.Popen[str]:
     )
 
 
-def finish(*arguments: str) -> float:
+def finish(*arguments: str, code: int = DONE) -> float:
     """Run a command to its end; returns the seconds that it took."""
     began = time.perf_counter()
     process = start(*arguments)
     _, stderr = process.communicate(timeout=1200)
-    assert process.returncode == STOPPED, stderr
+    assert process.returncode == code, stderr
     return time.perf_counter() - began
 
 
@@ -77,7 +78,7 @@ def optimised(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, float]:
     """A run that nobody killed, and the seconds that it took with its programs stored."""
     folder = tmp_path_factory.mktemp("optimised")
     for name in ("first", "second"):
-        seconds = finish(*begin(folder / name))
+        seconds = finish(*begin(folder / name), code=STOPPED)
     assert (folder / "first" / "web.stl").read_bytes() == (folder / "second" / "web.stl").read_bytes()
     return folder / "second", seconds
 
@@ -98,5 +99,25 @@ def test_runs_killed_again_and_again(chain: int, optimised: tuple[Path, float], 
         if found == "done":
             assert (out / "web.stl").read_bytes() == (run / "web.stl").read_bytes(), said
             out, found = tmp_path / f"run-{number}", "nothing"
-    finish(*(begin(out) if found == "nothing" else resume(out)))
+    finish(*(begin(out) if found == "nothing" else resume(out)), code=STOPPED)
     assert (out / "web.stl").read_bytes() == (run / "web.stl").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_killed_remodel_leaves_nothing_and_starts_clean(
+    optimised: tuple[Path, float], tmp_path: Path
+) -> None:
+    """Nine kills, then one that ends: the same bytes as that of a copy of the run that nobody killed."""
+    run, whole = (shutil.copytree(optimised[0], tmp_path / name) for name in ("run", "whole"))
+    seconds = finish("remodel", str(whole), "--no-evaluation")
+    draw = random.Random(1)
+    for number in range(9):
+        said = kill(number, seconds * draw.random(), "remodel", str(run), "--no-evaluation")
+        if (run / "remodel").exists():  # it was faster
+            assert (run / "remodel" / "remodel.json").is_file(), said
+            shutil.rmtree(run / "remodel")
+    finish("remodel", str(run), "--no-evaluation")
+    files = {path.name for path in (whole / "remodel").iterdir()} - {"remodel.json"}  # holds the seconds
+    assert len(files) == 5
+    for name in files:
+        assert (run / "remodel" / name).read_bytes() == (whole / "remodel" / name).read_bytes(), name
