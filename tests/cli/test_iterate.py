@@ -189,7 +189,7 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             bending_error_percent=0.2,
         )
 
-    monkeypatch.setattr(step_solids, "FACET_MM", 6.0)
+    monkeypatch.setattr(step_solids, "coarse_facet_mm", lambda scene: 6.0)
     monkeypatch.setattr(loop, "write_solids", solids_once)
     monkeypatch.setattr(loop, "optimised_surface", optimised)
     monkeypatch.setattr(loop, "fit_web", fit)
