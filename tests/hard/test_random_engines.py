@@ -25,7 +25,7 @@ ENGINES = range(60)
 LOOPS = 6
 """The loop of one step is walked by the first of every so many engines: it repeats what the others do."""
 CELLS_PER_RADIUS = 9
-ELEMENTS_PER_JOURNAL = 3
+ELEMENTS_PER_JOURNAL = 4
 FEW_SEARCHES = {"max_stations": 5, "starts": 1, "least_gain_percent": 1.0}
 DONE, NOT_CONVERGED = int(ExitCode.DONE), int(ExitCode.NOT_CONVERGED)
 _LOG = logging.getLogger(__name__)
