@@ -49,6 +49,7 @@ def command(
         payload = {
             "schema_version": 1,
             "design": scene.name,
+            **({} if goal is None else {"goal": goal.as_json()}),
             "effects": effects.as_json(),
             "assumed": assumed_json(assumed),
         }

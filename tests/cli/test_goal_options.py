@@ -28,6 +28,11 @@ def test_plan_shows_goal_cases_and_what_is_assumed(capsys: pytest.CaptureFixture
     plan = json.loads(out)
     states = {effect["name"]: effect["state"] for effect in plan["effects"]}
     assert (states["torsion"], states["bending"]) == ("on", "off")
+    assert plan["goal"]["maximise"] == "torsion_per_mass"
+    assert plan["goal"]["limits"][0] == {
+        **{"quantity": "mass", "sense": "<=", "value": 1.4, "unit": "kg"},
+        **{"percent": False, "assumed": False},
+    }
     assert {
         "key": "goal.limits.fatigue_safety",
         "value": ">= 100 %",

@@ -19,7 +19,12 @@ from tests.hostile.commands import Case
 
 LIMIT_S = 10.0
 # Where the work starts that a valid input would do: it ends there instead.
-WORK = ("gmsh.initialize", "cranktopo.store.runs.new_manifest", "cranktopo.store.RunStore.resume")
+WORK = (
+    "gmsh.initialize",
+    "cranktopo.pipeline.optimise.build_problem",
+    "cranktopo.store.runs.new_manifest",
+    "cranktopo.store.RunStore.resume",
+)
 
 
 class Hang(BaseException):

@@ -79,6 +79,8 @@ def test_a_range_is_two_limits() -> None:
         ("bending_per_mass", ">=120kN/mm/kg", 120e3),
         ("pin_displacement", "≤ 150 um", 0.15),
         ("twist", "<= 5 mrad", math.degrees(5e-3)),
+        ("twist", "<= 0.3°", 0.3),
+        ("torsion_per_mass", ">= 9e4 N m/(rad kg)", 9e4),
         ("fatigue_safety", ">= 1.5", 1.5),
         ("unbalance", ">= -3 kg mm", -3.0),
     ],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from pydantic_core import PydanticCustomError
@@ -65,6 +65,11 @@ class Goal:
         """Names of the load cases that the goal and its limits are read off."""
         names = (self.quantity, *(limit.quantity for limit in self.limits))
         return frozenset(QUANTITIES[name].load_case for name in names) - {""}
+
+    def as_json(self) -> dict[str, Any]:
+        """The goal as plain data, before anything is reached."""
+        limits = [{**asdict(limit), "unit": limit.unit} for limit in self.limits]
+        return {self.sense: self.quantity, "limits": limits}
 
     def limits_of(self, quantity: QuantityName) -> tuple[Limit, ...]:
         """The limits of one quantity: none, one, or a range."""

@@ -5,6 +5,7 @@ The only such table: the schema, the command line, the plan and the optimisers l
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
@@ -151,7 +152,13 @@ def unit_size(quantity: GoalQuantity, unit: str) -> float | None:
 
 
 def _plain(unit: str) -> str:
-    """A unit without the marks in which spellings differ: `kg·mm²`, `kg*mm^2` and `kg mm2` are the same."""
+    """A unit without the marks in which spellings differ.
+
+    `kg·mm²`, `kg*mm^2` and `kg mm2` are the same, and `N m/(rad kg)` is `N m/rad/kg`.
+    """
+    unit = re.sub(r"\((\w+)[ *·.](\w+)\)", r"\1/\2", unit)
     for mark in (" ", "\t", "*", "·", "^", "."):
         unit = unit.replace(mark, "")
-    return unit.replace("²", "2").replace("µ", "u").replace("μ", "u")
+    for spelling, plain in (("²", "2"), ("µ", "u"), ("μ", "u"), ("°", "deg")):
+        unit = unit.replace(spelling, plain)
+    return unit
