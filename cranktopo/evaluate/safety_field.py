@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -172,7 +172,7 @@ def fatigue_field(
 
 def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) -> FatigueField:
     """Safety at every surface node of every image of the model."""
-    loads = np.stack([_UNIT_OF[kind](history) for kind in model.kinds], axis=1)
+    loads = unit_loads(history, model.kinds)
     found = [extremes(model.stress, loads * image.signs) for image in model.images]
     safety = np.stack([_point_safety(model.scene, method, e.local)[0] for e in found])
     fillet = {
@@ -190,6 +190,11 @@ def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) 
         _critical(model, method, history, found, safety, ~model.on_fillet),
         fillet,
     )
+
+
+def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:
+    """Factor of each unit field in each load state, shape (states, fields)."""
+    return np.stack([_UNIT_OF[kind](history) for kind in kinds], axis=1)
 
 
 def _point_safety(scene: Scene, method: FieldMethod, stress: LocalStress) -> PointSafety:

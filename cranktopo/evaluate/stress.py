@@ -48,7 +48,7 @@ def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, p
 
     basis = Basis(model.mesh, ElementTetP2(), intorder=_ORDER)
     stress = hooke(_strain(basis, displacement_mm), youngs_MPa, poisson)
-    element = np.einsum("nq,feqc->fenc", _to_nodes(basis.X), stress, optimize=True)
+    element = np.einsum("nq,feqc->fenc", nodes_from_points(basis.X), stress, optimize=True)
     return _averaged(basis.element_dofs, basis.dx.sum(axis=1), element)
 
 
@@ -61,7 +61,7 @@ def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> Noda
     return NodalStress(elements, element, nodal)
 
 
-def _to_nodes(points: Array) -> Array:
+def nodes_from_points(points: Array) -> Array:
     """Values at the ten nodes from those at four points of the reference element, shape (10, 4)."""
     barycentric = np.vstack([1 - points.sum(axis=0), points])
     corners = np.linalg.inv(barycentric.T)

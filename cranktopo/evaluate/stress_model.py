@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -150,7 +150,7 @@ def solve_stresses(
         tuple(f.kind for f in fields),
         surface,
         stress,
-        _images(fields, meshed.mesh.mirrored),
+        images_of(fields, meshed.mesh.mirrored),
         journal,
         pin,
         _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1], seconds),
@@ -213,7 +213,8 @@ def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]
     return mesh_step_for_stress(_step_of(target), scene, size, fillet_fraction, target.align)
 
 
-def _images(fields: tuple[UnitField, ...], mirrored: bool) -> tuple[Image, ...]:
+def images_of(fields: Sequence[UnitField], mirrored: bool) -> tuple[Image, ...]:
+    """The mirror images of the model that make up the throw."""
     sign_x = np.array([f.sign_x for f in fields], dtype=float)
     sign_z = np.array([f.sign_z for f in fields], dtype=float)
     one = np.ones(len(fields))

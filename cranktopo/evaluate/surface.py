@@ -108,7 +108,7 @@ def _normals(
 ) -> Array:
     """Outward unit normals at the surface nodes: mean over their faces by area."""
     at = model.nodes_mm[:, numbers]
-    tangents = np.einsum("inf,pnk->ikpf", at, _triangle_gradients())
+    tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients())
     normal = np.cross(tangents[:, 0], tangents[:, 1], axis=0)  # (3, 6, faces)
     inside = model.nodes_mm[:, elements[:4, owners]].mean(axis=1) - at[:, :3].mean(axis=1)
     normal *= -np.sign((normal.mean(axis=1) * inside).sum(axis=0))
@@ -117,7 +117,7 @@ def _normals(
     return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
 
-def _triangle_gradients() -> Array:
+def triangle_gradients() -> Array:
     """Gradients of the six-node triangle's shape functions at its six nodes, shape (6 points, 6, 2)."""
     points = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
     slope = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
@@ -131,7 +131,7 @@ def _depth(model: Elasticity, surface: Surface, found: NodalStress) -> Array:
     """Derivative of the nodal stresses along the inward normal, shape (fields, n, 6)."""
     cells = found.elements[:, surface.owners]
     nodes = model.nodes_mm[:, cells]  # (3, 10, f)
-    reference = shape_gradients(_node_points())[surface.local]  # (6, f, 10, 3)
+    reference = shape_gradients(node_points())[surface.local]  # (6, f, 10, 3)
     jacobian = np.einsum("inf,pfnj->pfij", nodes, reference, optimize=True)
     inward = -surface.normals[surface.faces]  # (6, f, 3)
     direction = np.linalg.solve(jacobian, inward[..., None])[..., 0]
@@ -156,7 +156,7 @@ def _jumps(surface: Surface, found: NodalStress) -> Array:
     return jump
 
 
-def _node_points() -> Array:
+def node_points() -> Array:
     """Barycentric coordinates of the ten nodes, shape (10, 4)."""
     corners = np.eye(4)
     return np.vstack([corners, [(corners[a] + corners[b]) / 2 for a, b in EDGES]])

@@ -13,7 +13,8 @@ from cranktopo.scene.features.cylinder_pocket import FittedCylinder
 from cranktopo.scene.features.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]
-COARSE_MM = 14.0
+COARSE_MM, COARSE_FILLET = 14.0, 2.0
+"""Element size, and that on a fillet over its radius: too coarse for numbers, enough for gradients."""
 _OUTLINE = [-27.0, 76.0, 17.0, 29.0, 31.0, 28.0, 18.0]
 _BEVELS = [50.0, 9.0, 1.0, -1.0, 8.0, 0.8]
 

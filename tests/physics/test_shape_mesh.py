@@ -8,10 +8,19 @@ import numpy as np
 import pytest
 
 from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.fillets import fillet_nodes
+from cranktopo.evaluate.safety_field import load_kinds, safety_field
+from cranktopo.evaluate.stress import nodal_stress
+from cranktopo.evaluate.stress_model import Quality, StressModel, images_of
+from cranktopo.evaluate.surface import outer_surface, surface_stress
+from cranktopo.evaluate.unit_fields import unit_fields
+from cranktopo.loads.histories import load_history
 from cranktopo.remodel.family import Layout
 from cranktopo.scene import Scene
 from cranktopo.shape.mesh_model import MeshModel, MeshResponses
-from tests.physics.shape_cases import COARSE_MM, Array, full_web, solid_web
+from cranktopo.units import MPA_PER_GPA
+from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web
 
 WEBS = {"every-feature": full_web, "solid-journals": solid_web}
 
@@ -28,7 +37,7 @@ class Case:
 @pytest.fixture(scope="module", params=WEBS)
 def case(request: pytest.FixtureRequest) -> Case:
     scene, layout, values = WEBS[request.param]()
-    model = MeshModel(scene, layout, values, COARSE_MM)
+    model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET)
     return Case(scene, layout, model, values, model.responses(values))
 
 
@@ -74,6 +83,27 @@ def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
             assert case.found.slopes[name] @ direction == pytest.approx(measured, rel=1e-4, abs=1e-8 * value)
 
 
+def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -> None:
+    scene, mesh = case.model.scene, case.model.moved.mesh
+    elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    model = assemble(mesh, *elastic)
+    enabled, kinds = load_kinds(scene, "extremes")
+    fields = unit_fields(model, scene, mesh.mirrored, kinds)
+    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), *elastic)
+    planes = ((2, 0.0), (2, scene.pitch_mm / 2), (0, 0.0))
+    surface = outer_surface(model, found.elements, planes)
+    on = [fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")]
+    stresses = surface_stress(model, surface, found)
+    quality = Quality(1.0, 1.0, 1, 0.0, 0.0, 0.0, 0.0)
+    images = images_of(fields, mirrored=True)
+    assessed = safety_field(
+        StressModel("", scene, 1.0, kinds, surface, stresses, images, on[0], on[1], quality),
+        "lsa",
+        load_history(scene, "extremes", enabled),
+    )
+    assert case.found.values["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-9)
+
+
 @pytest.mark.slow
 def test_gradients_by_each_parameter_are_those_of_the_moved_mesh(case: Case) -> None:
     """Every parameter alone: `pytest -m slow tests/physics/test_shape_mesh.py`."""
@@ -88,11 +118,13 @@ def test_gradients_by_each_parameter_are_those_of_the_moved_mesh(case: Case) -> 
 
 
 def test_a_moved_mesh_tells_the_change_that_a_new_mesh_tells(case: Case) -> None:
-    """New meshes of this size scatter by 0.1 %; masses are exact on them."""
+    """Meshes graded for stiffness scatter by 0.1 % at this size; masses are exact on them."""
     change = 0.3 * directions(case, 1)[0]
     changed = case.values + change
-    fresh = MeshModel(case.scene, case.layout, changed, COARSE_MM).responses(changed)
-    moved = case.model.responses(changed)
+    moved, fresh = (
+        MeshModel(case.scene, case.layout, start, COARSE_MM).responses(changed)
+        for start in (case.values, changed)
+    )
     for name in ("mass", "inertia", "unbalance"):
         assert moved.values[name] == pytest.approx(fresh.values[name], rel=1e-4), name
     for name in ("torsion", "bending"):
