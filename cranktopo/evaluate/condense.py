@@ -45,8 +45,8 @@ class Condensed:
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         further: section forces of the half throw that answer the further loads, shape (m, k).
-        solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed; the
-            matrix is factorised already.
+        solve: from nodal forces on the model, shape (unknowns, k), and a first guess to fields with the
+            section fixed; the matrix is factorised already.
     """
 
     motions: tuple[int, ...]
@@ -56,7 +56,7 @@ class Condensed:
     load_compliance: float
     displacement: Array
     further: Array
-    solve: Callable[[Array], Array]
+    solve: Callable[[Array, Array | None], Array]
 
     def index(self, *motions: int) -> list[int]:
         """Positions of motions in this block."""
@@ -64,7 +64,12 @@ class Condensed:
 
 
 def condense(
-    model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral, further: Array | None = None
+    model: Elasticity,
+    scene: Scene,
+    parity: Parity,
+    lateral: Lateral,
+    further: Array | None = None,
+    guess: Array | None = None,
 ) -> Condensed:
     """Condense the half throw to the motions of its rigid section.
 
@@ -72,6 +77,7 @@ def condense(
         model: half throw, or its half x >= 0 when lateral is not "none".
         further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
+        guess: displacements of a body nearly the same, as `Condensed.displacement`.
 
     Raises:
         CranktopoError: the solve failed, or a plane of the model is missing.
@@ -86,7 +92,7 @@ def condense(
         mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
     others = np.zeros((model.nodes_mm.size, 0)) if further is None else further
     solve = _solver(model, free)
-    fields = solve(np.column_stack([-(model.stiffness @ rigid), *([mean] if loaded else []), others]))
+    fields = solve(np.column_stack([-(model.stiffness @ rigid), *([mean] if loaded else []), others]), guess)
     units = fields[:, : len(motions)]
     units += rigid
     parts = 1 if lateral == "none" else 2
@@ -103,14 +109,14 @@ def condense(
     )
 
 
-def _solver(model: Elasticity, free: NDArray[np.intp]) -> Callable[[Array], Array]:
+def _solver(model: Elasticity, free: NDArray[np.intp]) -> Callable[[Array, Array | None], Array]:
     """From nodal forces to displacements, all but the free unknowns at zero."""
     corners = free[free < model.prolongation.shape[1]]
     inner = symmetric_solver(model.stiffness[free][:, free], model.prolongation[free][:, corners])
 
-    def solve(forces: Array) -> Array:
+    def solve(forces: Array, guess: Array | None) -> Array:
         fields = np.zeros(forces.shape)
-        fields[free] = inner(forces[free])
+        fields[free] = inner(forces[free], None if guess is None else guess[free])
         return fields
 
     return solve

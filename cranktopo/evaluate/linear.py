@@ -48,19 +48,20 @@ def solve_symmetric(
     Raises:
         CranktopoError: singular matrix, or a residual above the limit.
     """
-    return symmetric_solver(matrix, prolongation, method)(loads)
+    return symmetric_solver(matrix, prolongation, method)(loads, None)
 
 
 def symmetric_solver(
     matrix: sp.csr_matrix, prolongation: sp.csr_matrix, method: str = "auto"
-) -> Callable[[Array], Array]:
+) -> Callable[[Array, Array | None], Array]:
     """What solves a symmetric positive definite system again and again, factorised once.
 
     Args:
         matrix, prolongation, method: as `solve_symmetric`.
 
     Returns:
-        A function from loads, shape (n, k), to solutions; it raises what `solve_symmetric` does.
+        A function from loads, shape (n, k), and a first guess to solutions; it raises what `solve_symmetric`
+        does.
 
     Raises:
         CranktopoError: singular matrix.
@@ -68,8 +69,8 @@ def symmetric_solver(
     direct = method == "direct" or (method == "auto" and matrix.shape[0] <= DIRECT_LIMIT)
     factor = _factorise(matrix) if direct else _cycle(matrix, prolongation)
 
-    def solve(loads: Array) -> Array:
-        solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor)
+    def solve(loads: Array, guess: Array | None) -> Array:
+        solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor, guess)
         _check_residual(matrix, loads, solution)
         return solution
 
@@ -148,9 +149,12 @@ def largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
     )
 
 
-def _conjugate_gradients(matrix: sp.csr_matrix, loads: Array, cycle: Callable[[Array], Array]) -> Array:
+def _conjugate_gradients(
+    matrix: sp.csr_matrix, loads: Array, cycle: Callable[[Array], Array], guess: Array | None
+) -> Array:
     """Preconditioned CG, all right-hand sides in step."""
-    x, residual = np.zeros_like(loads), loads.copy()
+    x = np.zeros_like(loads) if guess is None else guess.copy()
+    residual = loads.copy() if guess is None else loads - matrix @ x
     z = cycle(residual)
     direction, energy = z.copy(), (residual * z).sum(axis=0)
     goal = _CG_TOLERANCE * np.linalg.norm(loads, axis=0)

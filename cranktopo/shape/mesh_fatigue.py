@@ -140,7 +140,7 @@ class FilletFatigue:
         else:
             spring = support_spring(scene, scene.supports.bending)
             motion = bending_motion(block, section, scene.supports.bending, spring)
-        adjoint = block.solve(force[:, None])[:, 0] + units @ motion
+        adjoint = block.solve(force[:, None], None)[:, 0] + units @ motion
         slopes = -work_slopes(model, *self._elastic, field.displacement_mm, adjoint)
         if kind == "bending":
             slopes -= mean_slopes(model, 1, scene.web_z_mm[1], adjoint) / (2 * block.parts)
@@ -164,6 +164,8 @@ def _slopes(used: Callable[[SurfaceStress], Array], stress: SurfaceStress) -> Ar
         step = np.zeros_like(both)
         size = _STEP * np.abs(both[which, field]).max()
         step[which, field, :, component] = size
-        above, below = (used(SurfaceStress(*(both + sign * step), stress.jump_MPa)) for sign in (1, -1))
+        above, below = (
+            used(SurfaceStress(moved[0], moved[1], stress.jump_MPa)) for moved in (both + step, both - step)
+        )
         result[which, field, :, component] = (above - below) / (2 * size)
     return result

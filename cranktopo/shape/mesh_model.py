@@ -6,12 +6,13 @@ meshes; the gradients are those of these very numbers.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import Lateral, condense
+from cranktopo.evaluate.condense import Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_throw
 from cranktopo.remodel.family import Layout, exact_web_of
@@ -24,6 +25,8 @@ from cranktopo.shape.node_gradients import moments
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 
 Array = NDArray[np.float64]
+_ByNodes = dict[str, tuple[float, Array]]
+"""Quantities by name with their derivatives by the nodes, (3, nodes)."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +35,8 @@ class MeshResponses:
 
     Attributes:
         values: by quantity: torsion N m/rad, bending N/mm, mass kg, inertia kg mm2, unbalance kg mm, and both
-            stiffnesses per mass; with fatigue fatigue_safety, smooth, and the least one where the mesh was
-            made.
+            stiffnesses per mass; fatigue_safety where it is wanted: smooth, and the least one for the
+            first web asked for.
         slopes: the same, each (parameters,), per mm or degree.
         quality: least Jacobian of an element over its own in the new mesh; make a new one when it falls.
     """
@@ -68,35 +71,62 @@ class MeshModel:
         self._parts = 2 if meshed.mesh.mirrored else 1
         self._missing = _exact(meshed) - self._parts * moments(self._model(self.moved.mesh))[0]
         self._fatigue = FilletFatigue(self.scene) if fillet_fraction is not None else None
-        self._smoothing: float | None = None
+        self._smoothing = 0.0
+        self._before: dict[str, Array] = {}
 
-    def responses(self, values: Array) -> MeshResponses:
+    def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
         """Quantities of the web with these values, and their gradients.
+
+        Args:
+            quantities: those that are wanted, by default all; masses cost next to nothing and are always
+                there, fatigue safety where the mesh was made for it.
 
         Raises:
             CranktopoError: the mesh folds, or a failed solve.
         """
         mesh = self.moved.at(values)
         model = self._model(mesh)
-        found, by_nodes = self._masses(model)
-        sides: tuple[Lateral, Lateral] = ("odd", "even") if mesh.mirrored else ("none", "none")
-        twist = condense(model, self.scene, "antisymmetric", sides[0])
-        found["torsion"], by_nodes["torsion"] = torsion_slopes(model, self.scene, twist)
-        bend = condense(model, self.scene, "symmetric", sides[1], self._spin(model))
-        found["bending"], by_nodes["bending"] = bending_slopes(model, self.scene, bend)
-        if self._fatigue is not None:
-            safety = self._fatigue.safety(model, bend, twist)
-            if self._smoothing is None:
-                self._smoothing = safety.least / safety.smooth
-            found["fatigue_safety"] = self._smoothing * safety.smooth
-            by_nodes["fatigue_safety"] = self._smoothing * safety.slopes
+        found = {**self._masses(model), **self._solved(model, mesh.mirrored, quantities)}
         motion = self.moved.velocities(mesh, values)
-        slopes = {name: np.einsum("in,inp->p", slope, motion) for name, slope in by_nodes.items()}
-        for name in ("torsion", "bending"):
-            ratio = found[name] / found["mass"]
-            found[f"{name}_per_mass"] = ratio
-            slopes[f"{name}_per_mass"] = (slopes[name] - ratio * slopes["mass"]) / found["mass"]
-        return MeshResponses(found, slopes, self.moved.quality(mesh))
+        numbers = {name: value for name, (value, _) in found.items()}
+        slopes = {name: np.einsum("in,inp->p", slope, motion) for name, (_, slope) in found.items()}
+        for name in {"torsion", "bending"} & found.keys():
+            ratio = numbers[name] / numbers["mass"]
+            numbers[f"{name}_per_mass"] = ratio
+            slopes[f"{name}_per_mass"] = (slopes[name] - ratio * slopes["mass"]) / numbers["mass"]
+        return MeshResponses(numbers, slopes, self.moved.quality(mesh))
+
+    def _solved(self, model: Elasticity, mirrored: bool, quantities: Collection[str] | None) -> _ByNodes:
+        """What needs displacements, of the quantities that are wanted."""
+        found: _ByNodes = {}
+        safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
+        twist, bend = (
+            self._condensed(model, kind, mirrored)
+            if safety or quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
+            else None
+            for kind in ("torsion", "bending")
+        )
+        if twist:
+            found["torsion"] = torsion_slopes(model, self.scene, twist)
+        if bend:
+            found["bending"] = bending_slopes(model, self.scene, bend)
+        if safety and twist and bend:
+            fillets = safety.safety(model, bend, twist)
+            self._smoothing = self._smoothing or fillets.least / fillets.smooth
+            found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.slopes
+        return found
+
+    def _condensed(self, model: Elasticity, kind: str, mirrored: bool) -> Condensed:
+        """The block of a stiffness, from the displacements of the web before."""
+        guess = self._before.get(kind)
+        if kind == "torsion":
+            side: Lateral = "odd" if mirrored else "none"
+            block = condense(model, self.scene, "antisymmetric", side, guess=guess)
+        else:
+            side = "even" if mirrored else "none"
+            block = condense(model, self.scene, "symmetric", side, self._spin(model), guess)
+        self._before[kind] = block.displacement
+        return block
 
     def _model(self, mesh: TetMesh) -> Elasticity:
         material = self.scene.material
@@ -108,16 +138,14 @@ class MeshModel:
             return None
         return centrifugal_force(model, density_tonne_per_mm3(self.scene.material.density_kg_m3))[:, None]
 
-    def _masses(self, model: Elasticity) -> tuple[dict[str, float], dict[str, Array]]:
+    def _masses(self, model: Elasticity) -> _ByNodes:
         """Mass, inertia and unbalance of the whole throw, exact where the mesh was made, and their slopes."""
         kg = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3)
         integrals, slopes = moments(model)
         names = ("mass", "unbalance", "inertia")
         found = kg * (self._parts * integrals + self._missing)
-        return (
-            dict(zip(names, found.tolist(), strict=True)),
-            {name: kg * self._parts * slope for name, slope in zip(names, slopes, strict=True)},
-        )
+        pairs = zip(found.tolist(), kg * self._parts * slopes, strict=True)
+        return dict(zip(names, pairs, strict=True))
 
 
 def _exact(meshed: MeshedThrow) -> Array:

@@ -1,0 +1,92 @@
+"""Webs of one layout on body-fitted meshes, for a search: a mesh is moved with the web until it suffers."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError
+from cranktopo.remodel.family import Layout
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.parametric_web import ParametricWeb
+from cranktopo.scene import Scene
+from cranktopo.shape.mesh_model import MeshModel, MeshResponses
+
+Array = NDArray[np.float64]
+_LEAST_QUALITY = 0.3
+"""Least Jacobian of an element over its own in the new mesh, below which a new one is made."""
+
+
+class MeshedWebs:
+    """Webs on meshes of one element size.
+
+    Attributes:
+        scene, limits: the throw and what can be made.
+        meshes: how many were made.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        limits: ManufacturingLimits,
+        element_size_mm: float,
+        fillet_fraction: float | None = None,
+        shares: Mapping[str, float] | None = None,
+    ) -> None:
+        """Say how webs are meshed; nothing is meshed yet.
+
+        Args:
+            fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
+            shares: factors by quantity that bring a coarse mesh to the numbers of a finer one.
+        """
+        self.scene, self.limits, self.meshes = scene, limits, 0
+        self._size, self._fraction, self._shares = element_size_mm, fillet_fraction, dict(shares or {})
+        self._made: tuple[Layout, MeshModel] | None = None
+
+    def web(self, layout: Layout) -> ParametricWeb:
+        """A web of the layout, for its bounds and manufacturing constraints."""
+        nowhere = (np.zeros(0),) * 3
+        return ParametricWeb(layout, self.scene, self.limits, nowhere)
+
+    def responses(
+        self, web: ParametricWeb, values: Array, quantities: Collection[str] | None = None
+    ) -> MeshResponses:
+        """Quantities of a web with these values, and their gradients.
+
+        Where a suffering mesh is replaced, the numbers go on from its own, so that a search sees no jump.
+
+        Raises:
+            CranktopoError: no sound web, no valid mesh, or a failed solve.
+        """
+        old = self._moved(web.layout, values, quantities)
+        if old is not None and old.quality >= _LEAST_QUALITY:
+            return self._shared(old)
+        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
+        self._made, self.meshes = (web.layout, model), self.meshes + 1
+        new = model.responses(values, quantities)
+        if old is not None:
+            for name, value in old.values.items():
+                self._shares[name] = self._shares.get(name, 1.0) * value / new.values[name]
+        return self._shared(new)
+
+    def _moved(
+        self, layout: Layout, values: Array, quantities: Collection[str] | None
+    ) -> MeshResponses | None:
+        """By the mesh that is there; None where there is none of this layout, or it folds."""
+        if self._made is None or self._made[0] != layout:
+            return None
+        try:
+            return self._made[1].responses(values, quantities)
+        except CranktopoError:
+            return None
+
+    def _shared(self, found: MeshResponses) -> MeshResponses:
+        share = {name: self._shares.get(name, 1.0) for name in found.values}
+        return replace(
+            found,
+            values={name: share[name] * value for name, value in found.values.items()},
+            slopes={name: share[name] * slope for name, slope in found.slopes.items()},
+        )
