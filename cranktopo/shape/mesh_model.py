@@ -90,7 +90,7 @@ class MeshModel:
         motion = self.moved.velocities(mesh, values)
         numbers = {name: value for name, (value, _) in found.items()}
         slopes = {name: np.einsum("in,inp->p", slope, motion) for name, (_, slope) in found.items()}
-        for name in {"torsion", "bending"} & found.keys():
+        for name in [name for name in ("torsion", "bending") if name in found]:
             ratio = numbers[name] / numbers["mass"]
             numbers[f"{name}_per_mass"] = ratio
             slopes[f"{name}_per_mass"] = (slopes[name] - ratio * slopes["mass"]) / numbers["mass"]

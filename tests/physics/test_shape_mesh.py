@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.elasticity import assemble, centrifugal_force
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.safety_field import load_kinds, safety_field
 from cranktopo.evaluate.stress import nodal_stress
@@ -21,6 +21,7 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.shape.mesh_model import MeshModel, MeshResponses
 from cranktopo.shape.meshed_webs import MeshedWebs
+from cranktopo.shape.node_gradients import centrifugal_slopes
 from cranktopo.units import MPA_PER_GPA
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web
 
@@ -104,6 +105,18 @@ def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -
         load_history(scene, "extremes", enabled),
     )
     assert case.found.values["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-9)
+
+
+def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Case) -> None:
+    mesh, random = case.model.moved.mesh, np.random.default_rng(3)
+    field = random.standard_normal(mesh.points_mm.size)
+    step = 1e-5 * random.standard_normal(mesh.points_mm.shape)
+    above, below = (
+        centrifugal_force(assemble(replace(mesh, points_mm=mesh.points_mm + s * step), 1.0, 0.3), 1.0) @ field
+        for s in (1, -1)
+    )
+    slopes = centrifugal_slopes(assemble(mesh, 1.0, 0.3), 1.0, field)
+    assert 2 * (slopes * step).sum() == pytest.approx(above - below, rel=1e-5)
 
 
 @pytest.mark.slow
