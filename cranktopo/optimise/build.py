@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from cranktopo.domain.build import Domain
 from cranktopo.errors import invalid
@@ -11,11 +12,12 @@ from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise.assess import assess_original
 from cranktopo.optimise.chain import build_chain
 from cranktopo.optimise.material import Interpolation
-from cranktopo.optimise.problem import DensityProblem, SolverSettings
+from cranktopo.optimise.problem import DensityProblem, Schedule, SolverSettings
 from cranktopo.optimise.proposals import by_moving_asymptotes, by_optimality_criteria
 from cranktopo.optimise.responses import (
     Response,
     quantities,
+    relative_compliance,
     volume,
     weighted_compliance,
 )
@@ -23,7 +25,7 @@ from cranktopo.optimise.statement import Goal, Requirement, Statement
 from cranktopo.scene.goal import QUANTITIES, Limit
 from cranktopo.scene.goal import Goal as WantedGoal
 from cranktopo.scene.goal.wanted import wanted
-from cranktopo.scene.schema import Scene
+from cranktopo.scene.schema import Optimise, Scene
 
 LEFT_TO_EVALUATION = "fatigue_safety"
 # Half the design space is where the projection turns neither way.
@@ -40,30 +42,47 @@ def build_problem(
     """
     solving = solving or SolverSettings()
     settings = scene.optimise
-    weights = {name: getattr(settings.weights, name) for name in type(settings.weights).model_fields}
     model = build_model(scene, domain, cases, plain=solving.plain)
     chain = build_chain(scene, domain)
-    shares = tuple(weights[case.kind] for case in cases)
-    asked = wanted(scene)
-    if asked is None:
-        statement = _of_volume(chain, shares, settings.volume_fraction)
-    else:
-        statement = _of_goal(asked, scene, domain, model)
+    weights = tuple(float(getattr(settings.weights, case.kind)) for case in cases)
+    goal = wanted(scene)
+    statement = (
+        _of_volume(chain, model, weights, settings) if goal is None else _of_goal(goal, scene, domain, model)
+    )
+    simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"
     return DensityProblem(
         model=model,
         chain=chain,
-        weights=shares,
-        target=settings.volume_fraction if asked is None else None,
+        weights=weights,
+        target=settings.volume_fraction if goal is None else None,
         max_iterations=settings.max_iterations,
         statement=statement,
-        method=by_optimality_criteria if asked is None else by_moving_asymptotes,
-        start=settings.volume_fraction if asked is None else _START,
+        method=by_optimality_criteria if simple else by_moving_asymptotes,
+        start=settings.volume_fraction if goal is None else _START,
         solving=solving,
+        schedule=Schedule(
+            settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
+        ),
     )
 
 
-def _of_volume(chain: Interpolation, weights: tuple[float, ...], fraction: float) -> Statement:
-    return Statement((Goal(weighted_compliance(weights)),), (Requirement(volume(chain), "<=", fraction),))
+def with_limits(problem: DensityProblem, *limits: Requirement) -> DensityProblem:
+    """The problem with further limits, by the method that takes any."""
+    statement = replace(problem.statement, limits=(*problem.statement.limits, *limits))
+    return replace(problem, statement=statement, method=by_moving_asymptotes)
+
+
+def _of_volume(
+    chain: Interpolation, model: ThrowModel, weights: tuple[float, ...], settings: Optimise
+) -> Statement:
+    limit = Requirement(volume(chain), "<=", settings.volume_fraction)
+    if settings.combine == "sum":
+        return Statement((Goal(weighted_compliance(weights)),), (limit,))
+    names = model.case_names
+    cases = [
+        relative_compliance(index, names[index], weight) for index, weight in enumerate(weights) if weight
+    ]
+    return Statement(tuple(Goal(case) for case in cases), (limit,))
 
 
 def _of_goal(goal: WantedGoal, scene: Scene, domain: Domain, model: ThrowModel) -> Statement:

@@ -14,7 +14,7 @@ def build_chain(scene: Scene, domain: Domain) -> Interpolation:
     """The density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
     radius = scene.optimise.filter_radius_mm or default_filter_radius_mm(domain)
     chain = build_interpolation(domain, radius, designable(scene, domain))
-    return replace(chain, process=process_block(scene, domain))
+    return replace(chain, process=process_block(scene, domain), penalty=scene.optimise.penalty)
 
 
 def default_filter_radius_mm(domain: Domain) -> float:

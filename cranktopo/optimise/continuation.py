@@ -53,9 +53,8 @@ def advance(problem: DensityProblem, state: State, new_x: Array) -> State:
 
 
 def _feasible(problem: DensityProblem, last: Record) -> bool:
-    if problem.target is not None:
-        return abs(last.volume_fraction - problem.target) <= FEASIBILITY
-    return last.broken <= LIMIT_FEASIBILITY
+    full = problem.target is None or abs(last.volume_fraction - problem.target) <= FEASIBILITY
+    return full and last.broken <= LIMIT_FEASIBILITY
 
 
 def _kept(problem: DensityProblem) -> str:

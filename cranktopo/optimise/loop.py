@@ -25,7 +25,7 @@ from cranktopo.optimise.material import (
     volume_fraction,
 )
 from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.responses import Design
+from cranktopo.optimise.responses import Design, on_material
 from cranktopo.optimise.state import Record, State
 
 Array = NDArray[np.float64]
@@ -81,7 +81,7 @@ def step(problem: DensityProblem, state: State) -> State:
     advanced = replace(
         state,
         evaluated=state.x,
-        displacements=np.asarray(design.displacements),
+        displacements=np.asarray(solution.displacements),
         initial_N_mm=tuple(float(c) for c in design.first_works),
         history=(*state.history, record),
         memory=dict(proposal.memory),
@@ -104,7 +104,8 @@ def _solved(problem: DensityProblem, state: State) -> tuple[Design, Solution, fl
     )
     works = compliances(model, solution.displacements, forces)
     first = jnp.asarray(state.initial_N_mm) if state.initial_N_mm else works
-    return Design(moduli, solid, works, first, solution.displacements), solution, float(volume), float(grey)
+    u = on_material(solution.displacements, moduli)
+    return Design(moduli, solid, works, first, u), solution, float(volume), float(grey)
 
 
 def final_design(problem: DensityProblem, state: State) -> WebDensities:

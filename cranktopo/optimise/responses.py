@@ -40,7 +40,7 @@ class Design(NamedTuple):
         solid: solid fraction of every cell (nx, ny, nz), which has the mass.
         works: work of the loads of the full throw (cases,), N mm.
         first_works: those of the first design of the optimisation.
-        displacements: (cases, 3, nodes...), mm.
+        displacements: (cases, 3, nodes...), mm; 0 at nodes without any material.
     """
 
     moduli: jax.Array
@@ -189,7 +189,19 @@ def slopes(
 @partial(jax.jit, static_argnums=0)
 def loads_of(function: Callable[[Design], jax.Array], design: Design) -> jax.Array:
     """Derivative of a function by the displacements (cases, 3, nodes...): the loads of its adjoint solve."""
-    return jax.grad(lambda u: function(design._replace(displacements=u)))(design.displacements)
+    loads = jax.grad(lambda u: function(design._replace(displacements=u)))(design.displacements)
+    return on_material(loads, design.moduli)
+
+
+@jax.jit
+def on_material(field: jax.Array, moduli: jax.Array) -> jax.Array:
+    """A field (cases, 3, nodes...) with zeros at the nodes where no cell has any stiffness."""
+    filled = jnp.pad(moduli > 0, 1)
+    for axis in range(3):
+        size = filled.shape[axis]
+        near = jax.lax.slice_in_dim(filled, 0, size - 1, axis=axis)
+        filled = near | jax.lax.slice_in_dim(filled, 1, size, axis=axis)
+    return field * filled
 
 
 @partial(jax.jit, static_argnums=0)

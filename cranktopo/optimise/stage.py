@@ -78,7 +78,7 @@ def optimise_density(
     return Optimum(problem, state, loop.final_design(problem, state))
 
 
-def iterate(problem: DensityProblem, state: State, progress: Progress) -> State:
+def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *_: None) -> State:
     """The state at the end of the optimisation; `progress` is called after every iteration."""
     while not state.done:
         state = loop.step(problem, state)

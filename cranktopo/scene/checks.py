@@ -26,6 +26,7 @@ def check_scene(scene: Scene) -> None:
     check_solid(scene)
     check_web_extent(scene)
     _check_envelope(scene)
+    _check_optimise(scene)
     check_goal(scene)
 
 
@@ -69,4 +70,22 @@ def _check_envelope(scene: Scene) -> None:
             "envelope.rod_clearance_mm",
             envelope.rod_clearance_mm,
             f"with bearing_clearance_mm must leave some of the web's {scene.web.thickness_mm:g} mm",
+        )
+
+
+def _check_optimise(scene: Scene) -> None:
+    settings = scene.optimise
+    if settings.projection_first > settings.projection_last:
+        raise invalid(
+            "optimise.projection_first",
+            settings.projection_first,
+            f"must be at most optimise.projection_last = {settings.projection_last:g}",
+        )
+    plain = scene.goal is None and settings.combine == "sum"
+    if settings.method == "optimality_criteria" and not plain:
+        raise invalid(
+            "optimise.method",
+            settings.method,
+            "finds the least sum of compliances at a volume fraction, and nothing else",
+            "Leave it out, or write 'moving_asymptotes'.",
         )

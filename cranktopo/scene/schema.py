@@ -129,6 +129,9 @@ class Weights(SceneTable):
     """Weight of the centrifugal case; at 0 the plan leaves it out."""
 
 
+OptimiserMethod = Literal["auto", "optimality_criteria", "moving_asymptotes"]
+
+
 class Optimise(SceneTable):
     """Settings of the density optimisation."""
 
@@ -141,6 +144,21 @@ class Optimise(SceneTable):
     max_iterations: int = Field(default=150, ge=1, le=10000)
     """Iterations after which the optimisation stops even if it has not converged."""
     weights: Weights = Weights()
+    combine: Literal["sum", "worst"] = "sum"
+    """Without a goal: minimise the weighted `sum` of the load cases' compliances, or the `worst` of them."""
+    method: OptimiserMethod = "auto"
+    """How the next design is found: `optimality_criteria` for the plain sum at a volume fraction, the method
+    of `moving_asymptotes` for anything; `auto`: the former where it can."""
+    penalty: float = Field(default=3.0, ge=1, le=10)
+    """Power of the density in the modulus (SIMP)."""
+    projection_first: float = Field(default=1.0, ge=0.01, le=1000)
+    """Steepness of the projection in the first stage; it doubles from stage to stage."""
+    projection_last: float = Field(default=16.0, ge=0.01, le=1000)
+    """Steepness of the projection in the last stage; above 16 webs get blacker, hardly stiffer."""
+    stage_iterations: int = Field(default=6, ge=1, le=1000)
+    """Most iterations of a stage before the last."""
+    move: float = Field(default=0.2, ge=0.001, le=1)
+    """Largest change of a design variable by one step of the first stage; later ones take smaller steps."""
     process: Process = "free"
     """How the web is made: `forged` by a die with a flat parting plane, `cast` in a mould of two halves with
     any parting surface, `milled` from both web faces and both sides, or `free`."""
