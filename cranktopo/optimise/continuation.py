@@ -19,7 +19,8 @@ WINDOW = 3
 # The volume may differ by the first, as a share of the design space; a limit may be broken by the second.
 FEASIBILITY, LIMIT_FEASIBILITY = 1e-3, 2e-3
 GREYNESS_LIMIT = 0.15
-# Limits exclude each other when over so many iterations the worst comes less than this share nearer.
+# No design is found for all limits when over so many iterations the worst comes no nearer than by this
+# share; another start may find one, so it is no proof that they exclude each other.
 STUCK_WINDOW, STUCK = 6, 0.8
 # The steeper the projection, the smaller the move: a full step would flip boundary cells to and fro.
 MOVE_LEAST = 0.05
@@ -42,7 +43,7 @@ def advance(problem: DensityProblem, state: State, new_x: Array) -> State:
         )
         return replace(following, status="converged", reason=reason)
     if _stuck(problem, state, in_stage):
-        reason = f"the limits exclude each other, the nearest design found breaks {_broken(problem, last)}"
+        reason = f"no design was found that meets every limit, the last one breaks {_broken(problem, last)}"
         return replace(following, status="infeasible", reason=reason)
     if len(state.history) >= problem.max_iterations:
         reason = f"iteration limit {problem.max_iterations} reached before the objective settled"

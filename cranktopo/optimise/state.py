@@ -59,8 +59,8 @@ class State:
         stage_start: iterations done when the current beta began.
         initial_N_mm: compliances of the first design, the normalisation of the objective.
         history: one record per design evaluated.
-        status: running, converged (all criteria met), stopped (the iterations are spent) or infeasible (the
-            limits exclude each other).
+        status: running, converged (all criteria met), stopped (the iterations are spent) or infeasible (no
+            design was found that meets every limit).
         memory: what the optimiser remembers of its steps, by name.
     """
 
