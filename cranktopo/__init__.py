@@ -6,7 +6,8 @@ The stages, in the order in which data flows through them; each takes what the o
     -> fit_web -> evaluate_target -> compare
 
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
-`remodel_run`, `start_loop`, `continue_loop`, `evaluate_targets`, `compare_targets`, `assess_fatigue`,
+`remodel_run`, `shape_design`, `resume_shape`, `start_loop`, `continue_loop`, `evaluate_targets`,
+`compare_targets`, `assess_fatigue`,
 `study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `report_run`, `report_comparison`, `export_solid`,
 `summarise_runs`, `clean_runs`, `check_machine`. A name loads its module when it is first used, so that
 importing the package costs nothing.
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from cranktopo.pipeline.remodel import remodel_run
     from cranktopo.pipeline.run_report import report_run
     from cranktopo.pipeline.runs import clean_runs, summarise_runs
+    from cranktopo.pipeline.shape import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.remodel.fit import FittedWeb, fit_web
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.comparison import Comparison, Entry, compare
@@ -74,6 +76,10 @@ _HOMES = {
     "FittedWeb": "remodel.fit",
     "fit_web": "remodel.fit",
     "ManufacturingLimits": "remodel.manufacturing_limits",
+    "ShapedRun": "pipeline.shape",
+    "shape_design": "pipeline.shape",
+    "shape_settings": "pipeline.shape",
+    "resume_shape": "pipeline.shape",
     "export_solid": "cad.solid_files",
     "Target": "evaluate.targets",
     "resolve_target": "evaluate.targets",
@@ -124,6 +130,7 @@ __all__ = [
     "Optimum",
     "Prepared",
     "Scene",
+    "ShapedRun",
     "Target",
     "assess_fatigue",
     "check_machine",
@@ -155,6 +162,9 @@ __all__ = [
     "resolve_target",
     "resolve_targets",
     "resume_optimisation",
+    "resume_shape",
+    "shape_design",
+    "shape_settings",
     "start_loop",
     "study_accuracy",
     "summarise_runs",

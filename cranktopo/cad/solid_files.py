@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from cranktopo.cad.session import cad_session, quiet_stdout, triangles
 from cranktopo.cad.step_text import StepLabel, label_step
 from cranktopo.cad.throw_solid import (
+    VOLUME_TOLERANCE,
     add_crankshaft,
     add_full_throw,
     add_half_throw,
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _FACET_MM = 1.0
-STEP_TOLERANCE = 1e-6
-"""Largest relative change of the volume when a written STEP file is read back."""
 
 
 def export_solid(
@@ -151,7 +150,7 @@ def _read_back(path: Path, volume: float) -> None:
         occ.importShapes(str(path), highestDimOnly=False)
         loose = _remove_loose(occ)
         found = [float(occ.getMass(*pair)) for pair in occ.getEntities(3)]
-    if len(found) != 1 or loose or abs(found[0] - volume) > STEP_TOLERANCE * volume:
+    if len(found) != 1 or loose or abs(found[0] - volume) > VOLUME_TOLERANCE * volume:
         raise CranktopoError(
             f"STEP file: reads back as {len(found)} solids of {sum(found):.3f} mm3 and {loose} loose points, "
             f"curves and faces instead of one solid of {volume:.3f} mm3.",

@@ -55,12 +55,13 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     Example: cranktopo runs show 20250101-120000_mikron-iiic_0123abcd
     """
     from cranktopo.report.tables.run_text import loop_summary, run_summary
-    from cranktopo.store import LOOP, kind_of, open_run, read_result, resume_command, shown_results
+    from cranktopo.report.tables.shape_tables import shape_summary
+    from cranktopo.store import LOOP, SHAPE, kind_of, open_run, read_result, resume_command, shown_results
 
     found = open_run(run, root)
     manifest, kind, result = found.manifest(), kind_of(found), read_result(found)
     if as_json:
-        key = "loop" if kind == LOOP else "metrics"
+        key = {LOOP: "loop", SHAPE: "shape"}.get(kind, "metrics")
         click.echo(json.dumps({"schema_version": 1, "manifest": manifest, key: result}, indent=2))
         return
     click.echo(f"{found.path}: {manifest['status']}, started {manifest['started']}")
@@ -69,7 +70,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
         with shown_results(found):
-            text = (loop_summary if kind == LOOP else run_summary)(result, found.path)
+            text = {LOOP: loop_summary, SHAPE: shape_summary}.get(kind, run_summary)(result, found.path)
         click.echo(text)
 
 

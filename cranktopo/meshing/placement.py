@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.effects import planned_scene
+from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
@@ -36,6 +37,7 @@ _ENDS = (0.03, 0.95)
 _EXTENT_MM = 0.05
 _SQUARE_ANGLES = (0, 90, 180, 270)
 _ROUNDS = 4
+_KEPT: tuple[Feature, ...] = ("fillets",)
 _NEAR = (0.4, 0.9)
 """Sections of the main journal that tell its direction: above the end face even where that is tilted."""
 
@@ -107,7 +109,7 @@ def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
 
     Surfaces of runs are such bodies: what is not simulated is not in them.
     """
-    plain = planned_scene(scene, ("fillets",))
+    plain = planned_scene(scene, kept=_KEPT)
     if plain.throw == scene.throw or not misfits(body, scene) or misfits(body, plain):
         return scene, ""
     return plain, "without the bores of the journals: the effects plan leaves them out"

@@ -8,7 +8,17 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError
 from cranktopo.report.quantities import PER_MASS, STIFFNESS
-from cranktopo.store import LOOP, RUNS, RunStore, kind_of, list_runs, read_result, remove_run, shown_results
+from cranktopo.store import (
+    LOOP,
+    RUNS,
+    SHAPE,
+    RunStore,
+    kind_of,
+    list_runs,
+    read_result,
+    remove_run,
+    shown_results,
+)
 
 
 def summarise_runs(root: Path = RUNS) -> list[dict[str, Any]]:
@@ -48,7 +58,7 @@ def _entry(run: RunStore) -> dict[str, Any]:
         if result is None:
             return entry
         with shown_results(run):
-            return entry | (_loop_result(result) if kind == LOOP else _run_result(result))
+            return entry | _RESULTS[kind](result)
     except CranktopoError:  # one damaged run does not hide the others
         return entry | {"result": "unreadable"}
 
@@ -75,3 +85,17 @@ def _loop_result(loop: Mapping[str, Any]) -> dict[str, Any]:
             for stiffness, ratio in zip(STIFFNESS, PER_MASS, strict=True)
         },
     }
+
+
+def _shape_result(shape: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "result": shape["status"],
+        "mass_of_throw_kg": shape["values"]["result"]["mass"],
+        "gain_of_stiffness_per_mass_percent": {
+            stiffness.key: shape["change_percent"][ratio.key]
+            for stiffness, ratio in zip(STIFFNESS, PER_MASS, strict=True)
+        },
+    }
+
+
+_RESULTS = {"optimise": _run_result, LOOP: _loop_result, SHAPE: _shape_result}

@@ -9,6 +9,7 @@ from cranktopo.store.iterations import load_iteration, save_iteration, saved_ite
 from cranktopo.store.kind import (
     LOOP,
     RESULT_FILES,
+    SHAPE,
     RunKind,
     kind_of,
     read_result,
@@ -32,6 +33,7 @@ __all__ = [
     "LOOP",
     "RESULT_FILES",
     "RUNS",
+    "SHAPE",
     "Checkpoint",
     "RunKind",
     "RunStore",

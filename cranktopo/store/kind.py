@@ -11,17 +11,23 @@ from cranktopo.errors import CranktopoError, shown
 from cranktopo.store.files import read_json
 from cranktopo.store.runs import RunStore
 
-RunKind = Literal["optimise", "iterate"]
-"""The command that made a run: one optimisation, or the loop over many."""
+RunKind = Literal["optimise", "iterate", "shape"]
+"""The command that made a run: one density optimisation, the loop over many, or a shape optimisation."""
 LOOP: RunKind = "iterate"
-"""Kind of a loop, and the key of its settings among the manifest's options."""
-RESULT_FILES: dict[RunKind, str] = {"optimise": "metrics.json", "iterate": "iterate.json"}
+SHAPE: RunKind = "shape"
+"""Kinds of runs, and the keys of their settings among the manifest's options."""
+RESULT_FILES: dict[RunKind, str] = {
+    "optimise": "metrics.json",
+    "iterate": "iterate.json",
+    "shape": "shape.json",
+}
 """Name of the file that a run of each kind writes last."""
 
 
 def kind_of(run: RunStore) -> RunKind:
     """The command that made a run; raises CranktopoError when its manifest cannot be used."""
-    return LOOP if LOOP in run.manifest()["options"] else "optimise"
+    options = run.manifest()["options"]
+    return next((kind for kind in (LOOP, SHAPE) if kind in options), "optimise")
 
 
 def read_result(run: RunStore) -> dict[str, Any] | None:

@@ -1,0 +1,69 @@
+"""`cranktopo shape`: the dimensions of a web that can be made, optimised."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
+from cranktopo.cli.options import DEFAULT_DESIGN, limit_options, refuse_beside_resume
+from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.errors import ExitCode
+
+
+@click.command("shape")
+@click.argument("target", required=False, shell_complete=designs)
+@goal_options
+@limit_options
+@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
+@click.option(
+    "--resume",
+    metavar="RUN",
+    shell_complete=runs,
+    help="Continue an interrupted optimisation; finished searches are kept.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print shape.json.")
+@verbosity_options
+def command(
+    target: str | None,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
+    out: Path | None,
+    resume: str | None,
+    as_json: bool,
+    **rules: Any,
+) -> ExitCode:
+    """Optimise the dimensions of the web of TARGET: outline, bevels, groove, pockets.
+
+    The web can be made: walls, radii and draft are kept. Limits hold by the body-fitted evaluation, fillets
+    included, or the result says that they are not met. Without a goal the lightest web is sought that is no
+    softer and no less safe. Writes the scene, STEP, STL, a drawing and shape.json.
+
+    Example: cranktopo shape mikron-iiic --minimise mass --limit "bending >= 95 %"
+    """
+    if resume:
+        refuse_beside_resume()
+    from cranktopo.pipeline.shape import resume_shape, shape_design, shape_settings
+    from cranktopo.remodel.usual_size import usual_limits
+    from cranktopo.report.tables.shape_tables import shape_summary
+
+    if resume:
+        run = resume_shape(resume, info)
+    else:
+        from cranktopo.scene.loading import design_text, load_scene
+
+        name = target or DEFAULT_DESIGN
+        scene = load_scene(name)
+        if scene.goal is None and minimise is None and maximise is None:
+            minimise = "mass"
+        scene = with_goal_options(scene, minimise, maximise, limits)
+        settings = shape_settings(scene, usual_limits(scene, **rules))
+        run = shape_design(scene, settings, out, design_text(name), ["cranktopo", *sys.argv[1:]], info)
+    click.echo(json.dumps(run.data) if as_json else shape_summary(run.data, run.folder))
+    return ExitCode.DONE if run.held else ExitCode.CRITERION_NOT_MET

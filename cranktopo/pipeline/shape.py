@@ -1,0 +1,220 @@
+"""A shape optimisation as a run: the parametric web with its solid, drawing, table of dimensions and page."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, MutableMapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from cranktopo.cad.solid_files import export_solid, surface_of
+from cranktopo.errors import CranktopoError, ExitCode, invalid
+from cranktopo.evaluate.evaluation import Info
+from cranktopo.fem.precision import check_device, double_precision
+from cranktopo.meshing.imported_body import half_throw_surface
+from cranktopo.pipeline.drawing_file import export_drawing
+from cranktopo.pipeline.original import check_original, original_file
+from cranktopo.pipeline.run_status import working_in
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.usual_size import usual_limits
+from cranktopo.report.pages.report_file import REPORT, write_report
+from cranktopo.report.pages.shape_page import shape_page
+from cranktopo.report.viewer.scene3d import ShownBody
+from cranktopo.scene import Scene
+from cranktopo.scene.assumed import (
+    ENVELOPE,
+    FATIGUE,
+    LOADS,
+    SUPPORTS,
+    THROW,
+    assumed_json,
+    assumed_text,
+    assumptions,
+)
+from cranktopo.scene.goal import Goal
+from cranktopo.scene.goal.wanted import wanted
+from cranktopo.scene.loading import input_files
+from cranktopo.scene.of_run import scene_of_run
+from cranktopo.scene.scale import usual_scale
+from cranktopo.scene.writing import toml_text
+from cranktopo.shape.goal_in_model import check_goal
+from cranktopo.shape.result_json import shape_json
+from cranktopo.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
+from cranktopo.shape.start import scene_start
+from cranktopo.shape.work import Json, Work
+from cranktopo.store import (
+    RESULT_FILES,
+    SHAPE,
+    RunStore,
+    check_destination,
+    create_run,
+    open_run,
+    read_json,
+    require_kind,
+    write_json,
+    write_text,
+)
+from cranktopo.triangles.surface_files import read_stl
+
+SHAPE_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE)
+"""What a shape optimisation uses of a scene."""
+_KEPT = "work.json"
+_FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing": "drawing.pdf"}
+
+
+@dataclass(frozen=True)
+class ShapedRun:
+    """A finished shape optimisation; `data` is the content of shape.json."""
+
+    folder: Path
+    data: Json
+
+    @property
+    def held(self) -> bool:
+        """Whether every limit holds by the evaluation."""
+        return all(limit["holds"] for limit in self.data["goal"]["limits"])
+
+
+def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
+    """Settings that suit a throw of any size."""
+    usual, scale = ShapeSettings(), usual_scale(scene)
+    return ShapeSettings(usual.coarse_mm / scale, usual.fine_mm / scale, limits or usual_limits(scene))
+
+
+def shape_design(
+    scene: Scene,
+    settings: ShapeSettings | None = None,
+    out: Path | None = None,
+    design_toml: str | None = None,
+    command: Sequence[str] = (),
+    info: Info = lambda _: None,
+) -> ShapedRun:
+    """Optimise the dimensions of a scene's web in a new run; nothing is written before all is validated.
+
+    Args:
+        scene: the design with its goal.
+        out: run directory; by default a new one under runs/.
+        design_toml: text of the design as the user wrote it; by default written from the scene.
+        command: the command line, for the manifest.
+
+    Raises:
+        CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
+    """
+    check_destination(out)
+    check_device()
+    check_original(scene)
+    _goal(scene)
+    if scene.envelope is None:
+        raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
+    settings = settings or shape_settings(scene)
+    assumed = assumptions(scene, SHAPE_TABLES)
+    if assumed:
+        info(assumed_text(assumed))
+    run = create_run(
+        design=scene.name,
+        design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
+        scene=scene.model_dump(mode="json"),
+        options={SHAPE: asdict(settings)},
+        command=command,
+        inputs=input_files(scene),
+        assumed=assumed_json(assumed),
+        out=out,
+    )
+    return _worked(run, scene, settings, info)
+
+
+def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
+    """Continue an interrupted shape optimisation: finished searches and evaluations are read, not repeated.
+
+    Raises:
+        CranktopoError: not such a run, a changed input, or as `shape_design`.
+    """
+    run = open_run(reference)
+    require_kind(run, SHAPE)
+    run.require_same_inputs()
+    data = run.manifest()["options"][SHAPE]
+    settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
+    scene = scene_of_run(run)
+    run.resume()
+    return _worked(run, scene, settings, info)
+
+
+def _goal(scene: Scene) -> Goal:
+    goal = wanted(scene)
+    if goal is None:
+        raise CranktopoError(
+            "goal: a shape optimisation needs one.",
+            hint="Give --minimise mass, or --maximise torsion_per_mass, or a [goal] table.",
+            code=ExitCode.USAGE,
+        )
+    check_goal(goal)
+    return goal
+
+
+def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, info: Info) -> ShapedRun:
+    began, goal = time.perf_counter(), _goal(scene)
+    with working_in(run, "finished searches are kept") as check, double_precision():
+        work = Work(info, _Kept(run.path / _KEPT), check)
+        optimum = optimise_shape(scene, goal, settings, work)
+        seconds = {"search": time.perf_counter() - began}
+        info("writing the solid and the drawing")
+        files = _write(run, scene, optimum)
+        seconds["total"] = time.perf_counter() - began
+        layout, values = scene_start(scene, settings.limits)
+        start = dict(zip(layout.names, map(float, values), strict=True))
+        data = {
+            **shape_json(scene.name, optimum, start, seconds),
+            "assumed": run.manifest().get("assumed", []),
+            "files": {**files, "report": REPORT},
+        }
+        write_json(run.path / RESULT_FILES[SHAPE], data)
+        write_report(shape_page(data, run.manifest(), _bodies(run, scene, optimum)), run.path / REPORT)
+    run.log(f"{data['status']}: {data['stop_reason']}")
+    return ShapedRun(run.path, data)
+
+
+def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]:
+    """Scene, exact solids and drawing of the best web; returns their names by kind."""
+    shaped = optimum.result.web.scene
+    heading = (
+        f"Web of {scene.name} with the best dimensions for: {optimum.goal.sense} {optimum.goal.quantity}."
+    )
+    write_text(run.path / _FILES["design"], toml_text(shaped, heading))
+    export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
+    export_solid(shaped, "half", run.path / _FILES["stl"])
+    export_drawing(shaped, run.path / _FILES["drawing"])
+    return dict(_FILES)
+
+
+def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBody, ...]:
+    """The result and the original, the half throw of each."""
+    file = original_file(scene)
+    before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
+    shown = (("result", read_stl(run.path / _FILES["stl"])), ("original web", before))
+    return tuple(ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2) for name, mesh in shown)
+
+
+class _Kept(MutableMapping[str, Json]):
+    """Results of finished parts in a file of the run, written at every one."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._data: dict[str, Any] = read_json(path) if path.is_file() else {}
+
+    def __getitem__(self, key: str) -> Json:
+        found: Json = self._data[key]
+        return found
+
+    def __setitem__(self, key: str, value: Json) -> None:
+        self._data[key] = value
+        write_json(self._path, self._data)
+
+    def __delitem__(self, key: str) -> None:
+        del self._data[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)

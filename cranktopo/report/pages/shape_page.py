@@ -1,0 +1,106 @@
+"""The report of a shape optimisation as content: verdict, limits and their prices, dimensions, both webs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
+from cranktopo.report.pages.sections import (
+    assumed_tables,
+    gallery_picture,
+    origin_rows,
+    pairs,
+    versions_section,
+)
+from cranktopo.report.quantities import BENDING, MASS, SAFETY, TORSION, Quantity
+from cranktopo.report.tables.shape_tables import (
+    changes_table,
+    dimensions_table,
+    limits_table,
+    prices_table,
+    shape_headline,
+    trials_table,
+)
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+
+_FACTS = ((MASS, "mass"), (TORSION, "torsion"), (BENDING, "bending"), (SAFETY, "fatigue_safety"))
+
+
+def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
+    """The report of a finished shape optimisation.
+
+    Args:
+        bodies: half throw of the result, then of the original.
+    """
+    return Page(
+        title=f"Best dimensions of the crank web of {data['design']}",
+        subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
+        headline=shape_headline(data),
+        facts=tuple(_fact(data, quantity, key) for quantity, key in _FACTS if key in data["change_percent"]),
+        sections=(
+            _wanted(data),
+            _dimensions(data),
+            _search(data),
+            _provenance(data, manifest),
+            versions_section(manifest["versions"]),
+        ),
+        scene3d=Scene3D(bodies),
+        picture=gallery_picture(bodies),
+    )
+
+
+def _fact(data: Mapping[str, Any], quantity: Quantity, key: str) -> Fact:
+    change = data["change_percent"][key]
+    estimates = data["result"]["error_estimate_percent"]
+    error = estimates.get(key, 0.0)
+    label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
+    if abs(change) <= error:
+        return Fact(label, f"{change:+.1f} %", f"{note}, less than the error estimate", "neutral")
+    status: FactStatus = "good" if quantity.better * change > 0 else "bad"
+    return Fact(label, f"{change:+.1f} %", note, status)
+
+
+def _wanted(data: Mapping[str, Any]) -> Section:
+    goal = data["goal"]
+    sense = "minimise" if "minimise" in goal else "maximise"
+    return Section(
+        "goal",
+        f"Goal: {sense} {goal[sense].replace('_', ' ')}",
+        f"{data['stop_reason'].capitalize()}. A price says by how many percent of the original the goal "
+        "would change if its limit were moved by one percent.",
+        (
+            ("Original and result, fillets included", changes_table(data)),
+            ("Limits, by the body-fitted evaluation", limits_table(data)),
+            ("Prices of the limits", prices_table(data)),
+        ),
+    )
+
+
+def _dimensions(data: Mapping[str, Any]) -> Section:
+    worst = data["worst_case_percent"]
+    spread = ", ".join(f"{name} {value:.1f} %" for name, value in worst.items() if name != "tolerance")
+    return Section(
+        "dimensions",
+        "What a millimetre is worth",
+        f"Change of each quantity per millimetre or degree of each dimension, in percent of the original, on "
+        f"the cells of the search. With every dimension off by {worst['tolerance']:g} mm in the worst way: "
+        f"{spread}.",
+        (("Dimensions at the optimum", dimensions_table(data)),),
+    )
+
+
+def _search(data: Mapping[str, Any]) -> Section:
+    return Section(
+        "search",
+        "How it was found",
+        f"{data['evaluations']} webs were solved on cells; each feature was tried for what it gains in the "
+        "goal and kept only if it pays. The body-fitted evaluation then moved the limits by the error of the "
+        "cells until they held.",
+        (("What was tried", trials_table(data)),),
+    )
+
+
+def _provenance(data: Mapping[str, Any], manifest: Mapping[str, Any]) -> Section:
+    tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(data["assumed"]))
+    return Section("provenance", "Where this comes from", tables=tables)

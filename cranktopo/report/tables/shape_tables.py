@@ -1,0 +1,157 @@
+"""A shape optimisation as tables and text: the web against the original, limits, dimensions, trials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from cranktopo.report.quantities import (
+    BENDING,
+    BENDING_PER_MASS,
+    INERTIA,
+    MASS,
+    SAFETY,
+    TORSION,
+    TORSION_PER_MASS,
+    UNBALANCE,
+    Quantity,
+)
+from cranktopo.report.tables.result_table import ResultTable, terminal
+
+_ROWS: tuple[tuple[Quantity, str, float], ...] = (
+    (MASS, "mass", 1.0),
+    (TORSION, "torsion", 1e-3),
+    (BENDING, "bending", 1e-3),
+    (TORSION_PER_MASS, "torsion_per_mass", 1e-3),
+    (BENDING_PER_MASS, "bending_per_mass", 1e-3),
+    (INERTIA, "inertia", 1.0),
+    (UNBALANCE, "unbalance", 1.0),
+    (SAFETY, "fatigue_safety", 1.0),
+)
+_UNITS = {
+    "kg": "kg",
+    "kNm_per_rad": "kN m/rad",
+    "kN_per_mm": "kN/mm",
+    "kNm_per_rad_kg": "kN m/(rad kg)",
+    "kN_per_mm_kg": "kN/(mm kg)",
+    "kg_mm2": "kg mm2",
+    "kg_mm": "kg mm",
+    "": "",
+}
+
+
+def changes_table(data: Mapping[str, Any]) -> ResultTable:
+    """Every quantity of the original and of the result, and its change."""
+    columns = {"quantity": 0, "unit": 0, "original": 0, "result": 0, "change_percent": 2}
+    before, after, rows = data["values"]["original"], data["values"]["result"], []
+    for quantity, key, factor in _ROWS:
+        if key in before and key in after:
+            rows.append(
+                {
+                    "quantity": quantity.label,
+                    "unit": _UNITS[quantity.unit],
+                    "original": f"{factor * before[key]:.{quantity.digits}f}",
+                    "result": f"{factor * after[key]:.{quantity.digits}f}",
+                    "change_percent": data["change_percent"].get(key),
+                }
+            )
+    return ResultTable(columns, tuple(rows))
+
+
+def limits_table(data: Mapping[str, Any]) -> ResultTable:
+    """Every limit: what is required and reached, whether it holds, and its price."""
+    columns = {"limit": 0, "required": 0, "reached": 0, "holds": 0, "active": 0}
+    rows = tuple(
+        {
+            "limit": limit["quantity"].replace("_", " "),
+            "required": f"{limit['sense']} {limit['required']:.6g} {limit['unit']}".rstrip(),
+            "reached": f"{limit['reached']:.6g} {limit['unit']}".rstrip(),
+            "holds": "yes" if limit["holds"] else "NO",
+            "active": "yes" if limit["active"] else "no",
+        }
+        for limit in data["goal"]["limits"]
+    )
+    return ResultTable(columns, rows)
+
+
+def prices_table(data: Mapping[str, Any]) -> ResultTable:
+    """What a percent of each limit costs in the goal."""
+    columns = {"limit": 0, "goal_percent_per_percent": 3}
+    rows = tuple(
+        {"limit": p["quantity"].replace("_", " "), "goal_percent_per_percent": p["goal_percent_per_percent"]}
+        for p in data["prices"]
+    )
+    return ResultTable(columns, rows)
+
+
+def dimensions_table(data: Mapping[str, Any]) -> ResultTable:
+    """What a millimetre is worth: each dimension, and the change of each quantity per mm or degree."""
+    worth = list(data["parameters"][0]["per_unit"]) if data["parameters"] else []
+    columns = {"dimension": 0, "unit": 0, "start": 2, "value": 2, "at_bound": 0, **dict.fromkeys(worth, 3)}
+    rows = tuple(
+        {
+            "dimension": p["name"],
+            "unit": p["unit"],
+            "start": p["start"],
+            "value": p["value"],
+            "at_bound": p["at_bound"] or "",
+            **p["per_unit"],
+        }
+        for p in data["parameters"]
+    )
+    return ResultTable(columns, rows)
+
+
+def trials_table(data: Mapping[str, Any]) -> ResultTable:
+    """What was tried, what it gained, and whether it was kept."""
+    columns = {"step": 0, "parameters": 0, "gain_percent": 2, "kept": 0, "evaluations": 0}
+    rows = tuple(
+        {
+            "step": t["step"],
+            "parameters": t["parameters"],
+            "gain_percent": t["gain_percent"],
+            "kept": "yes" if t["kept"] else "no",
+            "evaluations": t["evaluations"],
+        }
+        for t in data["trials"]
+    )
+    return ResultTable(columns, rows)
+
+
+def shape_headline(data: Mapping[str, Any]) -> str:
+    """The result in one sentence; limits that are missed and what got worse come first."""
+    change, missed = data["change_percent"], [x for x in data["goal"]["limits"] if not x["holds"]]
+    names = ("mass", "torsion", "bending", "fatigue_safety")
+    said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names if name in change)
+    if not missed:
+        return f"Every limit holds: {said} against the original web."
+    first = ", ".join(_shortfall(limit) for limit in missed)
+    return f"NOT MET: {first}; {said} against the original web."
+
+
+def _shortfall(limit: Mapping[str, Any]) -> str:
+    text = f"{limit['quantity'].replace('_', ' ')} reaches {limit['reached']:.4g} of {limit['required']:.4g}"
+    return f"{text} {limit['unit']}".rstrip()
+
+
+def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
+    """A finished shape optimisation; `data` as shape.json holds it."""
+    worst = {k: v for k, v in data["worst_case_percent"].items() if k != "tolerance"}
+    spread = ", ".join(f"{name} {value:.1f} %" for name, value in worst.items())
+    lines = [
+        shape_headline(data),
+        data["stop_reason"],
+        "",
+        terminal(changes_table(data)),
+        "",
+        terminal(limits_table(data)),
+        "",
+        "What a millimetre (degree) is worth, % of the original:",
+        terminal(dimensions_table(data)),
+        f"worst case with every dimension off by {data['worst_case_percent']['tolerance']:g} mm: {spread}",
+        "",
+        f"{data['seconds']['total']:.1f} s, {data['evaluations']} webs solved on cells",
+        *(str(folder / name) for name in data["files"].values()),
+    ]
+    return "\n".join(lines)

@@ -1,0 +1,80 @@
+"""What a web is by the body-fitted evaluation, the last word on every limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cranktopo.effects import planned_scene
+from cranktopo.effects.simulated import Feature
+from cranktopo.evaluate.evaluation import evaluate
+from cranktopo.evaluate.safety_field import fatigue_field
+from cranktopo.evaluate.targets import Target
+from cranktopo.scene import Scene
+from cranktopo.shape.work import Json, Work
+
+_FILLETS: tuple[Feature, ...] = ("fillets",)
+_WITH_BODY: tuple[Feature, ...] = ("bores", "fillets")
+
+
+@dataclass(frozen=True)
+class EvaluatedWeb:
+    """A web with its evaluation on the default mesh, fillets included.
+
+    Attributes:
+        evaluation: as one entry of `evaluate --json`, with `fatigue_safety` by local stress analysis where
+            that is asked for.
+    """
+
+    scene: Scene
+    evaluation: Json
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Its quantities by name, in the units of the goal's limits."""
+        found = self.evaluation
+        supports, mass = found["supports"], found["mass_kg"]["throw"]
+        torsion = found["torsion"][f"{supports['torsion']}_Nm_per_rad"]
+        bending = found["bending"][f"{supports['bending']}_N_per_mm"]
+        values = {
+            "mass": mass,
+            "inertia": found["inertia_kg_mm2"],
+            "unbalance": found["unbalance_kg_mm"],
+            "torsion": torsion,
+            "bending": bending,
+            "torsion_per_mass": torsion / mass,
+            "bending_per_mass": bending / mass,
+        }
+        safety = found.get("fatigue_safety")
+        return values if safety is None else {**values, "fatigue_safety": safety}
+
+    @property
+    def error_percent(self) -> dict[str, float]:
+        """Bound of the discretisation error of both stiffnesses."""
+        estimate: dict[str, float] = self.evaluation["error_estimate_percent"]
+        return estimate
+
+
+def evaluated_web(
+    scene: Scene, fatigue: bool, name: str, work: Work, file: Path | None = None
+) -> EvaluatedWeb:
+    """Evaluate a scene's web with its fillets, or the body of a file that stands for it.
+
+    Args:
+        fatigue: whether the fatigue safety is wanted as well, which takes longest.
+        name: under which the work keeps the evaluation.
+
+    Raises:
+        CranktopoError: impossible geometry, or a failed solve.
+    """
+    kept = _WITH_BODY if file else _FILLETS
+    target = Target(scene.name, planned_scene(scene, kept), file)
+
+    def make() -> Json:
+        found = evaluate(target, progress=work.info).as_json()
+        if not fatigue:
+            return found
+        safety = fatigue_field(target, "lsa", progress=work.info).critical.safety
+        return {**found, "fatigue_safety": float(safety)}
+
+    return EvaluatedWeb(scene, work.once(name, make))

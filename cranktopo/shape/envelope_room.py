@@ -1,0 +1,82 @@
+"""The outline of a parametric web stays inside the envelope: distances of its points, with derivatives."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.envelope_section import envelope_bounds_mm, envelope_outline, envelope_sections
+from cranktopo.remodel.parametric_web import ParametricWeb
+from cranktopo.scene import Scene
+from cranktopo.scene.features.fitted import CLEAR_MM
+from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Envelope
+
+Array = NDArray[np.float64]
+_SAMPLES = 400
+"""Samples of an envelope's section along its longer side, where it has no closed form."""
+
+
+class EnvelopeRoom:
+    """How far points of the outline's right half lie outside the envelope, mm; 0 or less inside."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._envelope, self._web_z_mm = scene.envelope, scene.web_z_mm
+
+    def constraints(self, web: ParametricWeb, values: Array) -> tuple[Array, Array]:
+        """Constraints of an outline, kept where <= 0, and their gradients (constraints, parameters).
+
+        Without an envelope there are none.
+        """
+        points, by_values = web.points(values)
+        if self._envelope is None:
+            return np.zeros(0), np.zeros((0, len(values)))
+        outside, by_points = self._outside(self._envelope, points)
+        slopes = np.zeros((outside.size, len(values)))
+        slopes[:, : by_values.shape[2]] = np.einsum("cnk,nkp->cnp", by_points, by_values).reshape(
+            outside.size, -1
+        )
+        return outside.ravel() + CLEAR_MM, slopes
+
+    def _outside(self, envelope: Envelope, points: Array) -> tuple[Array, Array]:
+        """Excesses (constraints, n) and their derivatives by each point (constraints, n, 2)."""
+        if isinstance(envelope, BoxEnvelope):
+            _, wide, low, high = envelope.bounds_mm
+            outside = np.stack([points[:, 0] - wide, low - points[:, 1], points[:, 1] - high])
+            unit = np.array([[1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
+            return outside, np.broadcast_to(unit[:, None, :], (3, *points.shape))
+        if isinstance(envelope, CylinderEnvelope):
+            reach = np.hypot(points[:, 0], points[:, 1])
+            return (reach - envelope.radius_mm)[None], (points / np.maximum(reach, 1e-12)[:, None])[None]
+        x, y, distance = self._field
+        return _interpolated(x, y, distance, points)
+
+    @cached_property
+    def _field(self) -> tuple[Array, Array, Array]:
+        """Signed distance from the common part of all sections on a lattice x >= 0, positive outside, mm."""
+        from scipy.ndimage import distance_transform_edt
+
+        assert self._envelope is not None
+        _, wide, low, high = envelope_bounds_mm(self._envelope)
+        step = max(wide, high - low) / _SAMPLES
+        x, y = np.arange(-4, wide / step + 5) * step, np.arange(low - 4 * step, high + 5 * step, step)
+        sections, (start, end) = envelope_sections(self._envelope), self._web_z_mm
+        heights = start + (end - start) * (np.arange(sections) + 0.5) / sections
+        inside = np.ones((x.size, y.size), dtype=bool)
+        for z in heights:
+            inside &= envelope_outline(self._envelope, float(z))(np.abs(x)[:, None], y[None, :])
+        outer, inner = distance_transform_edt(~inside), distance_transform_edt(inside)
+        return x, y, np.asarray(step * (outer - inner))
+
+
+def _interpolated(x: Array, y: Array, field: Array, points: Array) -> tuple[Array, Array]:
+    """Bilinear value at points, (1, n), and derivatives (1, n, 2); continued straight beyond the lattice."""
+    step = x[1] - x[0]
+    i = np.clip(((points[:, 0] - x[0]) / step).astype(int), 0, x.size - 2)
+    j = np.clip(((points[:, 1] - y[0]) / step).astype(int), 0, y.size - 2)
+    u, v = (points[:, 0] - x[i]) / step, (points[:, 1] - y[j]) / step
+    a, b, c, d = field[i, j], field[i + 1, j], field[i, j + 1], field[i + 1, j + 1]
+    value = a * (1 - u) * (1 - v) + b * u * (1 - v) + c * (1 - u) * v + d * u * v
+    by_x, by_y = ((b - a) * (1 - v) + (d - c) * v) / step, ((c - a) * (1 - u) + (d - b) * u) / step
+    return value[None], np.stack([by_x, by_y], axis=-1)[None]

@@ -1,0 +1,69 @@
+"""From a goal in words to numbers: limits in the units of a model, relative to the original web in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import degrees
+
+from cranktopo.errors import invalid
+from cranktopo.loads.load_case import LoadCase
+from cranktopo.scene.goal import Goal, Limit
+from cranktopo.shape.search_goal import SearchGoal, SearchLimit
+
+_STIFFNESS_OF = {"pin_displacement": "bending", "twist": "torsion"}
+"""Deformations under the engine's load, which are that load over a stiffness."""
+
+
+def check_goal(goal: Goal) -> None:
+    """Check that a search on cells knows what is to be minimised or maximised.
+
+    Raises:
+        CranktopoError: it does not.
+    """
+    if goal.quantity == "fatigue_safety":
+        raise invalid(
+            f"goal.{goal.sense}",
+            goal.quantity,
+            "the search on cells knows stiffness and mass only",
+            "Name another goal and limit the fatigue safety; the evaluation checks it.",
+        )
+
+
+def search_goal_of(
+    goal: Goal,
+    original: Mapping[str, float],
+    true_original: Mapping[str, float],
+    cases: tuple[LoadCase, ...],
+) -> SearchGoal:
+    """A goal as a model states it.
+
+    Args:
+        original: quantities of the original web in the model.
+        true_original: by the body-fitted evaluation; absolute limits keep their relation to it.
+        cases: load cases, for displacement and twist.
+    """
+    sign = 1.0 if goal.sense == "minimise" else -1.0
+    limits = [
+        found for limit in goal.limits for found in _search_limits(limit, original, true_original, cases)
+    ]
+    return SearchGoal(goal.quantity, sign, abs(original[goal.quantity]), tuple(limits))
+
+
+def _search_limits(
+    limit: Limit, original: Mapping[str, float], truth: Mapping[str, float], cases: tuple[LoadCase, ...]
+) -> Iterator[SearchLimit]:
+    quantity = _STIFFNESS_OF.get(limit.quantity, limit.quantity)
+    if quantity not in original:
+        return
+    if quantity == limit.quantity:
+        sense, share = limit.sense, limit.value / 100 if limit.percent else limit.value / truth[quantity]
+    else:
+        sense = ">=" if limit.sense == "<=" else "<="
+        share = 100 / limit.value if limit.percent else _load(quantity, cases) / limit.value / truth[quantity]
+    yield SearchLimit(quantity, sense, share * original[quantity])
+
+
+def _load(stiffness: str, cases: tuple[LoadCase, ...]) -> float:
+    """Load whose ratio to a limit is the stiffness it asks for: N, or N m deg/rad."""
+    case = next(case for case in cases if case.name == stiffness)
+    return case.radial_N if stiffness == "bending" else degrees(case.torque_Nm)

@@ -1,0 +1,137 @@
+"""Which features a web should have: each is tried for what it gains in the goal, and kept only if it pays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.remodel.family import Layout
+from cranktopo.remodel.initial_guess import with_stations
+from cranktopo.scene.features.bevel import FittedBevel
+from cranktopo.scene.features.fitted import FittedFeature
+from cranktopo.shape.pocket_places import pocket_starts
+from cranktopo.shape.search import EVALUATIONS, Found, prices_of, search
+from cranktopo.shape.search_goal import SearchGoal
+from cranktopo.shape.start import bevel_start, groove_start
+from cranktopo.shape.web_model import WebModel
+from cranktopo.shape.work import Work
+
+Array = NDArray[np.float64]
+LEAST_GAIN = 2e-3
+"""Least gain in the goal, relative to the original, that a feature or a station must bring."""
+_MOST_POCKETS, _TRIED_POCKETS = 4, 2
+_MORE_STATIONS = (9,)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One row of the table of what was tried.
+
+    Attributes:
+        step: stations or feature.
+        parameters: how many parameters the web then has.
+        objective: the goal, smaller is better; None where no web kept limits and rules.
+        gain_percent: gain in the goal against what was there before, % of the original's; None likewise.
+        kept: whether it is in the web.
+        evaluations: webs solved.
+    """
+
+    step: str
+    parameters: int
+    objective: float | None
+    gain_percent: float | None
+    kept: bool
+    evaluations: int
+
+
+def trial_text(trial: Trial) -> str:
+    """One line of progress."""
+    if trial.objective is None:
+        return f"{trial.step}: no web that keeps limits and rules"
+    gain = "" if trial.gain_percent is None else f", gain {trial.gain_percent:+.2f} %"
+    return f"{trial.step}: goal at {100 * abs(trial.objective):.2f} % of the original{gain}" + (
+        "" if trial.kept else ", left out"
+    )
+
+
+def no_web() -> CranktopoError:
+    """What is said where no web keeps limits and rules."""
+    return CranktopoError(
+        "shape: no web found that keeps limits and rules.",
+        hint="Loosen a limit, enlarge the envelope, or allow a smaller wall or radius.",
+        code=ExitCode.CRITERION_NOT_MET,
+    )
+
+
+class Growth:
+    """A web that grows by features; the trials in their order."""
+
+    def __init__(self, model: WebModel, goal: SearchGoal, work: Work) -> None:
+        self.model, self.goal, self.trials = model, goal, list[Trial]()
+        self._work = work
+
+    def first(self, layout: Layout, start: Array) -> Found:
+        """The best web of the start's layout.
+
+        Raises:
+            CranktopoError: no web keeps limits and rules (exit code 6).
+        """
+        found, solved = self._searched(layout, start, 2 * EVALUATIONS)
+        self._note("outline", layout, found, None, found is not None, solved)
+        if found is None:
+            raise no_web()
+        return found
+
+    def grown(self, best: Found) -> Found:
+        """The web with every feature that pays: bevels and a groove, then pockets, then more stations."""
+        for part, guess in self._ends(best):
+            best = self._with(best, part, guess)
+        for _ in range(_MOST_POCKETS):
+            before, paid = best, prices_of(self.model, best, self.goal)
+            for part, guess in list(pocket_starts(self.model, best, self.goal, paid))[:_TRIED_POCKETS]:
+                best = self._with(best, part, guess)
+                if best is not before:
+                    break
+            if best is before:
+                break
+        for stations in _MORE_STATIONS:
+            layout = replace(best.layout, stations=stations)
+            values = with_stations(best.layout, best.values, stations)
+            best = self._tried(best, layout, values, f"{stations} stations")
+        return best
+
+    def _ends(self, best: Found) -> Iterator[tuple[FittedFeature, Array]]:
+        there = {part.label for part in best.layout.parts}
+        for bevel in (FittedBevel("journal"), FittedBevel("pin")):
+            if bevel.label not in there:
+                yield bevel, bevel_start(self.model.scene, bevel)
+        groove, guess = groove_start(self.model.scene)
+        if groove.label not in there:
+            yield groove, guess
+
+    def _with(self, best: Found, part: FittedFeature, guess: Array) -> Found:
+        layout = replace(best.layout, parts=(*best.layout.parts, part))
+        return self._tried(best, layout, np.concatenate([best.values, guess]), part.label)
+
+    def _tried(self, best: Found, layout: Layout, start: Array, step: str) -> Found:
+        found, solved = self._searched(layout, start, EVALUATIONS)
+        kept = found is not None and best.objective - found.objective >= LEAST_GAIN
+        self._note(step, layout, found, best, kept, solved)
+        return found if kept and found is not None else best
+
+    def _searched(self, layout: Layout, start: Array, evaluations: int) -> tuple[Found | None, int]:
+        name = f"trial-{len(self.trials) + 1:02d}"
+        return search(self.model, layout, start, self.goal, name, self._work, evaluations)
+
+    def _note(
+        self, step: str, layout: Layout, found: Found | None, before: Found | None, kept: bool, solved: int
+    ) -> None:
+        gain = None if found is None or before is None else 100 * (before.objective - found.objective)
+        objective = None if found is None else found.objective
+        trial = Trial(step, len(layout.names), objective, gain, kept, solved)
+        self.trials.append(trial)
+        self._work.info(trial_text(trial))

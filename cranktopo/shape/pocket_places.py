@@ -1,0 +1,56 @@
+"""Where a pocket would pay most: what each cell is worth at an optimum, summed over small pockets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.scene.features.box_pocket import FittedBox
+from cranktopo.scene.features.fitted import FittedFeature
+from cranktopo.scene.features.fitted_pocket import FittedPocket
+from cranktopo.shape.prices import Prices
+from cranktopo.shape.search import Found
+from cranktopo.shape.search_goal import SearchGoal
+from cranktopo.shape.web_model import WebModel
+
+Array = NDArray[np.float64]
+_EDGE, _DEPTH = 0.4, 0.25
+"""Edge and depth of the small pocket over the web's thickness."""
+_STEPS = 0.2
+"""Distance of the places tried over the web's thickness."""
+_KEPT_MM = 0.5
+"""By how much a start may break a rule; the search mends it."""
+_KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in (True, False))
+
+
+def pocket_starts(
+    model: WebModel, best: Found, goal: SearchGoal, paid: Prices
+) -> Iterator[tuple[FittedFeature, Array]]:
+    """Small pockets where they would gain most and keep the rules, the most promising kind first."""
+    worth = goal.worth(best.responses.by_cell, paid.limits)
+    found = []
+    for kind in _KINDS:
+        places = [(gain, values) for gain, values in _places(model, best, kind, worth) if gain > 0]
+        found += [(kind, *max(places, key=lambda place: place[0]))] if places else []
+    for kind, _, values in sorted(found, key=lambda item: -item[1]):
+        yield kind, values
+
+
+def _places(model: WebModel, best: Found, kind: FittedPocket, worth: Array) -> Iterator[tuple[float, Array]]:
+    """Gain and values of the pocket at each place of a lattice where it keeps walls and shoulders."""
+    scene, web = model.scene, model.web(replace(best.layout, parts=(*best.layout.parts, kind)))
+    thickness = scene.web.thickness_mm
+    step, depth = _STEPS * thickness, _DEPTH * thickness
+    edge = max(_EDGE * thickness, 2 * model.domain.grid.largest_edge_mm)
+    low, high = best.values[:2]
+    across = np.arange(edge / 2, best.values[2 : best.layout.stations].max(), step) if kind.pair else [None]
+    for x in across:
+        for y in np.arange(low, high, step):
+            own = [*([] if x is None else [x]), y, edge, edge, depth]
+            values = np.concatenate([best.values, own])
+            if web.constraints(values).max() < _KEPT_MM:
+                taken = best.responses.fill - model.fill(web, values)
+                yield float((worth * taken).sum()), np.array(own)

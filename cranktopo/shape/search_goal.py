@@ -1,0 +1,85 @@
+"""A goal and its limits as numbers that a search can use: one objective, relative limits, their slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SearchLimit:
+    """A limit in the units of the model that searches.
+
+    Attributes:
+        value: in the quantity's unit.
+    """
+
+    quantity: str
+    sense: Literal["<=", ">="]
+    value: float
+
+    @property
+    def sign(self) -> float:
+        """1 for an upper limit, -1 for a lower one."""
+        return 1.0 if self.sense == "<=" else -1.0
+
+
+@dataclass(frozen=True)
+class SearchGoal:
+    """What a search minimises, and what it keeps.
+
+    Attributes:
+        quantity: the quantity of the goal.
+        sign: 1 minimises it, -1 maximises it.
+        scale: its value for the original web, which makes the objective one.
+    """
+
+    quantity: str
+    sign: float
+    scale: float
+    limits: tuple[SearchLimit, ...]
+
+    def objective(self, values: Mapping[str, float]) -> float:
+        """The goal, smaller is better; 1 or -1 for the original web."""
+        return self.sign * values[self.quantity] / self.scale
+
+    def objective_slope(self, slopes: Mapping[str, Array]) -> Array:
+        """Its gradient, (parameters,)."""
+        return self.sign * slopes[self.quantity] / self.scale
+
+    def excesses(self, values: Mapping[str, float]) -> Array:
+        """How far each limit is missed over its value, kept where <= 0."""
+        return np.array([r.sign * (values[r.quantity] - r.value) / abs(r.value) for r in self.limits])
+
+    def excess_slopes(self, slopes: Mapping[str, Array], parameters: int) -> Array:
+        """Their gradients (limits, parameters)."""
+        rows = [r.sign * slopes[r.quantity] / abs(r.value) for r in self.limits]
+        return np.array(rows).reshape(len(rows), parameters)
+
+    def worth(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
+        """What the goal gains by emptying each cell, with the limits paid for at their prices.
+
+        Args:
+            by_cell: gradients of the quantities by the fill.
+            limits: prices, change of the goal per relative change of each limit.
+        """
+        result = self.sign * by_cell[self.quantity] / self.scale
+        for price, r in zip(limits, self.limits, strict=True):
+            result = result + price * r.sign * by_cell[r.quantity] / abs(r.value)
+        return np.asarray(result)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Every quantity that it speaks of."""
+        return (self.quantity, *(r.quantity for r in self.limits))
+
+    def shifted(self, factors: Mapping[str, float]) -> SearchGoal:
+        """The same with limits multiplied: a model that errs by a known factor then keeps the true ones."""
+        moved = tuple(replace(r, value=r.value * factors.get(r.quantity, 1.0)) for r in self.limits)
+        return replace(self, limits=moved)

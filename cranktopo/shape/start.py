@@ -1,0 +1,63 @@
+"""The start of a search: a scene's web as a layout with values, and features where they would pay most."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.remodel.constraints import reaches_mm
+from cranktopo.remodel.family import Layout, station_shares
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.scene import Scene
+from cranktopo.scene.features.bevel import FittedBevel
+from cranktopo.scene.features.fitted import FittedFeature
+from cranktopo.scene.features.side_pocket import FittedSlot
+
+Array = NDArray[np.float64]
+STATIONS = 7
+_GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
+"""Of a first groove: its floor over the half-width, and its draft."""
+_BEVEL_SHARE = 1 / 3
+"""Depth of a first bevel over the web's thickness."""
+
+
+def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STATIONS) -> Array:
+    """Ends and half-widths of the scene's own outline at the stations, clear of journals and bores, mm."""
+    reaches = reaches_mm(scene, limits)
+    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
+    low, high = min(low, *(y - r for y, r in reaches)), max(high, *(y + r for y, r in reaches))
+    places = low + (high - low) * station_shares(stations)[1:-1]
+    wide = scene.web.half_width_mm(scene.throw.radius_mm, places)
+    for y, reach in reaches:
+        wide = np.maximum(wide, np.sqrt(np.maximum(reach**2 - (places - y) ** 2, 0.0)))
+    return np.concatenate([[low, high], wide])
+
+
+def own_features(scene: Scene) -> Iterator[tuple[FittedFeature, Array]]:
+    """The features of the scene's web that the family has, with their values: its end bevels."""
+    for bevel in scene.web.bevel:
+        yield FittedBevel(bevel.face), np.array([bevel.y_mm, bevel.depth_mm, bevel.crown_mm])
+
+
+def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
+    """Start, depth and crown of a first bevel: just clear of the journal on its face, a third deep, plane."""
+    on_journal_face = bevel.face == "journal"
+    journal, axis = scene.throw.journals[0 if on_journal_face else 1]
+    outward = 1.0 if on_journal_face else -1.0
+    clear = journal.radius_mm + journal.fillet_mm + 1.0
+    return np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
+
+
+def groove_start(scene: Scene) -> tuple[FittedFeature, Array]:
+    """A shallow groove through both ends, a quarter of the thickness high, in the middle of the flanks."""
+    thickness, floor = scene.web.thickness_mm, _GROOVE_FLOOR * scene.web.largest_half_width_mm
+    return FittedSlot(through=True), np.array([thickness / 4, floor, 0.0, _GROOVE_DRAFT_DEG])
+
+
+def scene_start(scene: Scene, limits: ManufacturingLimits) -> tuple[Layout, Array]:
+    """The scene's own web in the family, features that the family lacks left out."""
+    parts = tuple(own_features(scene))
+    values = [outline_start(scene, limits), *(own for _, own in parts)]
+    return Layout(STATIONS, tuple(part for part, _ in parts)), np.concatenate(values)

@@ -1,0 +1,105 @@
+"""A goal in words as numbers for a search, and the room in an envelope."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cranktopo.domain.build import build_domain
+from cranktopo.loads.cases import load_cases
+from cranktopo.remodel.family import Layout
+from cranktopo.remodel.parametric_web import ParametricWeb
+from cranktopo.remodel.usual_size import usual_limits
+from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene.goal import Goal, Limit
+from cranktopo.shape.envelope_room import EnvelopeRoom
+from cranktopo.shape.goal_in_model import search_goal_of
+from cranktopo.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.shape.start import outline_start
+
+ORIGINAL = {"mass": 1.5, "torsion": 150e3, "bending": 240e3, "unbalance": 30.0}
+TRUE = {"mass": 1.6, "torsion": 145e3, "bending": 230e3, "unbalance": 33.0}
+
+
+@pytest.fixture(scope="module")
+def mikron() -> Scene:
+    return load_scene("mikron-iiic")
+
+
+def limits_of(*limits: Limit) -> tuple[SearchLimit, ...]:
+    cases = load_cases(load_scene("mikron-iiic"))
+    return search_goal_of(Goal("minimise", "mass", limits), ORIGINAL, TRUE, cases).limits
+
+
+def test_percent_is_of_the_original_in_the_same_model() -> None:
+    (found,) = limits_of(Limit("torsion", ">=", 95.0, percent=True))
+    assert found == SearchLimit("torsion", ">=", pytest.approx(0.95 * 150e3))
+
+
+def test_an_absolute_limit_keeps_its_relation_to_the_true_original() -> None:
+    (found,) = limits_of(Limit("unbalance", "<=", 22.0))
+    assert found == SearchLimit("unbalance", "<=", pytest.approx(30.0 * 22 / 33))
+
+
+def test_a_displacement_is_the_engines_force_over_the_bending_stiffness(mikron: Scene) -> None:
+    force = next(case.radial_N for case in load_cases(mikron) if case.kind == "bending")
+    (found,) = limits_of(Limit("pin_displacement", "<=", force / 230e3))
+    assert found == SearchLimit("bending", ">=", pytest.approx(240e3))
+    (relative,) = limits_of(Limit("pin_displacement", "<=", 80.0, percent=True))
+    assert relative == SearchLimit("bending", ">=", pytest.approx(240e3 / 0.8))
+
+
+def test_a_twist_is_the_engines_torque_over_the_torsional_stiffness(mikron: Scene) -> None:
+    torque = next(case.torque_Nm for case in load_cases(mikron) if case.kind == "torsion")
+    (found,) = limits_of(Limit("twist", "<=", np.degrees(torque / 145e3)))
+    assert found == SearchLimit("torsion", ">=", pytest.approx(150e3))
+
+
+def test_excesses_and_slopes_are_relative() -> None:
+    limits = (SearchLimit("torsion", ">=", 100.0), SearchLimit("mass", "<=", 2.0))
+    goal = SearchGoal("bending", -1.0, 50.0, limits)
+    assert goal.excesses({"torsion": 90.0, "mass": 1.0}) == pytest.approx([0.1, -0.5])
+    slopes = {"torsion": np.array([1.0, 2.0]), "mass": np.array([0.0, 4.0]), "bending": np.array([5.0, 0.0])}
+    assert goal.excess_slopes(slopes, 2) == pytest.approx(np.array([[-0.01, -0.02], [0.0, 2.0]]))
+    assert goal.objective_slope(slopes) == pytest.approx([-0.1, 0.0])
+    assert goal.shifted({"torsion": 1.02}).limits[0].value == pytest.approx(102.0)
+
+
+@pytest.mark.parametrize(
+    "envelope",
+    [
+        {"shape": "box", "half_width_mm": 30.0, "y_min_mm": -26.0, "y_max_mm": 75.0},
+        {"shape": "cylinder", "radius_mm": 74.0},
+        {"shape": "outline", "points_mm": [[-30, -26], [30, -26], [34, 75], [-34, 75]]},
+    ],
+)
+def test_room_in_an_envelope_has_the_slopes_of_differences(
+    mikron: Scene, envelope: dict[str, object]
+) -> None:
+    data = mikron.model_dump(mode="json", exclude_none=True)
+    scene = scene_from_dict({**data, "envelope": envelope})
+    grid = build_domain(scene, 8.0).grid
+    axes = tuple((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
+    web = ParametricWeb(Layout(7), scene, usual_limits(scene), axes)
+    values = outline_start(scene, usual_limits(scene)) + 0.3
+    room = EnvelopeRoom(scene)
+    _, slopes = room.constraints(web, values)
+    for index in range(len(values)):
+        step = 1e-5 * np.eye(len(values))[index]
+        ahead, back = (room.constraints(web, values + sign * step)[0] for sign in (1, -1))
+        assert slopes[:, index] == pytest.approx((ahead - back) / 2e-5, abs=2e-4)
+
+
+def test_a_polygon_measures_as_the_box_it_is(mikron: Scene) -> None:
+    data = mikron.model_dump(mode="json", exclude_none=True)
+    corners = [[-27, -30], [27, -30], [27, 70], [-27, 70]]
+    box = scene_from_dict(
+        {**data, "envelope": {"shape": "box", "half_width_mm": 27.0, "y_min_mm": -30.0, "y_max_mm": 70.0}}
+    )
+    polygon = scene_from_dict({**data, "envelope": {"shape": "outline", "points_mm": corners}})
+    grid = build_domain(box, 8.0).grid
+    axes = tuple((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
+    web = ParametricWeb(Layout(7), box, usual_limits(box), axes)
+    values = outline_start(box, usual_limits(box))
+    exact, near = (EnvelopeRoom(scene).constraints(web, values)[0].max() for scene in (box, polygon))
+    assert near == pytest.approx(exact, abs=0.3)
