@@ -36,6 +36,11 @@ def pull_axis(scene: Scene) -> int:
     return X if scene.optimise.parting == "lateral" else Z
 
 
+def tool_radius_mm(scene: Scene) -> float:
+    """Radius of the end mill, mm."""
+    return scene.optimise.tool_radius_mm or scene.throw.radius_mm / 10
+
+
 def designable(scene: Scene, domain: Domain) -> Array:
     """Designable fraction of the cells of the web's layers (nx, ny, nw), less what no die half reaches."""
     first, last = domain.web_layers
@@ -112,7 +117,7 @@ def _mould(scene: Scene, domain: Domain) -> ToolAccess:
 
 
 def _mill(scene: Scene, domain: Domain) -> ToolAccess:
-    radius, steps = scene.optimise.tool_radius_mm, web_cell_mm(domain)
+    radius, steps = tool_radius_mm(scene), web_cell_mm(domain)
     x, y, z = (max(1, math.ceil(radius / step)) for step in steps)
     # A tool centred a radius beyond the mirror plane touches what stands two radii beyond it.
     margin = (2 * x if domain.mirrored_x else x, y, z)

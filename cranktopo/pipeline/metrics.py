@@ -23,6 +23,7 @@ from cranktopo.scene.goal.outcome import goal_json
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.surface.checked_surface import CheckedSurface
 from cranktopo.surface.surface_checks import surface_json
+from cranktopo.surface.walls import shapes_walls
 
 SCHEMA_VERSION = 1
 _PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
@@ -156,7 +157,8 @@ def _surface(surface: CheckedSurface | str, scene: Scene) -> dict[str, Any]:
     if isinstance(surface, str):
         return {"refusal": surface}
     known = surface_json(surface.surface, surface.report)
-    return {**known, "undercuts": surface.undercuts(scene).as_json()}
+    found = {**known, "undercuts": surface.undercuts(scene).as_json()}
+    return {**found, "walls": surface.walls(scene)} if shapes_walls(scene) else found
 
 
 def _solver(problem: DensityProblem, state: State, result: Assessment) -> dict[str, Any]:

@@ -27,6 +27,7 @@ def check_scene(scene: Scene) -> None:
     check_web_extent(scene)
     _check_envelope(scene)
     _check_optimise(scene)
+    _check_tool(scene)
     check_goal(scene)
 
 
@@ -89,3 +90,10 @@ def _check_optimise(scene: Scene) -> None:
             "finds the least sum of compliances at a volume fraction, and nothing else",
             "Leave it out, or write 'moving_asymptotes'.",
         )
+
+
+def _check_tool(scene: Scene) -> None:
+    radius = scene.optimise.tool_radius_mm
+    if radius is not None and radius > scene.throw.radius_mm:
+        allowed = f"must be at most throw.radius_mm = {scene.throw.radius_mm:g} mm"
+        raise invalid("optimise.tool_radius_mm", radius, allowed, "Give the radius of the mill.")

@@ -166,8 +166,8 @@ class Optimise(SceneTable):
     """How die and mould open: `lateral` along x, the die parting in x = 0; `web_faces` along z, mid-web."""
     draft_deg: float = Field(default=0.0, ge=0, le=20)
     """Least angle between the walls of a forged or cast web and the way its die or mould opens."""
-    tool_radius_mm: Length = 5.0
-    """Radius of the end mill of a milled web."""
+    tool_radius_mm: Length | None = Field(default=None, examples=[5.0])
+    """Radius of the end mill of a milled web; by default a tenth of the throw radius."""
 
 
 class Published(SceneTable):

@@ -12,8 +12,10 @@ from cranktopo.optimise.loop import WebDensities
 from cranktopo.scene import Scene
 from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.surface.half_throw import WebSurface, extract_half_throw
+from cranktopo.surface.solids import envelope_solid
 from cranktopo.surface.surface_checks import SurfaceReport, check_surface
 from cranktopo.surface.undercuts import Undercuts, undercuts
+from cranktopo.surface.walls import measure
 from cranktopo.surface.web_fields import web_fields
 
 Array = NDArray[np.float64]
@@ -41,8 +43,12 @@ class CheckedSurface:
         return float(self.grid.cell_mm.min())
 
     def undercuts(self, scene: Scene) -> Undercuts:
-        """What a die that parts in x = 0 cannot release, to half a cell."""
+        """What the scene's process cannot leave, to half a cell."""
         return undercuts(self.surface.web, scene, self.cell_mm / 2)
+
+    def walls(self, scene: Scene) -> dict[str, float | None]:
+        """Least draft (deg), member and gap (mm) of the walls that were shaped; None where there is none."""
+        return measure(self.surface.half_throw, envelope_solid(scene, self.grid), scene, self.cell_mm)
 
 
 def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> CheckedSurface:

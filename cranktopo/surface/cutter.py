@@ -15,6 +15,7 @@ from cranktopo.frames import X, Y, Z
 from cranktopo.scene import Scene
 from cranktopo.surface.density_grid import DensityGrid, is_x_symmetric
 from cranktopo.surface.isosurface import FineField, iso_solid, resample, unsmoothed_solid
+from cranktopo.surface.release import released
 from cranktopo.surface.solids import (
     ON_MIRROR_MM,
     envelope_solid,
@@ -93,8 +94,9 @@ def fine_field(
 ) -> FineField:
     """The resampled field whose iso-surface bounds the web."""
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
-    without_undercuts = scene.effects.manufacturing_constraint == "on"
-    return resample(grid if smooth is None else replace(grid, density=smooth), usable, without_undercuts)
+    made = scene.effects.manufacturing_constraint == "on"
+    release = partial(released, scene=scene) if made else None
+    return resample(grid if smooth is None else replace(grid, density=smooth), usable, release)
 
 
 def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:

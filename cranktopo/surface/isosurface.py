@@ -10,13 +10,14 @@ the other they stay as marching cubes found them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
-from cranktopo.frames import X
+from cranktopo.frames import X, Y, Z
 from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
@@ -43,12 +44,16 @@ class FineField:
     values: Array
 
 
-def resample(grid: DensityGrid, usable: NDArray[np.bool_], without_undercuts: bool = False) -> FineField:
+Release = Callable[[Array, Array, Array, NDArray[np.bool_]], Array]
+"""From a field, the place of its first point, its spacing (mm) and its usable points to what can be made."""
+
+
+def resample(grid: DensityGrid, usable: NDArray[np.bool_], release: Release | None = None) -> FineField:
     """Density on a lattice twice as fine as the cells, continued beyond what can hold material.
 
     Args:
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
-        without_undercuts: the density never grows away from x = 0; keep that true between the cells.
+        release: keeps between the cells what the process needs.
     """
     from scipy import ndimage
 
@@ -57,10 +62,12 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], without_undercuts: bo
     fine = ndimage.zoom(padded, REFINE, order=3, mode="nearest", grid_mode=True)
     spacing = grid.cell_mm / REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
-    if without_undercuts:
-        _raise_outward_minima(
-            fine[REFINE * _PAD_CELLS : -REFINE * _PAD_CELLS], grid.origin_mm[X] + spacing[X] / 2, spacing[X]
-        )
+    if release is not None:
+        inner = slice(REFINE * _PAD_CELLS, -REFINE * _PAD_CELLS)
+        beside = np.pad(usable, ((0, 0), (_PAD_CELLS, _PAD_CELLS), (_PAD_CELLS, _PAD_CELLS)), mode="edge")
+        within = np.kron(beside, np.ones((REFINE,) * 3, dtype=bool))
+        corner = np.array([grid.origin_mm[X] + spacing[X] / 2, first[Y], first[Z]])
+        fine[inner] = release(fine[inner], corner, spacing, within)
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
 
 
@@ -107,13 +114,6 @@ def _marching_cubes(field: FineField, iso: float) -> SurfaceMesh:
     )
     points = vertices.astype(np.float64) * field.spacing_mm + field.origin_mm
     return SurfaceMesh(points, faces.astype(np.int64))
-
-
-def _raise_outward_minima(inner: Array, first_mm: float, step_mm: float) -> None:
-    """Raise values (in place) to the largest one further out on their side of x = 0."""
-    parting = int(np.count_nonzero(first_mm + step_mm * np.arange(len(inner)) < 0))
-    inner[:parting] = np.maximum.accumulate(inner[:parting])
-    inner[parting:] = np.maximum.accumulate(inner[parting:][::-1])[::-1]
 
 
 def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:

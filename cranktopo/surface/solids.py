@@ -102,6 +102,14 @@ def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
             return _prism(CrossSection([np.array(points)], FillRule.EvenOdd), start, end)
 
 
+def journal_ends(scene: Scene) -> Manifold:
+    """What stands on the web's faces: a slice of each journal, bores filled."""
+    start, end = scene.web_z_mm
+    ends = ((start - _BEYOND_MM / 2, start), (end, end + _BEYOND_MM / 2))
+    slices = [cylinder(j.radius_mm, y, z) for (j, y), z in zip(scene.throw.journals, ends, strict=True)]
+    return sum(slices, Manifold())
+
+
 def web_region(solid: Manifold, scene: Scene) -> Manifold:
     """The part of a solid between the web faces."""
     start, end = scene.web_z_mm
