@@ -87,13 +87,14 @@ def way_of(scene: Scene) -> Way:
     return Way("a die that parts in mid-web", Z, sum(scene.web_z_mm) / 2)
 
 
-def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
+def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Way | None = None) -> Undercuts:
     """What the scene's process would have to leave behind, bores and drilled holes filled.
 
     Args:
         scene: its bores and the holes of its envelope, which are drilled afterwards.
+        way: by default that of the scene's process.
     """
-    way = way_of(scene)
+    way = way or way_of(scene)
     body = solid_of(web, "web")
     filled = body + web_bores(scene) + envelope_holes(scene)
     voids = _beyond_mills if way.axis is None else _held_back
@@ -104,9 +105,9 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
 
 
 def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
-    """Undercuts of the web of a half throw, from any source."""
+    """What a die that parts in x = 0 cannot leave of the web of a half throw, from any source."""
     body = solid_of(half_throw, "half throw")
-    return undercuts(mesh_of(web_region(body, scene)), scene, step_mm)
+    return undercuts(mesh_of(web_region(body, scene)), scene, step_mm, LATERAL_DIE)
 
 
 def _held_back(

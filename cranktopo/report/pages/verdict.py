@@ -9,7 +9,7 @@ from cranktopo.report.pages.page import Fact, FactStatus
 from cranktopo.report.quantities import MASS, TORSION
 from cranktopo.report.run_record import RunRecord
 from cranktopo.report.tables.goal_table import broken_limits, goal_words
-from cranktopo.report.tables.undercut_table import obstacles
+from cranktopo.report.tables.undercut_table import obstacles, released_text
 from cranktopo.report.verdict_sentence import (
     NOTICEABLE_PERCENT,
     comparison_sentence,
@@ -73,7 +73,19 @@ def run_undercuts_fact(metrics: Mapping[str, Any]) -> Fact:
         return Fact(label, "no", "; ".join(found), "bad")
     if undercuts is None:  # a run of an earlier version
         return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
-    return Fact(label, "yes", "a die that parts in x = 0 releases it", "good")
+    note = f"{released_text(undercuts.get('by', 'a die that parts in x = 0'))} it"
+    return Fact(label, "yes", f"{note}{_walls_text(surface.get('walls'))}", "good")
+
+
+def _walls_text(walls: Mapping[str, float | None] | None) -> str:
+    """Least draft, member and gap of a web from a process; nothing where they were not measured."""
+    if walls is None:
+        return ""
+    keys = (("draft", "deg"), ("member", "mm"), ("gap", "mm"))
+    shown = {name: (f"least_{name}_{unit}", unit) for name, unit in keys}
+    known = {name: (walls[key], unit) for name, (key, unit) in shown.items()}
+    parts = [f"{name} {value:.1f} {unit}" for name, (value, unit) in known.items() if value is not None]
+    return f"; least {', '.join(parts)}" if parts else ""
 
 
 def _limits(metrics: Mapping[str, Any]) -> list[Fact]:

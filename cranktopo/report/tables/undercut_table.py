@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
-from cranktopo.surface.undercuts import Undercuts
+from cranktopo.surface.undercuts import LATERAL_DIE, Undercuts
 
 
 @dataclass(frozen=True)
@@ -44,16 +44,21 @@ def undercut_table(found: Sequence[DesignUndercuts]) -> ResultTable:
 
 
 def undercut_text(found: Undercuts) -> str:
-    """Whether a die that parts in x = 0 releases the web, and what it would have to leave behind."""
+    """Whether a die, mould or mill leaves the web as it is, and what it would have to leave behind."""
     if not found.caught:
-        return "none: a die that parts in x = 0 releases the web"
-    verdict = (
-        "a die that parts in x = 0 releases the web" if found.negligible else "no such die releases the web"
-    )
+        return f"none: {released_text(found.by)} the web"
+    lateral = found.by == LATERAL_DIE.text
+    missed = "no such die releases the web" if lateral else f"{found.by} misses some of it"
+    verdict = f"{released_text(found.by)} the web" if found.negligible else missed
     return (
-        f"{found.volume_mm3:.1f} mm3 along x, behind {found.caught} of {found.rays} rays, "
+        f"{found.volume_mm3:.1f} mm3{' along x' * lateral}, behind {found.caught} of {found.rays} rays, "
         f"{found.deepest_mm:.1f} mm deep at most: {verdict}"
     )
+
+
+def released_text(way: str) -> str:
+    """What a die, mould or mill does to a web that it can make, without the object."""
+    return f"{way} {'reaches all of' if way.startswith('a mill') else 'releases'}"
 
 
 def obstacles(cavities: int, undercuts: Mapping[str, Any] | None) -> list[str]:
@@ -69,5 +74,8 @@ def obstacles(cavities: int, undercuts: Mapping[str, Any] | None) -> list[str]:
         found.append(f"{hollows}: no forging die or cutter reaches there")
     if undercuts is not None and not undercuts["released"]:
         volume = undercuts["volume_mm3"]
-        found.append(f"{volume:.0f} mm3 of undercuts along x: no die that parts in x = 0 releases it")
+        way = undercuts.get("by", LATERAL_DIE.text)
+        missed = "no die that parts in x = 0 releases it" if way == LATERAL_DIE.text else f"{way} misses it"
+        along = " along x" if way == LATERAL_DIE.text else ""
+        found.append(f"{volume:.0f} mm3 of undercuts{along}: {missed}")
     return found
