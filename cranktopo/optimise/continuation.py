@@ -20,8 +20,9 @@ WINDOW = 3
 FEASIBILITY, LIMIT_FEASIBILITY = 1e-3, 2e-3
 GREYNESS_LIMIT = 0.15
 # No design is found for all limits when over so many iterations the worst comes no nearer than by this
-# share; another start may find one, so it is no proof that they exclude each other.
-STUCK_WINDOW, STUCK = 6, 0.8
+# share; another start may find one, so it is no proof that they exclude each other. Below the last, a matter
+# of the steps alone.
+STUCK_WINDOW, STUCK, STUCK_LEAST = 6, 0.8, 1e-2
 # The steeper the projection, the smaller the move: a full step would flip boundary cells to and fro.
 MOVE_LEAST = 0.05
 
@@ -78,7 +79,7 @@ def _broken(problem: DensityProblem, last: Record) -> str:
 def _stuck(problem: DensityProblem, state: State, in_stage: int) -> bool:
     """Whether broken limits have come no nearer during two windows at the final projection."""
     last = state.last
-    if last.beta < problem.schedule.projection_last or last.broken <= LIMIT_FEASIBILITY:
+    if last.beta < problem.schedule.projection_last or last.broken <= STUCK_LEAST:
         return False
     recent = [row.broken for row in state.history[-in_stage:]]
     if len(recent) < 2 * STUCK_WINDOW:

@@ -25,6 +25,9 @@ from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.responses import Design, loads_of, slopes
 from cranktopo.optimise.state import Proposal, State
 
+# Share of a miss that the next step aims further, and the largest such margin, as shares of the limit.
+_GAIN, _LARGEST_MARGIN = 0.5, 0.01
+
 
 def by_optimality_criteria(problem: DensityProblem, state: State, design: Design) -> Proposal:
     """The weighted sum of compliances at a volume fraction."""
@@ -61,11 +64,13 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design) 
     bounds = jnp.zeros_like(x), jnp.ones_like(x)
     memory = _remembered(state, x)
     move = jnp.asarray(largest_move(problem.schedule, state.beta))
-    taken = mma_step(x, slope, values[rest], by_x[rest], memory, move, bounds, epigraph)
+    margins = _margins(problem, state, values[rest], epigraph)
+    taken = mma_step(x, slope, values[rest] + margins, by_x[rest], memory, move, bounds, epigraph)
     new = jnp.where(problem.chain.design > 0, taken.x, x)
     goals = len(statement.goals)
     reached = tuple(float(r.value(design)) for r in statement.responses)
     kept = {name: np.asarray(value) for name, value in taken.asymptotes._asdict().items()}
+    kept["margins"] = np.asarray(margins)
     kept |= {f"adjoint_{index}": np.asarray(u) for index, u in adjoints.items()}
     return Proposal(
         x=np.asarray(new),
@@ -75,6 +80,14 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design) 
         broken=float(jnp.max(values[goals:], initial=-jnp.inf)),
         memory=kept,
     )
+
+
+def _margins(problem: DensityProblem, state: State, values: jax.Array, epigraph: jax.Array) -> jax.Array:
+    """What the limits are tightened by at the final projection, where steps keep missing them to one side."""
+    if not state.memory or state.beta < problem.schedule.projection_last:
+        return jnp.zeros_like(values)
+    before = jnp.asarray(state.memory["margins"])
+    return jnp.clip(before + _GAIN * values, 0.0, _LARGEST_MARGIN) * (1 - epigraph)
 
 
 def _remembered(state: State, x: jax.Array) -> Asymptotes:
