@@ -22,10 +22,13 @@ from cranktopo.scene import Scene
 from cranktopo.shape.mesh_model import MeshModel, MeshResponses
 from cranktopo.shape.meshed_webs import MeshedWebs
 from cranktopo.shape.node_gradients import centrifugal_slopes
+from cranktopo.shape.stress_adjoint import stress_adjoint
 from cranktopo.units import MPA_PER_GPA
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web
 
 WEBS = {"every-feature": full_web, "solid-journals": solid_web}
+
+ELASTIC = 2e5, 0.3
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,33 @@ def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Ca
     )
     slopes = centrifugal_slopes(assemble(mesh, 1.0, 0.3), 1.0, field)
     assert 2 * (slopes * step).sum() == pytest.approx(above - below, rel=1e-5)
+
+
+def test_the_way_back_from_stresses_is_what_differences_say(case: Case) -> None:
+    """All nodes move, those of the fillets too, as they do for no parameter of a web."""
+    scene, mesh, random = case.model.scene, case.model.moved.mesh, np.random.default_rng(5)
+    planes = ((2, 0.0), (2, scene.pitch_mm / 2), (0, 0.0))
+    field = 1e-3 * random.standard_normal((1, mesh.points_mm.size))
+    model = assemble(mesh, *ELASTIC)
+    found = nodal_stress(model, field, *ELASTIC)
+    surface = outer_surface(model, found.elements, planes)
+    on = fillet_nodes(scene, "pin", surface.points_mm)[:, None]
+    worth = on * random.standard_normal((2, 1, len(on), 6))
+    forces, slopes = stress_adjoint(model, surface, found, field, (worth[0], worth[1]), ELASTIC)
+    moved = 1e-4 * random.standard_normal(field.shape)
+    shift = 1e-6 * random.standard_normal(mesh.points_mm.shape)
+    for axis, position in planes:
+        shift[axis, np.abs(mesh.points_mm[axis] - position) < 1e-6] = 0.0
+
+    def result(moved: Array | float, shift: Array | float) -> float:
+        body = assemble(replace(mesh, points_mm=mesh.points_mm + shift), *ELASTIC)
+        stress = nodal_stress(body, field + moved, *ELASTIC)
+        here = surface_stress(body, outer_surface(body, stress.elements, planes), stress)
+        return float((worth[0] * here.stress_MPa).sum() + (worth[1] * here.depth_MPa_per_mm).sum())
+
+    by_fields, by_nodes = result(moved, 0.0) - result(-moved, 0.0), result(0.0, shift) - result(0.0, -shift)
+    assert 2 * (forces * moved).sum() == pytest.approx(by_fields, rel=1e-5)
+    assert 2 * (slopes * shift).sum() == pytest.approx(by_nodes, rel=1e-4)
 
 
 @pytest.mark.slow
