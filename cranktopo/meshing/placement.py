@@ -109,8 +109,12 @@ def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
 
     Surfaces of runs are such bodies: what is not simulated is not in them.
     """
-    plain = planned_scene(scene, kept=_KEPT)
-    if plain.throw == scene.throw or not misfits(body, scene) or misfits(body, plain):
+    if not misfits(body, scene):
+        return scene, ""
+    # The throw alone: bodies that the scene names are not read while this one is.
+    throw = planned_scene(scene.model_copy(update={"original": None, "envelope": None}), kept=_KEPT).throw
+    plain = scene.model_copy(update={"throw": throw})
+    if throw == scene.throw or misfits(body, plain):
         return scene, ""
     return plain, "without the bores of the journals: the effects plan leaves them out"
 

@@ -48,7 +48,7 @@ def test_remodel_says_it_below_both_stiffnesses() -> None:
         },
         "not_represented": [],
         "folder": "out",
-        "files": dict.fromkeys(("design", "step", "stl", "drawing", "drawing_svg", "json"), "file"),
+        "files": dict.fromkeys(("report", "design", "step", "stl", "drawing", "drawing_svg", "json"), "file"),
     }
     lines = remodel_text(data).splitlines()
     place = lines.index("stiffnesses +-0.9 % in torsion, +-1.5 % in bending at most")

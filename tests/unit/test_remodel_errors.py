@@ -114,6 +114,6 @@ def test_wrong_volume_and_loose_parts_are_noticed() -> None:
         near, far = (3, occ.addBox(0, 0, 0, 1, 1, 1)), (3, occ.addBox(5, 0, 0, 1, 1, 1))
         check_body(occ, [near], 1.0, "box")
         with pytest.raises(CranktopoError, match="closed form is"):
-            check_body(occ, [near], 1.00001, "box")
+            check_body(occ, [near], 1.0001, "box")
         with pytest.raises(CranktopoError, match="2 bodies"):
             check_body(occ, [near, far], 2.0, "box")
