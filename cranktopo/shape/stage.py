@@ -7,7 +7,7 @@ the search goes on from there, until the limits hold by the evaluation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,7 +30,9 @@ from cranktopo.shape.work import Work
 Array = NDArray[np.float64]
 HELD = 5e-4
 """Relative excess with which a limit still counts as kept by the evaluation."""
-_ROUNDS = 4
+_ROUNDS = 6
+_SETTLED = 1e-3
+"""Relative gain in the goal below which a round that keeps the limits is the last."""
 _FIRST, _AGAIN = 60, 20
 """Most webs solved by the first search on the finer cells, and by those after the limits were moved."""
 _SAFE = 3e-4
@@ -150,12 +152,20 @@ def _rounds(
         web = evaluated_web(scene, fatigue, f"evaluation-{number}", work)
         rounds.append(Round(web, found, goal, tuple(100 * true.excesses(web.values)), solved))
         work.info(_round_text(number, rounds[-1], original))
-        if rounds[-1].held and number > 1:
+        if _settled(rounds):
             break
         errors, start = _errors(model, found, web, original), found.values
     if not rounds:
         raise no_web()
     return tuple(rounds)
+
+
+def _settled(rounds: Sequence[Round]) -> bool:
+    """Whether the last two rounds keep every limit and reach about the same goal."""
+    if len(rounds) < 2 or not (rounds[-1].held and rounds[-2].held):
+        return False
+    before, now = (_goal_value(found) for found in rounds[-2:])
+    return before - now < _SETTLED * abs(before)
 
 
 def _errors(model: WebModel, found: Found, web: EvaluatedWeb, original: EvaluatedWeb) -> dict[str, float]:
