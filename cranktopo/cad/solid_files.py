@@ -6,6 +6,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cranktopo.cad.orientation import orient_outward
 from cranktopo.cad.session import cad_session, quiet_stdout, triangles
 from cranktopo.cad.step_text import StepLabel, label_step
 from cranktopo.cad.throw_solid import (
@@ -134,13 +135,13 @@ def coarse_facet_mm(scene: Scene) -> float:
 
 def _triangulate(gmsh: Any, body: DimTags, facet_mm: float) -> None:
     """Facets with outward normals: a face's own normal may point into the body, as a bore's does."""
-    for dim, tag in body:
-        if dim == 3:
-            gmsh.model.mesh.setOutwardOrientation(tag)
     gmsh.option.setNumber("Mesh.MeshSizeMax", facet_mm)
     gmsh.option.setNumber("Mesh.MeshSizeMin", facet_mm)
     gmsh.option.setNumber("Mesh.Binary", 1)
     gmsh.model.mesh.generate(2)
+    for pair in body:
+        if pair[0] == 3:
+            orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
 
 
 def _read_back(path: Path, volume: float) -> None:

@@ -8,11 +8,14 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from cranktopo.cad.solid_files import export_solid
+from cranktopo.cad.solid_files import export_solid, surface_of
+from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.errors import CranktopoError
 from cranktopo.formats import SolidPart
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.triangles.surface_mesh import solid_of
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+from tests.random_engines import random_engine
 from tests.step_volume import step_volume_mm3
 
 SHARP_WEB_MM3 = 19.0 * (50 * 48 + math.pi * 25**2 - 2 * math.pi * 12**2)
@@ -62,6 +65,26 @@ def test_stl_is_closed_and_near(mikron: Scene, tmp_path: Path) -> None:
     assert surface.is_watertight
     assert surface.is_winding_consistent
     assert surface.volume == pytest.approx(volume, rel=1e-3)
+
+
+def test_a_pocket_at_the_start_of_a_bevel_has_outward_normals_too(tmp_path: Path) -> None:
+    """gmsh's own rule turns the floor of this pocket inward."""
+    data = random_engine(0)
+    pocket = {"shape": "cylinder", "face": "journal", "y_mm": 133.55, "diameter_mm": 8.09, "depth_mm": 18.05}
+    web = {
+        "outline": "profile",
+        "thickness_mm": data["web"]["thickness_mm"],
+        "stations_mm": [-57.52, -43.05, -3.52, 50.49, 104.5, 144.03, 158.5],
+        "half_widths_mm": [0.0, 38.49, 60.65, 70.52, 56.97, 33.2, 0.0],
+        "bevel": [{"face": "journal", "y_mm": 135.5, "depth_mm": 40.16}],
+        "pocket": [{**pocket, "x_mm": 34.13}, {**pocket, "x_mm": -34.13}],
+    }
+    scene = scene_from_dict({**data, "web": web})
+    export_solid(scene, "half", tmp_path / "half.stl", 8.0)
+    surface = trimesh.load_mesh(tmp_path / "half.stl")
+    assert surface.is_winding_consistent
+    assert surface.volume == pytest.approx(half_throw_volume_mm3(scene), rel=1e-2)
+    solid_of(surface_of(scene, "half", 8.0), "half throw")
 
 
 def test_unknown_suffix_leaves_nothing(mikron: Scene, tmp_path: Path) -> None:
