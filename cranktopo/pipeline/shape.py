@@ -79,7 +79,8 @@ class ShapedRun:
 def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
     """Settings that suit a throw of any size."""
     usual, scale = ShapeSettings(), usual_scale(scene)
-    return ShapeSettings(usual.coarse_mm / scale, usual.fine_mm / scale, limits or usual_limits(scene))
+    kept = limits or usual_limits(scene)
+    return ShapeSettings(usual.coarse_mm / scale, usual.fine_mm / scale, limits=kept)
 
 
 def shape_design(

@@ -56,7 +56,12 @@ class EvaluatedWeb:
 
 
 def evaluated_web(
-    scene: Scene, fatigue: bool, name: str, work: Work, file: Path | None = None
+    scene: Scene,
+    fatigue: bool,
+    element_size_mm: float | None,
+    name: str,
+    work: Work,
+    file: Path | None = None,
 ) -> EvaluatedWeb:
     """Evaluate a scene's web with its fillets, or the body of a file that stands for it.
 
@@ -71,7 +76,7 @@ def evaluated_web(
     target = Target(scene.name, planned_scene(scene, kept), file)
 
     def make() -> Json:
-        found = evaluate(target, progress=work.info).as_json()
+        found = evaluate(target, element_size_mm, work.info).as_json()
         if not fatigue:
             return found
         safety = fatigue_field(target, "lsa", progress=work.info).critical.safety

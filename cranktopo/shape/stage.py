@@ -30,7 +30,6 @@ from cranktopo.shape.work import Work
 Array = NDArray[np.float64]
 HELD = 5e-4
 """Relative excess with which a limit still counts as kept by the evaluation."""
-_ROUNDS = 6
 _SETTLED = 1e-3
 """Relative gain in the goal below which a round that keeps the limits is the last."""
 _FIRST, _AGAIN = 60, 20
@@ -46,10 +45,14 @@ class ShapeSettings:
     Attributes:
         coarse_mm: cells on which features are chosen.
         fine_mm: cells on which dimensions are found.
+        rounds: most searches on the finer cells, each followed by an evaluation.
+        element_size_mm: of the evaluation; by default that of `evaluate`.
     """
 
     coarse_mm: float = 4.0
     fine_mm: float = 2.5
+    rounds: int = 6
+    element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
 
 
@@ -118,12 +121,12 @@ def optimise_shape(
     settings, work = settings or ShapeSettings(), work or Work()
     fatigue = any(limit.quantity == "fatigue_safety" for limit in goal.limits)
     own = None if scene.original is None else Path(scene.original.file)
-    original = evaluated_web(scene, fatigue, "original", work, own)
+    original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
     coarse = web_model(scene, settings.limits, settings.coarse_mm)
     growth = Growth(coarse, _goal_on_cells(goal, coarse, original), work)
     grown = growth.grown(growth.first(*scene_start(scene, settings.limits)))
     fine = web_model(scene, settings.limits, settings.fine_mm)
-    rounds = _rounds(fine, goal, original, grown, fatigue, work)
+    rounds = _rounds(fine, goal, original, grown, settings, work)
     best = _best(rounds)
     chosen = rounds[best]
     paid = prices_of(fine, chosen.found, chosen.goal)
@@ -135,21 +138,21 @@ def _goal_on_cells(goal: Goal, model: WebModel, original: EvaluatedWeb) -> Searc
 
 
 def _rounds(
-    model: WebModel, wanted: Goal, original: EvaluatedWeb, grown: Found, fatigue: bool, work: Work
+    model: WebModel, wanted: Goal, original: EvaluatedWeb, grown: Found, settings: ShapeSettings, work: Work
 ) -> tuple[Round, ...]:
     """Searches on the finer cells, each with limits that are moved by the error of the one before."""
     plain, cases = _goal_on_cells(wanted, model, original), model.model.cases
     true = search_goal_of(wanted, original.values, original.values, cases)
-    errors: dict[str, float] = {}
+    fatigue, errors = "fatigue_safety" in original.values, dict[str, float]()
     start, rounds = grown.values, list[Round]()
-    for number in range(1, _ROUNDS + 1):
+    for number in range(1, settings.rounds + 1):
         goal = plain.shifted(_factors(plain, errors))
         most = _AGAIN if rounds else _FIRST
         found, solved = search(model, grown.layout, start, goal, f"round-{number}", work, most)
         if found is None:
             break
         scene = shaped_scene(model.scene, found.layout, found.values)
-        web = evaluated_web(scene, fatigue, f"evaluation-{number}", work)
+        web = evaluated_web(scene, fatigue, settings.element_size_mm, f"evaluation-{number}", work)
         rounds.append(Round(web, found, goal, tuple(100 * true.excesses(web.values)), solved))
         work.info(_round_text(number, rounds[-1], original))
         if _settled(rounds):

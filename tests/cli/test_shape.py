@@ -16,7 +16,7 @@ from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.goal.changing import with_goal
 from cranktopo.shape.stage import ShapeSettings
 
-COARSE = ShapeSettings(coarse_mm=9.0, fine_mm=7.0)
+COARSE = ShapeSettings(coarse_mm=9.0, fine_mm=9.0, rounds=3, element_size_mm=14.0)
 
 
 def light(scene: Scene) -> Scene:
@@ -41,7 +41,10 @@ def test_limits_hold_by_the_evaluation_and_the_web_is_lighter(run: tuple[Path, d
 
 def test_the_design_evaluates_as_it_says(run: tuple[Path, dict[str, Any]], capsys: Any) -> None:
     folder, data = run
-    assert main(["evaluate", str(folder / "web.toml"), "--json", "--quiet"]) == ExitCode.DONE
+    assert (
+        main(["evaluate", str(folder / "web.toml"), "--element-size-mm", "14", "--json", "--quiet"])
+        == ExitCode.DONE
+    )
     (found,) = json.loads(capsys.readouterr().out)["evaluations"]
     assert found["mass_kg"]["throw"] == pytest.approx(data["values"]["result"]["mass"], rel=1e-9)
     assert found["torsion"]["free_Nm_per_rad"] == pytest.approx(data["values"]["result"]["torsion"], rel=1e-6)
@@ -81,6 +84,7 @@ def test_runs_show_and_list_know_it(run: tuple[Path, dict[str, Any]], capsys: An
     assert entry["command"] == "shape"
 
 
+@pytest.mark.slow
 def test_an_interrupted_optimisation_goes_on_to_the_same_web(
     run: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
