@@ -41,3 +41,25 @@ class Choice(click.Choice[str]):
             near = suggest(str(value)[:100], words)
             self.fail(f"{allowed} {near}" if near.startswith("Did") else allowed, param, ctx)
         return super().convert(value, param, ctx)
+
+
+class Speeds(click.ParamType):
+    """Speeds (rpm): one, or both ends of a sweep and its step."""
+
+    name = "RPM|FROM:TO:STEP"
+    most = 1000
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        """The speeds, both ends of a sweep included; fails with the allowed form."""
+        try:
+            numbers = [float(part) for part in str(value).split(":")]
+        except ValueError:
+            numbers = []
+        if len(numbers) == 1 and 0 <= numbers[0] < math.inf:
+            return numbers
+        if len(numbers) == 3:
+            start, stop, step = numbers
+            if 0 <= start <= stop < math.inf and step > 0 and (stop - start) / step < self.most:
+                return [start + index * step for index in range(int((stop - start) / step + 1e-9) + 1)]
+        form = f"must be RPM or FROM:TO:STEP with 0 <= FROM <= TO and at most {self.most} steps"
+        self.fail(f"{shown(str(value))}: {form}.", param, ctx)

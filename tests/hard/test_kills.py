@@ -1,7 +1,7 @@
-"""Runs killed at any moment, from the first millisecond on: they resume to the same bytes, or start clean.
+"""Work killed at any moment, from the first millisecond on: it resumes to the same bytes, or starts clean.
 
-The kills come at random moments of the whole run, half of them in its first tenth, by SIGKILL, SIGTERM and
-SIGINT in turn. All of them: `python -m pytest tests/hard/test_kills.py -m slow -n 0`.
+The kills come at random moments of the whole work, by SIGKILL, SIGTERM and SIGINT in turn; half of those of
+`optimise` in its first tenth. All of them: `python -m pytest tests/hard/test_kills.py -m slow -n 0`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ import signal
 import subprocess
 import sys
 import time
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 OPTIMISE = ["optimise", "--resolution-mm", "4.5", "--max-iterations", "6"]
+LOOP = ["iterate", "--steps", "2", "--resolution-mm", "4.5", "--element-size-mm", "12", "--process", "free"]
 COMMAND = [sys.executable, "-c", "from cranktopo.cli.launch import main; main()"]
 DONE, STOPPED = 0, 5
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
@@ -121,3 +123,32 @@ def test_a_killed_remodel_leaves_nothing_and_starts_clean(
     assert len(files) == 5
     for name in files:
         assert (run / "remodel" / name).read_bytes() == (whole / "remodel" / name).read_bytes(), name
+
+
+def solids(loop: Path) -> dict[str, bytes]:
+    """STL and STEP files of a loop, each STEP file without its date, which is that of the loop."""
+    date = datetime.fromisoformat(json.loads((loop / "manifest.json").read_text())["started"])
+    written = date.astimezone(UTC).isoformat().encode()
+    found = {str(path.relative_to(loop)): path.read_bytes() for path in loop.rglob("*.st[el]*")}
+    assert all(written in content for name, content in found.items() if name.endswith(".step"))
+    return {name: content.replace(written, b"date") for name, content in found.items()}
+
+
+@pytest.mark.slow
+def test_a_loop_killed_again_and_again_ends_as_in_one_go(tmp_path: Path) -> None:
+    seconds = finish(*LOOP, "--out", str(tmp_path / "whole"))
+    out, found = tmp_path / "loop", "nothing"
+    again = ["iterate", "--resume", str(out)]
+    draw = random.Random(2)
+    for number in range(9):
+        moment = seconds * draw.uniform(0.0, 0.4)
+        said = kill(number, moment, *([*LOOP, "--out", str(out)] if found == "nothing" else again))
+        found = status_of(out, number, said, found)
+        if found == "done":
+            break
+    if found != "done":
+        finish(*again)
+    assert number > 4, "some of the kills came before the end"
+    assert not list(out.rglob(".*.tmp*")), "what the kills left unfinished is gone"
+    assert len(solids(out)) > 8
+    assert solids(out) == solids(tmp_path / "whole")
