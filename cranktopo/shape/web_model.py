@@ -6,7 +6,7 @@ boundary cell is partly full, not penalised) -> displacements -> responses. Call
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import jax
@@ -17,21 +17,20 @@ from numpy.typing import NDArray
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.effects import plan
 from cranktopo.fem.model import ThrowModel, build_model
-from cranktopo.fem.response import compliance_gradients, compliances, solve, stiffness
+from cranktopo.fem.response import compliances, solve
 from cranktopo.loads.cases import load_cases
 from cranktopo.optimise.material import CONTRAST
+from cranktopo.optimise.responses import Design, Response, quantities, slopes
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.model_fill import smooth_step
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
-from cranktopo.units import density_kg_per_mm3
 
 Array = NDArray[np.float64]
 _TOLERANCE = 1e-5
 """Relative residual of the search; the error of a compliance is its square."""
 _TOLERANCE_ORIGINAL = 1e-8
-_PER_MASS = "_per_mass"
 
 
 @dataclass(frozen=True)
@@ -39,8 +38,7 @@ class Responses:
     """Quantities of a web and their gradients.
 
     Attributes:
-        values: by quantity: mass kg, inertia kg mm2, unbalance kg mm, torsion N m/rad, bending N/mm, both
-            stiffnesses per mass.
+        values: by quantity, in the units of its response.
         slopes: gradients by the parameters, each (parameters,), per mm or degree.
         by_cell: gradients by the fill of the web's cells, each (nx, ny, nw).
         fill: of the web's cells (nx, ny, nw), 0 to 1.
@@ -59,13 +57,15 @@ class WebModel:
     """The cells of a throw whose web has a layout's dimensions.
 
     Attributes:
-        original: quantities of the scene's own web on the same cells.
+        known: every quantity that its load cases allow.
+        original: those of the scene's own web on the same cells.
     """
 
     scene: Scene
     limits: ManufacturingLimits
     domain: Domain
     model: ThrowModel
+    known: Mapping[str, Response]
     original: dict[str, float]
 
     def web(self, layout: Layout) -> ParametricWeb:
@@ -101,28 +101,20 @@ class WebModel:
         moduli, solid = self.domain.fixed.copy(), self.domain.fixed.copy()
         moduli[:, :, layers] += design * (CONTRAST + (1 - CONTRAST) * fill)
         solid[:, :, layers] += design * fill
-        solved = solve(self.model, jnp.asarray(moduli), guess=guess, tolerance=_TOLERANCE)
-        found = _quantities(self.model, self.domain, self.scene, solid, solved.displacements)
-        by_cell = self._by_cell(found, solved.displacements)
-        slopes = {
+        solved = _solved(self.model, moduli, solid, _TOLERANCE, guess)
+        found, by_moduli, by_solid = map(np.asarray, slopes(self.model, self._functions, solved, {}))
+        by_fill = ((1 - CONTRAST) * by_moduli + by_solid)[..., layers] * design
+        by_cell = dict(zip(self.known, by_fill, strict=True))
+        pulled = {
             name: web.pulled_back(values, which, by_cell[name] * slope)
             for name in sorted(set(quantities) & set(by_cell))
         }
-        return Responses(found, slopes, by_cell, fill, solved.displacements)
+        named = dict(zip(self.known, map(float, found), strict=True))
+        return Responses(named, pulled, by_cell, fill, solved.displacements)
 
-    def _by_cell(self, found: dict[str, float], u: jax.Array) -> dict[str, Array]:
-        design = self.domain.design[:, :, self.layers]
-        result = {
-            name: np.broadcast_to(weight, self.domain.fixed.shape)[:, :, self.layers] * design
-            for name, weight in mass_weights(self.domain, self.scene).items()
-        }
-        energies = np.asarray(compliance_gradients(self.model, u))[..., self.layers]
-        work = np.asarray(compliances(self.model, u))
-        for case, c, energy in zip(self.model.cases, work, energies, strict=True):
-            k, mass = found[case.name], found["mass"]
-            result[case.name] = -k / float(c) * (1 - CONTRAST) * energy * design
-            result[case.name + _PER_MASS] = (result[case.name] - k / mass * result["mass"]) / mass
-        return result
+    @property
+    def _functions(self) -> tuple[Callable[[Design], jax.Array], ...]:
+        return tuple(response.value for response in self.known.values())
 
 
 def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -> WebModel:
@@ -134,28 +126,17 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     domain = build_domain(scene, resolution_mm)
     effects = plan(scene).enabled - {"tangential", "centrifugal"} | {"bending", "torsion"}
     model = build_model(scene, domain, load_cases(scene, effects))
+    known = quantities(model, scene.material.density_kg_m3)
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).fixed
-    solved = solve(model, jnp.asarray(own), tolerance=_TOLERANCE_ORIGINAL)
-    return WebModel(
-        scene, limits, domain, model, _quantities(model, domain, scene, own, solved.displacements)
-    )
+    solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
+    original = {name: float(response.value(solved)) for name, response in known.items()}
+    return WebModel(scene, limits, domain, model, known, original)
 
 
-def mass_weights(domain: Domain, scene: Scene) -> dict[str, Array]:
-    """What a full cell adds to mass, kg, inertia, kg mm2, and unbalance of the throw, kg mm."""
-    grid = domain.grid
-    kg = density_kg_per_mm3(scene.material.density_kg_m3) * domain.volume_mm3 / domain.share
-    x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm))
-    own = sum(float(steps[0]) ** 2 for steps in grid.steps_mm[:2]) / 12
-    square = x[:, None, None] ** 2 + y[None, :, None] ** 2 + own
-    return {"mass": kg, "inertia": kg * square, "unbalance": kg * y[None, :, None]}
-
-
-def _quantities(
-    model: ThrowModel, domain: Domain, scene: Scene, solid: Array, u: jax.Array
-) -> dict[str, float]:
-    found = {name: float((weight * solid).sum()) for name, weight in mass_weights(domain, scene).items()}
-    for case, work in zip(model.cases, np.asarray(compliances(model, u)), strict=True):
-        found[case.name] = stiffness(model, float(work), case.name)
-        found[case.name + _PER_MASS] = found[case.name] / found["mass"]
-    return found
+def _solved(
+    model: ThrowModel, moduli: Array, solid: Array, tolerance: float, guess: jax.Array | None = None
+) -> Design:
+    relative = jnp.asarray(moduli)
+    u = solve(model, relative, guess=guess, tolerance=tolerance).displacements
+    works = compliances(model, u)
+    return Design(relative, jnp.asarray(solid), works, works, u)
