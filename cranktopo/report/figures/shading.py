@@ -71,14 +71,12 @@ def shaded(
     whole = solid_of(mesh).as_original()
     main, rest = whole.split_by_plane((0.0, 0.0, -1.0), _BEYOND_MM - web_z_mm[0])
     web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -_BEYOND_MM - web_z_mm[1])
-    # The faces of a cut belong to the journal alone: drawn twice in one place, both would show in stripes.
-    coloured = (
-        (main, JOURNAL_COLOUR, None),
-        (web, WEB_COLOUR, whole.original_id()),
-        (pin, JOURNAL_COLOUR, None),
-    )
+    coloured = ((main, JOURNAL_COLOUR), (web, WEB_COLOUR), (pin, JOURNAL_COLOUR))
+    # Without the faces of the cuts: near an outer face of the body they would show through it in stripes.
     parts = [
-        _coloured(solid, colour, largest, only) for solid, colour, only in coloured if not solid.is_empty()
+        _coloured(solid, colour, largest, whole.original_id())
+        for solid, colour in coloured
+        if not solid.is_empty()
     ]
     before = np.cumsum([0, *(len(part.vertices_mm) for part in parts)])
     return ShadedMesh(
@@ -135,14 +133,13 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
     axes.set_aspect("equal")
 
 
-def _coloured(solid: Manifold, colour: Colour, largest_face_mm: float | None, only: int | None) -> ShadedMesh:
-    """A part of a body; `only` keeps the faces that come from the original of this number."""
+def _coloured(solid: Manifold, colour: Colour, largest_face_mm: float | None, whole: int) -> ShadedMesh:
+    """Those faces of a part that are faces of the whole, the original of this number."""
     with_normals = solid.calculate_normals(0, _SHARP_DEGREES)
     fine = (with_normals.refine_to_length(largest_face_mm) if largest_face_mm else with_normals).to_mesh64(0)
     table, faces = np.asarray(fine.vert_properties), np.asarray(fine.tri_verts).astype(np.int64)
-    if only is not None:
-        origin = np.repeat(fine.run_original_id, np.diff(fine.run_index) // 3)
-        faces = faces[origin == only]
+    origin = np.repeat(fine.run_original_id, np.diff(fine.run_index) // 3)
+    faces = faces[origin == whole]
     return ShadedMesh(table[:, :3], table[:, 3:6], faces, np.tile(colour, (len(faces), 1)))
 
 
