@@ -23,6 +23,7 @@ from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
+from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original
 from cranktopo.pipeline.run_files import history_rows, write_run_files
 from cranktopo.pipeline.run_report import record_of
@@ -39,20 +40,16 @@ from cranktopo.scene.assumed import (
     SUPPORTS,
     THROW,
     Assumption,
-    assumed_json,
     assumed_text,
     assumptions,
     stored_assumptions,
 )
 from cranktopo.scene.goal.sentence import goal_text
 from cranktopo.scene.goal.wanted import wanted
-from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
-from cranktopo.scene.writing import toml_text
 from cranktopo.store import (
     RunStore,
     check_destination,
-    create_run,
     load_checkpoint,
     open_run,
     require_kind,
@@ -105,16 +102,7 @@ def optimise_design(
         clock = CompileClock()
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
         check_limits(problem, prepared.scene, prepared.domain)
-    run = create_run(
-        design=scene.name,
-        design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
-        scene=scene.model_dump(mode="json"),
-        options={},
-        command=command,
-        inputs=input_files(scene),
-        assumed=assumed_json(assumed),
-        out=out,
-    )
+    run = new_run(scene, assumed, out, design_toml, command, {})
     return _optimise(run, prepared, problem, clock, progress, began)
 
 

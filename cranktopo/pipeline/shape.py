@@ -14,6 +14,7 @@ from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import check_device, double_precision
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.drawing_file import export_drawing
+from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -28,13 +29,11 @@ from cranktopo.scene.assumed import (
     LOADS,
     SUPPORTS,
     THROW,
-    assumed_json,
     assumed_text,
     assumptions,
 )
 from cranktopo.scene.goal import Goal
 from cranktopo.scene.goal.wanted import wanted
-from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.scale import usual_scale
 from cranktopo.scene.writing import toml_text
@@ -48,7 +47,6 @@ from cranktopo.store import (
     SHAPE,
     RunStore,
     check_destination,
-    create_run,
     open_run,
     read_json,
     require_kind,
@@ -112,16 +110,7 @@ def shape_design(
     assumed = assumptions(scene, SHAPE_TABLES)
     if assumed:
         info(assumed_text(assumed))
-    run = create_run(
-        design=scene.name,
-        design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
-        scene=scene.model_dump(mode="json"),
-        options={SHAPE: asdict(settings)},
-        command=command,
-        inputs=input_files(scene),
-        assumed=assumed_json(assumed),
-        out=out,
-    )
+    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings)})
     return _worked(run, scene, settings, info)
 
 

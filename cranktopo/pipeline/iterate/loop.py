@@ -21,6 +21,7 @@ from cranktopo.pipeline.iterate.settings import Settings, loop_settings
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.step_solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.pipeline.iterate.transition import transition_mm
+from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.optimise import RUN_TABLES, announce, optimise_design, resume_optimisation
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
@@ -37,7 +38,6 @@ from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.assumed import Assumption, assumed_json, assumptions, stored_assumptions
 from cranktopo.scene.geometry import StlEnvelope
-from cranktopo.scene.loading import input_files
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import (
@@ -45,7 +45,6 @@ from cranktopo.store import (
     RESULT_FILES,
     RunStore,
     check_destination,
-    create_run,
     open_run,
     read_json,
     require_kind,
@@ -134,16 +133,7 @@ def start_loop(
     assumed = assumptions(scene, RUN_TABLES)
     announce(stage.prepare(scene), assumed, info)
     settings = settings or loop_settings(scene)
-    run = create_run(
-        design=scene.name,
-        design_toml=design_toml or toml_text(scene, f"Design of this loop: {scene.name}"),
-        scene=scene.model_dump(mode="json"),
-        options={LOOP: settings.as_json()},
-        command=command,
-        inputs=input_files(scene),
-        assumed=assumed_json(assumed),
-        out=out,
-    )
+    run = new_run(scene, assumed, out, design_toml, command, {LOOP: settings.as_json()})
     return _worked(run, scene, settings, info)
 
 
