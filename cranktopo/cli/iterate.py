@@ -59,7 +59,7 @@ def command(
     Every step leaves a parametric web (TOML, STEP, STL). The loop ends when a step no longer improves the
     torsional stiffness per mass, or when the web beside a journal becomes too thin.
 
-    Example: cranktopo iterate mikron-iiic --steps 6 --process forged
+    Example: cranktopo iterate mikron-iiic --steps 6
     """
     if resume:
         refuse_beside_resume()

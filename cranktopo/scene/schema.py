@@ -159,12 +159,12 @@ class Optimise(SceneTable):
     """Most iterations of a stage before the last."""
     move: float = Field(default=0.2, ge=0.001, le=1)
     """Largest change of a design variable by one step of the first stage; later ones take smaller steps."""
-    process: Process = "free"
+    process: Process = Field(default="free", examples=["forged"], json_schema_extra=SHOWN)
     """How the web is made: `forged` by a die with a flat parting plane, `cast` in a mould of two halves with
     any parting surface, `milled` from both web faces and both sides, or `free`."""
     parting: Parting = "lateral"
     """How die and mould open: `lateral` along x, the die parting in x = 0; `web_faces` along z, mid-web."""
-    draft_deg: float = Field(default=0.0, ge=0, le=20)
+    draft_deg: float = Field(default=0.0, ge=0, le=20, examples=[5.0], json_schema_extra=SHOWN)
     """Least angle between the walls of a forged or cast web and the way its die or mould opens."""
     tool_radius_mm: Length | None = Field(default=None, examples=[5.0])
     """Radius of the end mill of a milled web; by default a tenth of the throw radius."""

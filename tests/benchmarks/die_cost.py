@@ -1,4 +1,4 @@
-"""What the die's constraint changes: the same optimisation free and forged, on three engines.
+"""What the die's constraint changes: the same optimisation free and forged without draft, on three engines.
 
 Run with `python -m tests.benchmarks.die_cost [MM]`, cell edge 3 mm by default: stiffnesses of the forged web
 against the free one of the same volume, in the optimiser's model.
@@ -28,7 +28,8 @@ def engines() -> list[dict[str, Any]]:
 
 def optimised(data: dict[str, Any], process: str, cell_mm: float) -> Assessment:
     """Stiffness and mass of the last design."""
-    settings = data.get("optimise", {}) | {"process": process, "resolution_mm": cell_mm}
+    settings = {"process": process, "draft_deg": 0.0, "resolution_mm": cell_mm}
+    settings = data.get("optimise", {}) | settings
     ready = stage.prepare(scene_from_dict(data | {"optimise": settings}))
     found = stage.optimise_density(ready)
     return assess(found.problem, ready.scene, ready.domain, found.design.physical)

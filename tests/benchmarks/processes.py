@@ -22,7 +22,7 @@ PROCESSES: dict[str, dict[str, Any]] = {
     "die": {"process": "forged", "draft_deg": 0.0},
     "die, 5 deg": {"process": "forged", "draft_deg": 5.0},
     "die through the faces, 5 deg": {"process": "forged", "parting": "web_faces", "draft_deg": 5.0},
-    "cast": {"process": "cast"},
+    "cast": {"process": "cast", "draft_deg": 0.0},
     "cast, 3 deg": {"process": "cast", "draft_deg": 3.0},
     "milled": {"process": "milled"},
 }

@@ -99,7 +99,7 @@ def optimised(
 ) -> tuple[Prepared, dict[int, WebDensities]]:
     """Designs of an optimisation by iteration; call inside `double_precision()`."""
     options = {"process": process, "volume_fraction": volume_fraction, "resolution_mm": cell_mm}
-    prepared = prepare(scene.with_optimise(**options, max_iterations=ITERATIONS[-1]))
+    prepared = prepare(scene.with_optimise(**options, draft_deg=0.0, max_iterations=ITERATIONS[-1]))
     designs = {}
 
     def keep(problem: DensityProblem, state: State) -> None:

@@ -12,7 +12,7 @@ from manifold3d import Manifold
 from cranktopo.fem.precision import double_precision
 from cranktopo.optimise import stage
 from cranktopo.optimise.assess import Assessment, assess
-from cranktopo.scene import Scene
+from cranktopo.scene import Scene, load_scene
 from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 from cranktopo.surface.undercuts import Undercuts
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
@@ -22,10 +22,12 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 class Web:
     surface: CheckedSurface
     undercuts: Undercuts
+    walls: dict[str, float | None]
     assessment: Assessment
 
 
 def optimised(scene: Scene, process: str) -> Web:
+    """The built-in design, forged as it asks for, or free."""
     settings = {"process": process, "resolution_mm": 4.5, "volume_fraction": 0.2}
     ready = stage.prepare(scene.model_copy(update={"optimise": scene.optimise.model_copy(update=settings)}))
     assert (ready.plan["manufacturing_constraint"].state == "on") == (process == "forged")
@@ -34,12 +36,14 @@ def optimised(scene: Scene, process: str) -> Web:
         assert found.state.status == "converged"
         surface = checked_surface(ready.scene, ready.domain, found.design)
         assessment = assess(found.problem, ready.scene, ready.domain, found.design.physical)
-    return Web(surface, surface.undercuts(ready.scene), assessment)
+    return Web(surface, surface.undercuts(ready.scene), surface.walls(ready.scene), assessment)
 
 
 @pytest.fixture(scope="module")
-def webs(mikron: Scene) -> dict[str, Web]:
-    return {process: optimised(mikron, process) for process in ("free", "forged")}
+def webs() -> dict[str, Web]:
+    scene = load_scene("mikron-iiic")
+    assert scene.optimise.process == "forged"
+    return {process: optimised(scene, process) for process in ("free", "forged")}
 
 
 def trapped_mm3(mesh: SurfaceMesh, scene: Scene, step: float = 0.7) -> float:
@@ -69,6 +73,15 @@ def test_a_die_releases_the_forged_web_and_not_the_free_one(webs: dict[str, Web]
         assert web.undercuts.as_json()["released"] == (process == "forged")
         assert web.undercuts.volume_mm3 == pytest.approx(2 * trapped[process], rel=0.1, abs=1e-4 * volume)
     assert webs["forged"].surface.surface.cavities == 0
+
+
+def test_the_forged_web_has_its_draft(webs: dict[str, Web]) -> None:
+    """5 deg less what a surface on such cells scatters; a free wall leans over."""
+    free, forged = (webs[process].walls["least_draft_deg"] for process in ("free", "forged"))
+    assert free is not None
+    assert forged is not None
+    assert free < 0
+    assert forged > 4
 
 
 def test_what_the_die_costs(webs: dict[str, Web]) -> None:

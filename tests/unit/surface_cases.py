@@ -15,8 +15,8 @@ Distance = Callable[[Array, Array, Array], Array]
 
 
 def scene_with(name: str = "mikron-iiic", **changes: Any) -> Scene:
-    """A built-in design with `a__b__c=value` changes."""
-    data = load_scene(name).model_dump(exclude_none=True)
+    """A built-in design with a free topology and `a__b__c=value` changes."""
+    data = load_scene(name).with_optimise(process="free", draft_deg=0.0).model_dump(exclude_none=True)
     for path, value in changes.items():
         *tables, key = path.split("__")
         table = data

@@ -17,25 +17,11 @@ from cranktopo.loads.balance import throw_balance
 from cranktopo.scene import load_scene, scene_from_dict
 from cranktopo.scene.features import CylinderPocket
 from cranktopo.scene.geometry import Journal, OutlineEnvelope
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.schema import Weights
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
+from tests.unit.plan_cases import MIKRON, OPPOSED, with_effects, with_part
 
 INERTIA = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
-
-
-def with_effects(scene, **update):
-    return scene.model_copy(update={"effects": scene.effects.model_copy(update=update)})
-
-
-# The built-in designs switch the tangential case off; here the plan decides.
-MIKRON = with_effects(load_scene("mikron-iiic"), tangential="auto")
-OPPOSED = with_effects(load_scene("opposed-piston"), tangential="auto")
-
-
-def with_part(scene, name, **update):
-    return scene.model_copy(update={name: getattr(scene, name).model_copy(update=update)})
 
 
 @pytest.mark.parametrize(
@@ -52,7 +38,7 @@ def test_bending_and_torsion_are_on(scene):
 
 def test_default_scene():
     on = {"bending", "torsion", "reciprocating_inertia", "rotating_rod_mass"}
-    on |= {"bores", "lateral_symmetry", "fillets", "fatigue"}
+    on |= {"bores", "lateral_symmetry", "manufacturing_constraint", "fillets", "fatigue"}
     assert plan(MIKRON).enabled == on | {"tangential"}
     built_in = load_scene("mikron-iiic")
     assert plan(built_in).enabled == on
@@ -194,7 +180,9 @@ def test_asymmetry_switches_the_mirror_off():
 
 
 def test_what_is_off_is_taken_out_of_the_simulated_scene():
-    assert simulated_scene(MIKRON, plan(MIKRON)) is MIKRON
+    free = MIKRON.with_optimise(process="free")
+    assert simulated_scene(free, plan(free)) is free
+    assert simulated_scene(MIKRON, plan(MIKRON)).effects.manufacturing_constraint == "on"
     bare = with_effects(MIKRON, bores="off", fillets="off", fatigue="off", lateral_symmetry="off")
     throw = simulated_scene(bare, plan(bare)).throw
     for journal in (throw.main_journal, throw.crankpin):
@@ -332,85 +320,3 @@ def test_fatigue_estimate_by_hand():
     shear = (1412e3 + 684.4e3) / 2 / (math.pi * 56**3 / 16)
     percent = 100 * math.sqrt(bend**2 + 3 * shear**2) / 525
     assert plan(OPPOSED)["fatigue"].estimate_percent == pytest.approx(percent, rel=1e-9)
-
-
-def goal_plan(scene=MIKRON, **options):
-    wanted_scene = with_goal(scene, **options)
-    return plan(wanted_scene, goal=wanted(wanted_scene))
-
-
-@pytest.mark.parametrize(
-    ("options", "cases"),
-    [
-        ({"minimise": "mass"}, {"bending", "torsion"}),
-        ({"maximise": "torsion"}, {"bending", "torsion"}),
-        ({"maximise": "torsion_per_mass", "limits": ["bending none"]}, {"torsion"}),
-        ({"minimise": "mass", "limits": ["torsion none", "bending >= 90 %"]}, {"bending"}),
-        (
-            {"minimise": "inertia", "limits": ["torsion none", "bending none", "twist <= 0.3 deg"]},
-            {"torsion"},
-        ),
-        (
-            {"maximise": "torsion", "limits": ["bending none", "pin_displacement <= 0.2 mm"]},
-            {"bending", "torsion"},
-        ),
-    ],
-)
-def test_a_goal_takes_the_load_cases_that_it_is_read_off_and_no_others(options, cases):
-    heavy = MIKRON.optimise.weights.model_copy(update={"centrifugal": 0.5})
-    scene = with_part(with_part(MIKRON, "optimise", weights=heavy), "engine", overspeed_rpm=4200.0)
-    assert {"tangential", "centrifugal"} <= plan(scene).enabled
-    decided = goal_plan(scene, **options)
-    loads = {"bending", "torsion", "tangential", "centrifugal"}
-    assert decided.enabled & loads == cases
-    for name in loads - cases:
-        assert decided[name].reason.startswith("neither goal nor limits need it")
-    for name in cases:
-        assert decided[name].reason.startswith("the goal needs it: ")
-
-
-def balanced():
-    """The Mikron with webs whose counterweights are heavier than the crankpin."""
-    web = {"outline": "profile", "thickness_mm": 19.0}
-    web |= {"stations_mm": [-100, -50, 0, 40, 75], "half_widths_mm": [80, 70, 50, 35, 25]}
-    scene = scene_from_dict({**MIKRON.model_dump(mode="json"), "web": web})
-    assert throw_balance(scene).throw_unbalance_kg_mm < 0
-    return scene
-
-
-def test_the_reason_names_the_limit():
-    decided = goal_plan(minimise="mass", limits=["bending none", "pin_displacement <= 0.2 mm"])
-    assert "the goal needs it: pin_displacement <= 0.2 mm; radial force" in decided["bending"].reason
-    assert decided["fatigue"].reason.startswith("the goal needs it: fatigue_safety >= 100 %")
-
-
-def test_a_goal_needs_no_weights_and_works_with_unit_loads():
-    weights = Weights(bending=0, torsion=0, tangential=0)
-    scene = with_part(MIKRON, "optimise", weights=weights).model_copy(update={"engine": None})
-    assert {"bending", "torsion"} <= goal_plan(scene, minimise="mass").enabled
-
-
-@pytest.mark.parametrize(
-    ("scene", "options", "message"),
-    [
-        (
-            with_effects(MIKRON, torsion="off"),
-            {"minimise": "mass"},
-            "effects.torsion = 'off': the goal needs it: torsion >= 100 %. Set it to 'auto' or 'on'.",
-        ),
-        (
-            MIKRON,
-            {"minimise": "mass", "limits": ["torsion none", "bending none"]},
-            "no load case is on: neither goal nor limits speak of a stiffness",
-        ),
-        (
-            balanced(),
-            {"minimise": "mass", "limits": ["unbalance <= 90 %"]},
-            "goal.limits.unbalance = '<= 90 %': percent of the original's unbalance, which is -",
-        ),
-    ],
-)
-def test_a_plan_that_cannot_serve_its_goal_is_refused(scene, options, message):
-    with pytest.raises(CranktopoError) as caught:
-        goal_plan(scene, **options)
-    assert message in str(caught.value)

@@ -1,0 +1,58 @@
+"""Cells that keep an accuracy or a budget, as walls and memory allow."""
+
+from __future__ import annotations
+
+import pytest
+
+from cranktopo.accuracy.cell_choice import choose_cells
+from cranktopo.accuracy.optimiser_study import optimiser_models
+from cranktopo.errors import CranktopoError
+from cranktopo.scene import Scene
+
+
+def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
+    coarse, fine = choose_cells(mikron, 10.0, None), choose_cells(mikron, 2.0, None)
+    assert coarse.cell_mm > fine.cell_mm
+    assert coarse.error_percent <= 10.0
+    assert fine.error_percent <= 2.0
+    assert "run cranktopo accuracy" in str(coarse)
+    within = choose_cells(mikron, None, coarse.seconds + 1e-6)
+    assert within.cell_mm == pytest.approx(coarse.cell_mm)
+    both = choose_cells(mikron, 10.0, 1e6)
+    assert both == coarse
+    with pytest.raises(CranktopoError, match="takes about"):
+        choose_cells(mikron, 2.0, coarse.seconds + 1.0)
+    with pytest.raises(CranktopoError, match="coarsest cells"):
+        choose_cells(mikron, None, 0.1)
+    with pytest.raises(CranktopoError, match="evaluate RUN"):
+        choose_cells(mikron, 1e-4, None)
+
+
+def throw_with(scene: Scene, bore_mm: float) -> Scene:
+    """The throw with a main journal of another bore, and so of another wall."""
+    journal = scene.throw.main_journal.model_copy(update={"bore_diameter_mm": bore_mm})
+    return scene.model_copy(update={"throw": scene.throw.model_copy(update={"main_journal": journal})})
+
+
+@pytest.mark.parametrize("wanted", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+def test_a_wall_thinner_than_any_cells_is_named(mikron: Scene, wanted: tuple[float, float]) -> None:
+    words = r"resolution_mm = 1\.5: too coarse: the thinnest journal wall is 0\.25 mm.*at most 0\.125 mm"
+    with pytest.raises(CranktopoError, match=words):
+        choose_cells(throw_with(mikron, 41.5), *wanted)
+
+
+@pytest.mark.parametrize("wanted", [(5.0, None), (None, 60.0)], ids=["accuracy", "budget"])
+def test_a_memory_too_small_for_any_cells_is_named(
+    mikron: Scene, wanted: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cranktopo.accuracy.cell_choice.available_memory_MiB", lambda: 901.0)
+    with pytest.raises(CranktopoError, match=r"resolution_mm = 3\.77.*: too fine: .* GiB available"):
+        choose_cells(mikron, *wanted)
+
+
+def test_the_optimisers_study_ends_where_walls_end_it(mikron: Scene) -> None:
+    """The finest cells are 1.5 mm over 2 to the power 8/3: they fit twice into 0.5 mm, not into 0.25 mm."""
+    usual, single, none = (optimiser_models(throw_with(mikron, bore)) for bore in (24.0, 41.0, 41.5))
+    assert [model.label for model in usual[:4]] == ["", "", "", "10 iterations"]
+    assert [(model.label, model.cell_mm) for model in single] == [("", pytest.approx(1.5 * 2 ** (-8 / 3)))]
+    assert none == ()
