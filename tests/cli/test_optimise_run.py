@@ -277,9 +277,9 @@ def test_a_solver_fallback_is_announced(
 
 
 def test_a_design_without_a_surface_is_saved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The first design is uniform: no iso-surface encloses its volume, and everything else is written."""
+    """The first free design is uniform: no iso-surface encloses its volume; everything else is written."""
     out = tmp_path / "first"
-    arguments = ["--volume-fraction", "0.3", *COARSE, "--max-iterations", "1", "--verbose"]
+    arguments = ["--process", "free", "--volume-fraction", "0.3", *COARSE, "--max-iterations", "1", "-v"]
     assert main(["optimise", *arguments, "--out", str(out)]) == 5
     printed, said = capsys.readouterr()
     assert "iteration 1: bending" in said
