@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 _FACET_MM = 1.0
+_FUSED: tuple[SolidPart, ...] = ("throw", "crankshaft")
+_DELAUNAY = 5
+"""gmsh's usual method, the frontal one, can refine without end a bore made of two halves with two seams."""
 
 
 def export_solid(
@@ -63,7 +66,7 @@ def export_solid(
             volume = float(gmsh.model.occ.getMass(*body[0]))
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
-                _triangulate(gmsh, body, facet_mm or _usual_facet_mm(scene))
+                _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
             with quiet_stdout():
                 gmsh.write(str(temporary))
         if suffix != ".stl":
@@ -86,7 +89,7 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> 
     with cad_session(f"{part} of {scene.name}") as gmsh:
         body = _add(gmsh.model.occ, scene, part)
         gmsh.model.occ.synchronize()
-        _triangulate(gmsh, body, facet_mm or _usual_facet_mm(scene))
+        _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
         vertices, faces = triangles(gmsh)
     return SurfaceMesh(vertices, faces)
 
@@ -133,8 +136,10 @@ def coarse_facet_mm(scene: Scene) -> float:
     return 2 * _usual_facet_mm(scene)
 
 
-def _triangulate(gmsh: Any, body: DimTags, facet_mm: float) -> None:
+def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> None:
     """Facets with outward normals: a face's own normal may point into the body, as a bore's does."""
+    if part in _FUSED:
+        gmsh.option.setNumber("Mesh.Algorithm", _DELAUNAY)
     gmsh.option.setNumber("Mesh.MeshSizeMax", facet_mm)
     gmsh.option.setNumber("Mesh.MeshSizeMin", facet_mm)
     gmsh.option.setNumber("Mesh.Binary", 1)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -85,6 +87,22 @@ def test_a_pocket_at_the_start_of_a_bevel_has_outward_normals_too(tmp_path: Path
     assert surface.is_winding_consistent
     assert surface.volume == pytest.approx(half_throw_volume_mm3(scene), rel=1e-2)
     solid_of(surface_of(scene, "half", 8.0), "half throw")
+
+
+def test_facets_of_a_throw_whose_bore_is_of_two_halves_come_to_an_end(tmp_path: Path) -> None:
+    """In a process of its own, to be stopped: the frontal method refines this bore without end."""
+    path = tmp_path / "throw.stl"
+    code = (
+        "import sys; from pathlib import Path; from cranktopo.cad.solid_files import export_solid; "
+        "from cranktopo.scene import scene_from_dict; from tests.random_engines import random_engine; "
+        f"print(export_solid(scene_from_dict(random_engine(16)), 'throw', Path({str(path)!r}), 5.0))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+    )
+    mesh = trimesh.load_mesh(path)
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(float(done.stdout), rel=5e-3)
 
 
 def test_unknown_suffix_leaves_nothing(mikron: Scene, tmp_path: Path) -> None:
