@@ -50,6 +50,11 @@ if TYPE_CHECKING:
     "--accuracy", metavar="PERCENT", callback=percent, help="Wanted error of the stiffnesses, such as 5%."
 )
 @click.option("--budget", metavar="TIME", callback=seconds, help="Time for the run, such as 30s or 2min.")
+@click.option(
+    "--no-evaluation",
+    is_flag=True,
+    help="With a goal: let the limits hold in the cells, without an evaluation of the surface.",
+)
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
 @click.option(
@@ -68,6 +73,7 @@ def command(
     draft_deg: float | None,
     accuracy: float | None,
     budget: float | None,
+    no_evaluation: bool,
     max_iterations: int | None,
     out: Path | None,
     resume: str | None,
@@ -93,7 +99,7 @@ def command(
 
     with _Bar() as bar:
         if resume:
-            run = resume_optimisation(resume, max_iterations, info, bar, began)
+            run = resume_optimisation(resume, max_iterations, bar.info, bar, began)
         else:
             from cranktopo.pipeline.optimise import with_cells_for
             from cranktopo.scene.loading import design_text, load_scene
@@ -105,14 +111,17 @@ def command(
                 process=process,
                 draft_deg=draft_deg,
                 max_iterations=max_iterations,
+                limits_by_evaluation=False if no_evaluation else None,
             )
             scene = with_goal_options(scene, minimise, maximise, limits)
             if volume_fraction is not None and scene.goal is not None:
                 raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
+            if no_evaluation and scene.goal is None:
+                raise click.UsageError("--no-evaluation needs a goal: only its limits are evaluated")
             if accuracy or budget:
                 scene = with_cells_for(scene, accuracy, budget, info)
             command_line = ["cranktopo", *sys.argv[1:]]
-            run = optimise_design(scene, out, design_text(name), command_line, info, bar, began)
+            run = optimise_design(scene, out, design_text(name), command_line, bar.info, bar, began)
     click.echo(json.dumps(run.metrics) if as_json else run_summary(run.metrics, run.folder))
     return _exit_code(run.metrics)
 
@@ -141,6 +150,11 @@ class _Bar:
 
     def __exit__(self, *_: object) -> None:
         self._bar.close()
+
+    def info(self, line: str) -> None:
+        """A line above the bar, unless the command is quiet."""
+        if level() > QUIET:
+            self._bar.write(line, file=sys.stderr)
 
     def __call__(self, problem: DensityProblem, state: State) -> None:
         from cranktopo.optimise.continuation import iterations_left

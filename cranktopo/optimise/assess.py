@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +9,7 @@ from numpy.typing import NDArray
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.fem.model import ThrowModel, case_forces
 from cranktopo.fem.response import compliances, solve, stiffness
+from cranktopo.optimise.assessment import Assessment, CaseResult
 from cranktopo.optimise.material import relative_moduli
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.responses import Design, quantities
@@ -20,41 +18,6 @@ from cranktopo.units import density_kg_per_mm3
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-8
-
-
-@dataclass(frozen=True)
-class CaseResult:
-    """Stiffness of the full throw under one load case.
-
-    Attributes:
-        stiffness: N m/rad for torsion, N/mm for a pin force, None for a body force.
-    """
-
-    name: str
-    kind: str
-    compliance_N_mm: float
-    stiffness: float | None
-    cg_iterations: int
-    relative_residual: float
-
-
-@dataclass(frozen=True)
-class Assessment:
-    """What the optimiser's model says about a body.
-
-    Attributes:
-        throw_kg: mass between the two mid-main-journal planes, kg.
-        quantities: every quantity of a goal or limit by its name, in the unit of `scene.goal.QUANTITIES`.
-    """
-
-    cases: tuple[CaseResult, ...]
-    throw_kg: float
-    web_kg: float
-    quantities: Mapping[str, float]
-
-    def stiffness_per_mass(self) -> dict[str, float]:
-        """Stiffness per mass of the throw, by load case name, in N m/(rad kg) or N/(mm kg)."""
-        return {c.name: c.stiffness / self.throw_kg for c in self.cases if c.stiffness is not None}
 
 
 def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:

@@ -46,8 +46,11 @@ def build_problem(
     chain = build_chain(scene, domain)
     weights = tuple(float(getattr(settings.weights, case.kind)) for case in cases)
     goal = wanted(scene)
+    original = None if goal is None else assess_original(model, scene, domain)
     statement = (
-        _of_volume(chain, model, weights, settings) if goal is None else _of_goal(goal, scene, domain, model)
+        _of_volume(chain, model, weights, settings)
+        if goal is None or original is None
+        else _of_goal(goal, quantities(model, scene.material.density_kg_m3), original.quantities)
     )
     simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"
     return DensityProblem(
@@ -63,6 +66,7 @@ def build_problem(
         schedule=Schedule(
             settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
         ),
+        original=original,
     )
 
 
@@ -85,9 +89,7 @@ def _of_volume(
     return Statement(tuple(Goal(case) for case in cases), (limit,))
 
 
-def _of_goal(goal: WantedGoal, scene: Scene, domain: Domain, model: ThrowModel) -> Statement:
-    known = quantities(model, scene.material.density_kg_m3)
-    original = assess_original(model, scene, domain).quantities
+def _of_goal(goal: WantedGoal, known: Mapping[str, Response], original: Mapping[str, float]) -> Statement:
     first = _known(known, goal.quantity, "goal")
     return Statement(
         (Goal(first, goal.sense, abs(original[goal.quantity]) or 1.0),),

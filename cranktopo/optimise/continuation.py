@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.optimise.problem import DensityProblem, Schedule
-from cranktopo.optimise.state import Record, State
+from cranktopo.optimise.state import Record, Round, State
 
 Array = NDArray[np.float64]
 
@@ -103,6 +104,14 @@ def with_limit(problem: DensityProblem, state: State) -> State:
     if state.status == "stopped" and len(state.history) < problem.max_iterations:
         return replace(state, status="running", reason="")
     return state
+
+
+def with_bounds(state: State, bounds: Sequence[float]) -> State:
+    """A converged state set running again at the same projection, the limits of its problem at new bounds."""
+    now = Round(state.last.iteration, tuple(bounds))
+    return replace(
+        state, status="running", reason="", stage_start=len(state.history), rounds=(*state.rounds, now)
+    )
 
 
 def iterations_left(problem: DensityProblem, state: State) -> int:

@@ -7,11 +7,13 @@ limit is looked at alone; limits that exclude each other show in the iterations.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import jax
 import jax.numpy as jnp
 
 from cranktopo.domain.build import Domain
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.optimise.assess import assess_envelope
 from cranktopo.optimise.material import solid_fraction
 from cranktopo.optimise.problem import DensityProblem
@@ -28,8 +30,10 @@ def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
     Call it inside `double_precision()`.
 
     Raises:
-        CranktopoError: such limits, with what can be reached (exit code 6).
+        CranktopoError: such limits, with what can be reached (exit code 6), or two that contradict each other
+            now that the original's value is known.
     """
+    _check_together(problem.statement.limits)
     found = [
         _of_cells(problem, limit) for limit in problem.statement.limits if not limit.response.needs_solve
     ]
@@ -47,6 +51,22 @@ def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
             hint="No design meets it: ask for less, or give the web another envelope.",
             code=ExitCode.CRITERION_NOT_MET,
         )
+
+
+def _check_together(limits: Sequence[Requirement]) -> None:
+    """Refuse a range whose ends, in different units, have changed places."""
+    upper = {limit.response.name: limit for limit in limits if limit.sense == "<="}
+    for low in (limit for limit in limits if limit.sense == ">="):
+        high = upper.get(low.response.name)
+        if high is not None and low.bound > high.bound:
+            percent = low if low.percent else high
+            raise invalid(
+                f"goal.limits.{low.response.name}",
+                f"{low.sense} {low.shown(low.bound)}, {high.sense} {high.shown(high.bound)}",
+                f"contradictory: the original web has {percent.in_unit(percent.original)}, so nothing is "
+                f">= {low.in_unit(low.bound)} and <= {high.in_unit(high.bound)}",
+                "Give both in the same unit, the lower one first.",
+            )
 
 
 def _monotone(limit: Requirement) -> bool:

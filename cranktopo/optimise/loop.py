@@ -61,6 +61,7 @@ def step(problem: DensityProblem, state: State) -> State:
         CranktopoError: the linear solve failed.
     """
     started = time.perf_counter()
+    problem = problem.with_bounds(state.bounds)
     design, solution, volume, grey = _solved(problem, state)
     proposal = problem.method(problem, state, design)
     record = Record(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.multigrid import Precision
+from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.material import Interpolation
 from cranktopo.optimise.responses import Design
 from cranktopo.optimise.state import Proposal, State
@@ -58,6 +59,7 @@ class DensityProblem:
         statement: goals and limits, for a method that takes any.
         method: how the next design is found.
         start: density of the uniform first design.
+        original: the scene's own web in the model, where a goal is measured by it.
     """
 
     model: ThrowModel
@@ -70,6 +72,15 @@ class DensityProblem:
     start: float
     solving: SolverSettings = SolverSettings()
     schedule: Schedule = Schedule()
+    original: Assessment | None = None
+
+    def with_bounds(self, bounds: Sequence[float]) -> DensityProblem:
+        """The same with the limits at other bounds, in their order; none keep their own."""
+        if not bounds:
+            return self
+        pairs = zip(self.statement.limits, bounds, strict=True)
+        limits = tuple(replace(limit, bound=bound) for limit, bound in pairs)
+        return replace(self, statement=replace(self.statement, limits=limits))
 
 
 Method = Callable[[DensityProblem, State, Design], Proposal]

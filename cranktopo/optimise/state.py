@@ -48,6 +48,14 @@ class Record:
 
 
 @dataclass(frozen=True)
+class Round:
+    """A converged design that was evaluated, and the bounds of the limits in the model from then on."""
+
+    iteration: int
+    bounds: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class State:
     """Where an optimisation stands.
 
@@ -62,6 +70,7 @@ class State:
         status: running, converged (all criteria met), stopped (the iterations are spent) or infeasible (no
             design was found that meets every limit).
         memory: what the optimiser remembers of its steps, by name.
+        rounds: how the limits were moved by an evaluation of the design, in order.
     """
 
     x: Array
@@ -74,6 +83,12 @@ class State:
     status: Status = "running"
     reason: str = ""
     memory: Mapping[str, Array] = field(default_factory=dict)
+    rounds: tuple[Round, ...] = ()
+
+    @property
+    def bounds(self) -> tuple[float, ...]:
+        """Bounds of the limits that hold now; empty while they are those of the problem."""
+        return self.rounds[-1].bounds if self.rounds else ()
 
     @property
     def last(self) -> Record:
@@ -126,5 +141,6 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
         history=tuple(Record(**row) for row in records),
         status=data["status"],
         reason=data["reason"],
+        rounds=tuple(Round(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
         memory={name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)},
     )

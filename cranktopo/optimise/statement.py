@@ -58,6 +58,10 @@ class Requirement:
         """A value of the response with its unit, as in messages."""
         if self.percent:
             return f"{100 * value / self.original:.4g} %"
+        return self.in_unit(value)
+
+    def in_unit(self, value: float) -> str:
+        """A value of the response in its own unit."""
         return f"{value:.6g} {self.response.unit}".rstrip()
 
     def scaled(self, design: Design) -> jax.Array:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
-from cranktopo.effects import plan
-from cranktopo.evaluate.evaluation import Evaluation
+from cranktopo.evaluate.goal_values import goal_values
 from cranktopo.evaluate.targets import Target
-from cranktopo.loads import load_cases
 from cranktopo.report.comparison import Entry
-from cranktopo.scene import Scene
 from cranktopo.scene.goal.outcome import goal_json
 from cranktopo.scene.goal.wanted import wanted
 
@@ -24,40 +20,14 @@ def evaluated_goals(
     Args:
         entries: of the targets, in their order; percent are of the baseline's values.
     """
-    original = evaluated_values(targets[baseline].scene, entries[baseline])
+    original = _values(targets[baseline], entries[baseline])
     found = {}
     for row, (target, entry) in enumerate(zip(targets, entries, strict=True)):
         goal = wanted(target.scene)
         if goal is not None and row != baseline:
-            found[target.name] = goal_json(goal, evaluated_values(target.scene, entry), original)
+            found[target.name] = goal_json(goal, _values(target, entry), original)
     return found
 
 
-def evaluated_values(scene: Scene, entry: Entry) -> dict[str, float]:
-    """What an evaluation tells of the quantities of a goal, each in its internal unit."""
-    found = entry.evaluation
-    torsion, bending, mass = found.torsion_Nm_per_rad, found.bending_N_per_mm, found.throw_kg
-    return {
-        "mass": mass,
-        "inertia": found.inertia_kg_mm2,
-        "unbalance": found.unbalance_kg_mm,
-        "torsion": torsion,
-        "bending": bending,
-        "torsion_per_mass": torsion / mass,
-        "bending_per_mass": bending / mass,
-        **_motions(scene, found),
-        **({} if entry.safety is None else {"fatigue_safety": entry.safety}),
-    }
-
-
-def _motions(scene: Scene, found: Evaluation) -> dict[str, float]:
-    """Motions of the loads of the engine; none where the loads are unit loads."""
-    if scene.engine is None:
-        return {}
-    cases = {case.kind: case for case in load_cases(scene, plan(scene, goal=wanted(scene)).enabled)}
-    motions = {}
-    if "bending" in cases:
-        motions["pin_displacement"] = abs(cases["bending"].radial_N) / found.bending_N_per_mm
-    if "torsion" in cases:
-        motions["twist"] = math.degrees(abs(cases["torsion"].torque_Nm) / found.torsion_Nm_per_rad)
-    return motions
+def _values(target: Target, entry: Entry) -> dict[str, float]:
+    return goal_values(target.scene, {**entry.evaluation.as_json(), "fatigue_safety": entry.safety})

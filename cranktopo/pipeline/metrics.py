@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cranktopo.accuracy.machine import peak_memory_MiB
 from cranktopo.domain.build import Domain
-from cranktopo.optimise.assess import Assessment
+from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.connectivity import is_connected
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.optimise.problem import DensityProblem

@@ -22,6 +22,14 @@ from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
+from cranktopo.pipeline.evaluated_limits import EvaluatedGoal
+from cranktopo.pipeline.goal_by_evaluation import (
+    evaluated_goal,
+    evaluation_seconds,
+    met_by_evaluation,
+    told_by_evaluation,
+)
+from cranktopo.pipeline.kept_work import KeptWork
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original
@@ -47,6 +55,7 @@ from cranktopo.scene.assumed import (
 from cranktopo.scene.goal.sentence import goal_text
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.of_run import scene_of_run
+from cranktopo.shape.work import Work
 from cranktopo.store import (
     RunStore,
     check_destination,
@@ -58,6 +67,8 @@ from cranktopo.store import (
 )
 from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 
+EVALUATIONS = "checkpoint/evaluations.json"
+"""Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
 RUN_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE, GOAL)
 """What an optimisation uses of a scene."""
 
@@ -103,7 +114,7 @@ def optimise_design(
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
         check_limits(problem, prepared.scene, prepared.domain)
     run = new_run(scene, assumed, out, design_toml, command, {})
-    return _optimise(run, prepared, problem, clock, progress, began)
+    return _optimise(run, scene, prepared, problem, clock, info, progress, began)
 
 
 def announce(prepared: Prepared, assumed: Sequence[Assumption], info: Info) -> None:
@@ -147,19 +158,22 @@ def resume_optimisation(
     run = open_run(reference)
     require_kind(run, "optimise")
     run.require_same_inputs()
-    prepared = prepare(scene_of_run(run).with_optimise(max_iterations=max_iterations))
+    scene = scene_of_run(run).with_optimise(max_iterations=max_iterations)
+    prepared = prepare(scene)
     announce(prepared, stored_assumptions(run.manifest().get("assumed", ())), info)
     with double_precision():
         clock = CompileClock()
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
-    return _optimise(run, prepared, problem, clock, progress, began, resume=True)
+    return _optimise(run, scene, prepared, problem, clock, info, progress, began, resume=True)
 
 
 def _optimise(
     run: RunStore,
+    scene: Scene,
     prepared: Prepared,
     problem: DensityProblem,
     clock: CompileClock,
+    info: Info,
     progress: Progress,
     began: float,
     resume: bool = False,
@@ -168,8 +182,14 @@ def _optimise(
         if resume:
             run.resume()
         state = _first_state(run, problem, resume)
-        state = iterate(problem, state, _kept(run, progress, check))
-        metrics = _finish(run, prepared, problem, state, clock, began)
+        keep = _kept(run, progress, check)
+        state = iterate(problem, state, keep)
+        case = evaluated_goal(scene, prepared, problem, Work(info, KeptWork(run.path / EVALUATIONS), check))
+        if case is not None:
+            state = met_by_evaluation(
+                case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, keep)
+            )
+        metrics = _finish(run, prepared, problem, state, clock, began, case)
     run.log(f"{metrics['status']}: {metrics['stop_reason']}")
     return OptimisedRun(run.path, metrics)
 
@@ -186,13 +206,17 @@ def _kept(run: RunStore, progress: Progress, check: Callable[[], None]) -> Progr
 
     def keep(problem: DensityProblem, state: State) -> None:
         save_iteration(run.path, state.last.iteration, state.evaluated, state.last.beta)
-        save_checkpoint(run.checkpoint, *to_checkpoint(state))
+        _save(run, state)
         if state.last.notice:
             run.log(f"iteration {state.last.iteration}: {state.last.notice}")
         progress(problem, state)
         check()
 
     return keep
+
+
+def _save(run: RunStore, state: State) -> None:
+    save_checkpoint(run.checkpoint, *to_checkpoint(state))
 
 
 def _finish(
@@ -202,6 +226,7 @@ def _finish(
     state: State,
     clock: CompileClock,
     began: float,
+    case: EvaluatedGoal | None,
 ) -> dict[str, Any]:
     """Assess the final design in the optimiser's model at a tight tolerance and write every file."""
     optimised = time.perf_counter()
@@ -212,7 +237,7 @@ def _finish(
     mesh = None if surface is None else surface.surface.half_throw
     files = write_run_files(run, scene, domain, design, rows, mesh)
     result = assess(problem, scene, domain, design.physical)
-    original = assess_original(problem.model, scene, domain)
+    original = problem.original or assess_original(problem.model, scene, domain)
     now = time.perf_counter()
     assumed = run.manifest().get("assumed", ())
     timing = Timing(now - began, now - optimised, clock.compile_s)
@@ -228,6 +253,9 @@ def _finish(
         timing,
         assumed,
     )
+    if case is not None:
+        metrics["goal"] = told_by_evaluation(metrics["goal"], case, state)
+        metrics["seconds"]["evaluation"] = evaluation_seconds(case)
     metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)
     designs = snapshots(run, domain, problem.chain)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, MutableMapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from cranktopo.cad.solid_files import export_solid, surface_of
 from cranktopo.errors import CranktopoError, ExitCode, invalid
@@ -14,6 +13,7 @@ from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import check_device, double_precision
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.drawing_file import export_drawing
+from cranktopo.pipeline.kept_work import KeptWork
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
@@ -48,7 +48,6 @@ from cranktopo.store import (
     RunStore,
     check_destination,
     open_run,
-    read_json,
     require_kind,
     write_json,
     write_text,
@@ -145,7 +144,7 @@ def _goal(scene: Scene) -> Goal:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, info: Info) -> ShapedRun:
     began, goal = time.perf_counter(), _goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
-        work = Work(info, _Kept(run.path / _KEPT), check)
+        work = Work(info, KeptWork(run.path / _KEPT), check)
         optimum = optimise_shape(scene, goal, settings, work)
         seconds = {"search": time.perf_counter() - began}
         info("writing the solid and the drawing")
@@ -183,28 +182,3 @@ def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBo
     before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
     shown = (("result", read_stl(run.path / _FILES["stl"])), ("original web", before))
     return tuple(ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2) for name, mesh in shown)
-
-
-class _Kept(MutableMapping[str, Json]):
-    """Results of finished parts in a file of the run, written at every one."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._data: dict[str, Any] = read_json(path) if path.is_file() else {}
-
-    def __getitem__(self, key: str) -> Json:
-        found: Json = self._data[key]
-        return found
-
-    def __setitem__(self, key: str, value: Json) -> None:
-        self._data[key] = value
-        write_json(self._path, self._data)
-
-    def __delitem__(self, key: str) -> None:
-        del self._data[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._data)
-
-    def __len__(self) -> int:
-        return len(self._data)

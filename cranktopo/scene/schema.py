@@ -149,6 +149,9 @@ class Optimise(SceneTable):
     method: OptimiserMethod = "auto"
     """How the next design is found: `optimality_criteria` for the plain sum at a volume fraction, the method
     of `moving_asymptotes` for anything; `auto`: the former where it can."""
+    limits_by_evaluation: bool = True
+    """With a goal: the surface is evaluated on body-fitted elements, and the limits in the cells are moved by
+    the error that shows until they hold by the evaluation; `false`: they hold in the cells."""
     penalty: float = Field(default=3.0, ge=1, le=10)
     """Power of the density in the modulus (SIMP)."""
     projection_first: float = Field(default=1.0, ge=0.01, le=1000)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from cranktopo.effects import planned_scene
 from cranktopo.effects.simulated import Feature
 from cranktopo.evaluate.evaluation import evaluate
+from cranktopo.evaluate.goal_values import goal_values
 from cranktopo.evaluate.safety_field import fatigue_field
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import Scene
@@ -29,24 +31,10 @@ class EvaluatedWeb:
     scene: Scene
     evaluation: Json
 
-    @property
+    @cached_property
     def values(self) -> dict[str, float]:
         """Its quantities by name, in the units of the goal's limits."""
-        found = self.evaluation
-        supports, mass = found["supports"], found["mass_kg"]["throw"]
-        torsion = found["torsion"][f"{supports['torsion']}_Nm_per_rad"]
-        bending = found["bending"][f"{supports['bending']}_N_per_mm"]
-        values = {
-            "mass": mass,
-            "inertia": found["inertia_kg_mm2"],
-            "unbalance": found["unbalance_kg_mm"],
-            "torsion": torsion,
-            "bending": bending,
-            "torsion_per_mass": torsion / mass,
-            "bending_per_mass": bending / mass,
-        }
-        safety = found.get("fatigue_safety")
-        return values if safety is None else {**values, "fatigue_safety": safety}
+        return goal_values(self.scene, self.evaluation)
 
     @property
     def error_percent(self) -> dict[str, float]:

@@ -12,7 +12,8 @@ from typing import Any
 
 from cranktopo.fem.precision import double_precision
 from cranktopo.optimise import stage
-from cranktopo.optimise.assess import Assessment, assess
+from cranktopo.optimise.assess import assess
+from cranktopo.optimise.assessment import Assessment
 from cranktopo.scene import load_scene, scene_from_dict
 from tests.studies.example_throws import CAR
 

@@ -11,7 +11,8 @@ from manifold3d import Manifold
 
 from cranktopo.fem.precision import double_precision
 from cranktopo.optimise import stage
-from cranktopo.optimise.assess import Assessment, assess
+from cranktopo.optimise.assess import assess
+from cranktopo.optimise.assessment import Assessment
 from cranktopo.scene import Scene, load_scene
 from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 from cranktopo.surface.undercuts import Undercuts

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import jax
@@ -16,14 +17,15 @@ from cranktopo.fem.model import pin_weights
 from cranktopo.fem.precision import double_precision
 from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise import loop
-from cranktopo.optimise.assess import Assessment, assess, assess_original
+from cranktopo.optimise.assess import assess, assess_original
+from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.build import build_problem, with_limits
 from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.responses import Design, Response, quantities
 from cranktopo.optimise.stage import iterate
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
-from cranktopo.optimise.statement import Requirement
+from cranktopo.optimise.statement import Requirement, Statement
 from cranktopo.scene import Scene, scene_from_dict
 from tests.physics.throw_cases import BENDING, TORSION
 
@@ -135,6 +137,21 @@ def test_limits_beyond_the_envelope_are_named_before_the_first_iteration(
     assert "torsion >= 900 %: the whole envelope reaches 1" in text
     assert "mass <= 0.2 kg: the journals alone have 0." in text
     assert "inertia >= 9000 kg mm2: the whole envelope has " in text
+
+
+def test_a_range_in_two_units_is_checked_once_the_original_is_known(mikron: Scene, domain: Domain) -> None:
+    torsion = Response("torsion", "N m/rad", lambda design: design.works[0])
+    limits = (
+        Requirement(torsion, ">=", 120e3, original=100e3, percent=True),
+        Requirement(torsion, "<=", 110e3),
+    )
+    problem: Any = SimpleNamespace(statement=Statement((), limits))
+    with pytest.raises(CranktopoError) as error:
+        check_limits(problem, mikron, domain)
+    assert error.value.code == ExitCode.INVALID_INPUT
+    text = str(error.value)
+    assert "goal.limits.torsion = '>= 120 %, <= 110000 N m/rad': contradictory" in text
+    assert "the original web has 100000 N m/rad" in text
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from cranktopo.report.pages.stress_section import stress_section
 from cranktopo.report.pages.verdict import facts, headline
 from cranktopo.report.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.report.run_record import RunRecord
-from cranktopo.report.tables.goal_table import goal_line, limits_table
+from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table
 from cranktopo.report.tables.result_table import ResultTable, Row
 from cranktopo.report.verdict_sentence import stiffness_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
@@ -74,11 +74,11 @@ def _goal(metrics: Mapping[str, Any]) -> tuple[Section, ...]:
     goal = metrics.get("goal")
     if goal is None:
         return ()
-    line = goal_line(goal)
+    line, note = goal_line(goal), evaluation_note(goal)
     text = (
         f"{line[0].upper()}{line[1:]}. Percent are of the original web in the same model; a limit holds "
         f"within {100 * HOLDS:g} %, and decides the design where the web is at it."
-    )
+    ) + (f" {note[0].upper()}{note[1:]}." if note else "")
     return (Section("goal", "Goal and limits", text, (("Limits", limits_table(goal)),)),)
 
 

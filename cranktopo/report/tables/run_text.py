@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cranktopo.report.tables.goal_table import goal_line, limits_table
+from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table
 from cranktopo.report.tables.result_table import terminal
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_tables
 from cranktopo.report.tables.undercut_table import obstacles
@@ -64,7 +64,9 @@ def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
 def _goal_lines(metrics: Mapping[str, Any]) -> list[str]:
     """Goal and limits of a run that has them."""
     goal = metrics.get("goal")
-    return [] if goal is None else ["", goal_line(goal), terminal(limits_table(goal))]
+    if goal is None:
+        return []
+    return ["", goal_line(goal), terminal(limits_table(goal)), *filter(None, [evaluation_note(goal)])]
 
 
 def _case_line(name: str, metrics: Mapping[str, Any]) -> str:

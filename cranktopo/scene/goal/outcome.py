@@ -98,6 +98,25 @@ def goal_json(goal: Goal, reached: Values, original: Values) -> dict[str, Any]:
     }
 
 
+def with_evaluation(model: Mapping[str, Any], evaluated: Mapping[str, Any]) -> dict[str, Any]:
+    """What became of a goal in the optimiser's model, with the evaluation, which has the last word on limits.
+
+    Args:
+        model, evaluated: the same goal as `goal_json` tells it of either.
+    """
+    pairs = zip(model["limits"], evaluated["limits"], strict=True)
+    limits = [
+        {
+            **own,
+            **({} if better["holds"] is None else {key: better[key] for key in ("holds", "active")}),
+            "evaluation": {key: better[key] for key in ("required", "reached", "reached_percent")},
+        }
+        for own, better in pairs
+    ]
+    total = {key: evaluated[key] for key in ("reached", "original", "reached_percent")}
+    return {**model, "limits": limits, "evaluation": total}
+
+
 def _percent(value: float | None, original: float | None) -> float | None:
     """A value in percent of the original's, where that is above 0."""
     return None if value is None or original is None or original <= 0 else 100 * value / original

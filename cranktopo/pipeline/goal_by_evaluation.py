@@ -1,0 +1,96 @@
+"""A goal whose limits hold by the body-fitted evaluation of the extracted surface, not only in the cells.
+
+The converged design is extracted and evaluated, each limit in the cells is moved by the error that shows, and
+the optimisation goes on from there, until every limit that decides the design is met.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.optimise.continuation import with_bounds
+from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.stage import Prepared
+from cranktopo.optimise.state import State
+from cranktopo.pipeline.evaluated_limits import EvaluatedGoal, iteration_name
+from cranktopo.report.tables.goal_table import broken_limits, percent_line
+from cranktopo.scene import Scene
+from cranktopo.scene.goal.outcome import goal_json, with_evaluation
+from cranktopo.scene.goal.wanted import wanted
+from cranktopo.shape.work import Work
+
+ROUNDS = 3
+"""Most times that the limits are moved."""
+Step = Callable[[State], State]
+
+
+def evaluated_goal(
+    scene: Scene, prepared: Prepared, problem: DensityProblem, work: Work
+) -> EvaluatedGoal | None:
+    """The goal of a scene whose limits are to hold by the evaluation; None where none are."""
+    goal = wanted(scene)
+    if goal is None or not scene.optimise.limits_by_evaluation or not problem.statement.limits:
+        return None
+    return EvaluatedGoal(goal, scene, prepared, problem, work)
+
+
+def met_by_evaluation(case: EvaluatedGoal, state: State, save: Callable[[State], None], go_on: Step) -> State:
+    """The state at the end, its limits met by the evaluation if rounds and iterations suffice.
+
+    A design that cannot be evaluated ends the rounds, with the reason.
+
+    Args:
+        state: where the optimisation in the cells has ended.
+        save: keeps a state, so that the run can be resumed.
+        go_on: takes a running state to the end of the optimisation in the cells.
+    """
+    while state.status == "converged":
+        try:
+            limits = case.limits(state)
+        except CranktopoError as error:
+            if error.code == ExitCode.INTERRUPTED:
+                raise
+            return replace(state, reason=f"{state.reason}; not evaluated: {error.message}")
+        told = goal_json(case.goal, case.reached(state), case.original())
+        done = len(state.rounds) == ROUNDS or all(limit.met for limit in limits)
+        more = "" if done else "; the limits in the cells are moved by their error"
+        case.work.info(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
+        if done:
+            return replace(state, reason=f"{state.reason}; {_verdict(told, len(state.rounds))}")
+        state = with_bounds(state, [limit.moved for limit in limits])
+        save(state)
+        state = go_on(state)
+    return state
+
+
+def _verdict(told: Mapping[str, Any], rounds: int) -> str:
+    after = f"after the limits in the cells were moved {'once' if rounds == 1 else f'{rounds} times'}"
+    after = f" {after}" if rounds else ""
+    broken = broken_limits(told)
+    if broken:
+        return f"not met by the evaluation{after}: {'; '.join(broken)}"
+    return f"every limit holds by the evaluation{after}"
+
+
+def told_by_evaluation(goal: Mapping[str, Any], case: EvaluatedGoal, state: State) -> dict[str, Any]:
+    """The entry `goal` of the metrics with what the evaluation says of the last design; as it is without."""
+    name, kept = iteration_name(state.last.iteration), case.work.kept
+    if name not in kept:
+        return dict(goal)
+    told = goal_json(case.goal, case.reached(state), case.original())
+    found = with_evaluation(goal, told)
+    found["evaluation"] |= {
+        "fillets": False,
+        "element_size_mm": kept[name]["mesh"]["element_size_mm"],
+        "error_estimate_percent": kept[name]["error_estimate_percent"],
+        "rounds": [{"iteration": r.iteration, "bounds": list(r.bounds)} for r in state.rounds],
+    }
+    return found
+
+
+def evaluation_seconds(case: EvaluatedGoal) -> float:
+    """Wall time of the evaluations."""
+    return float(sum(entry["seconds"]["total"] for entry in case.work.kept.values()))

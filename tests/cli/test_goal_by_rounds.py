@@ -1,0 +1,190 @@
+"""Limits that hold by the evaluation of the surface: moved in the cells until they do; resumed exactly."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from cranktopo.cli.main import main
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.evaluation import Evaluation, Stiffness
+from cranktopo.optimise.responses import Response
+from cranktopo.optimise.state import Record, State
+from cranktopo.optimise.statement import Requirement
+from cranktopo.pipeline import evaluated_limits
+from cranktopo.pipeline.evaluated_limits import CheckedLimit
+from cranktopo.pipeline.goal_by_evaluation import met_by_evaluation
+from cranktopo.report.tables.run_text import run_summary
+from cranktopo.scene.goal import Goal, Limit
+from cranktopo.scene.goal.outcome import limit_outcomes
+from cranktopo.shape.work import Work
+
+OPTIONS = [
+    *("--minimise", "mass", "--limit", "bending none", "--limit", "torsion >= 90 %"),
+    *("--limit", "fatigue_safety none", "--resolution-mm", "8", "--process", "free"),
+]
+TORSION_NM_PER_RAD = 100e3
+
+
+def evaluation(target: Any, torsion: float, mass: float = 1.5) -> Evaluation:
+    fine = Stiffness({"free": torsion}, {"pinned": 70e3}, 1234, 4.0, 1.0, 2.0)
+    return Evaluation(target.name, mass, 0.6, 5000, 50, fine, "free", "pinned", 0.3, 0.4, 3.0)
+
+
+class Evaluator:
+    """A stand-in: the stiffness of a surface goes with its volume, the first one misses its limit.
+
+    Before it has evaluated that, it copies the run: what a kill would leave.
+    """
+
+    def __init__(self, first_percent: float, run: Path, copy: Path) -> None:
+        self.first_percent, self.run, self.copy = first_percent, run, copy
+        self.names, self.first_volume = list[str](), 0.0
+
+    def __call__(self, target: Any, *_: Any, **__: Any) -> Evaluation:
+        self.names.append(target.name)
+        if target.file is None:
+            assert target.scene.throw.crankpin.fillet_mm == 0
+            return evaluation(target, TORSION_NM_PER_RAD)
+        volume = float(trimesh.load_mesh(target.file).volume)
+        if not self.first_volume:
+            self.first_volume = volume
+            shutil.copytree(self.run, self.copy)
+        share = self.first_percent / 100 * (volume / self.first_volume) ** 2
+        return evaluation(target, share * TORSION_NM_PER_RAD, volume * 1e-5)
+
+
+Short = tuple[int, Path, dict[str, Any], Evaluator]
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Short:
+    """A run whose first design misses its limit by 2 % of it."""
+    folder = tmp_path_factory.mktemp("rounds")
+    out = folder / "run"
+    evaluator = Evaluator(88.2, out, folder / "killed")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evaluated_limits, "evaluate", evaluator)
+        code = main(["optimise", "opposed-piston", *OPTIONS, "--out", str(out)])
+    return code, out, json.loads((out / "metrics.json").read_text(encoding="utf-8")), evaluator
+
+
+def test_a_limit_missed_by_the_evaluation_is_moved_until_it_holds(
+    short: Short,
+) -> None:
+    code, _, metrics, evaluator = short
+    goal = metrics["goal"]
+    (limit,), found = goal["limits"], goal["evaluation"]
+    assert code == 0
+    assert 2 <= len(evaluator.names) - 1 == len(found["rounds"]) + 1 <= 4
+    first = found["rounds"][0]
+    assert first["bounds"][0] == pytest.approx(limit["required"] / 0.98, rel=3e-3)
+    assert limit["evaluation"]["required"] == pytest.approx(0.9 * TORSION_NM_PER_RAD)
+    assert limit["evaluation"]["reached_percent"] == pytest.approx(90, rel=5e-3)
+    assert limit["reached_percent"] > 90.5
+    assert limit["holds"]
+    assert "every limit holds by the evaluation after" in metrics["stop_reason"]
+    assert metrics["seconds"]["evaluation"] == 3.0 * len(evaluator.names)
+
+
+def test_page_and_summary_show_both(short: Short) -> None:
+    _, run, metrics, _ = short
+    assert "original web without fillets" in (run / "report.html").read_text(encoding="utf-8")
+    text = run_summary(metrics, run)
+    assert f"by the evaluation {metrics['goal']['evaluation']['reached_percent']:.1f} %" in text
+    assert "evaluated: the extracted surface" in text
+
+
+def test_a_run_killed_in_an_evaluation_ends_the_same(short: Short) -> None:
+    _, whole, metrics, evaluator = short
+    out, calls = evaluator.copy, len(evaluator.names)
+    assert json.loads((out / "manifest.json").read_text(encoding="utf-8"))["status"] == "running"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evaluated_limits, "evaluate", evaluator)
+        assert main(["optimise", "--resume", str(out)]) == 0
+    assert evaluator.names[calls:] == evaluator.names[:calls]
+    assert (out / "web.stl").read_bytes() == (whole / "web.stl").read_bytes()
+    again = json.loads((out / "metrics.json").read_text(encoding="utf-8"))
+    assert again["goal"] == metrics["goal"]
+    assert (
+        again["iterations"] == metrics["iterations"] > metrics["goal"]["evaluation"]["rounds"][0]["iteration"]
+    )
+
+
+GOAL = Goal("minimise", "mass", (Limit("torsion", ">=", 90.0, percent=True),))
+
+
+@dataclass(frozen=True)
+class Invented:
+    """Designs of which the evaluation always says the same."""
+
+    percent: float
+    work: Work = field(default_factory=Work)
+    goal: Goal = GOAL
+
+    def original(self) -> dict[str, float]:
+        return {"mass": 1.6, "torsion": 100.0}
+
+    def reached(self, _: State) -> dict[str, float]:
+        if self.percent == 0:
+            raise CranktopoError("mesh: no valid mesh.")
+        return {"mass": 1.4, "torsion": self.percent}
+
+    def limits(self, state: State) -> tuple[CheckedLimit, ...]:
+        in_cells = Requirement(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
+        (outcome,) = limit_outcomes(self.goal, self.reached(state), self.original())
+        return (CheckedLimit(in_cells, in_cells.bound, outcome),)
+
+
+TORSION = Response("torsion", "N m/rad", lambda design: design.works[0])
+DONE = State(
+    *(np.zeros(1),) * 3,
+    beta=16.0,
+    history=(Record(30, 16.0, 1.0, (1.0,), 0.3, 0.01, 0.0, 5, 1.0),),
+    status="converged",
+    reason="settled",
+)
+
+
+def ended(percent: float) -> State:
+    def settled(state: State) -> State:
+        return replace(state, status="converged", reason="settled")
+
+    return met_by_evaluation(Invented(percent), DONE, lambda _: None, settled)  # type: ignore[arg-type]
+
+
+def test_what_cannot_be_met_is_said() -> None:
+    found = ended(89.0)
+    assert [now.bounds[0] for now in found.rounds] == pytest.approx([90 * (90 / 89) ** n for n in (1, 2, 3)])
+    assert found.reason == (
+        "settled; not met by the evaluation after the limits in the cells were moved 3 times: "
+        "torsion >= 90 N m/rad: reached 89 N m/rad"
+    )
+
+
+def test_a_reserve_in_a_limit_that_decides_is_used_up() -> None:
+    found = ended(92.0)
+    assert [now.bounds[0] < 90 for now in found.rounds] == [True] * 3
+    assert "every limit holds by the evaluation after" in found.reason
+
+
+def test_a_limit_that_holds_is_not_moved() -> None:
+    found = ended(90.2)
+    assert (found.rounds, found.reason) == ((), "settled; every limit holds by the evaluation")
+
+
+def test_a_design_that_cannot_be_evaluated_is_kept() -> None:
+    found = ended(0.0)
+    assert (found.status, found.reason) == ("converged", "settled; not evaluated: mesh: no valid mesh.")
+
+
+def test_the_option_needs_a_goal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["optimise", "--no-evaluation"]) == 2
+    assert "--no-evaluation needs a goal" in capsys.readouterr().err
