@@ -22,8 +22,9 @@ from cranktopo.optimise.responses import (
     weighted_compliance,
 )
 from cranktopo.optimise.statement import Goal, Requirement, Statement
-from cranktopo.scene.goal import QUANTITIES, Limit
 from cranktopo.scene.goal import Goal as WantedGoal
+from cranktopo.scene.goal import Limit
+from cranktopo.scene.goal.quantities import quantity_named
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.schema import Optimise, Scene
 
@@ -111,7 +112,7 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
             "the density optimisation leaves it to the evaluation of the extracted surface",
             "Name another goal, or use `cranktopo shape`.",
         )
-    case = QUANTITIES[quantity].load_case  # type: ignore[index]
+    case = quantity_named(quantity).load_case
     raise invalid(
         key,
         quantity,

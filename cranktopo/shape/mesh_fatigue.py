@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,7 +119,7 @@ class FilletFatigue:
         worth = np.zeros((2, *stress.stress_MPa.shape))
         for load, weight, power in zip(loads, weights, powers, strict=True):
             heavy = np.flatnonzero(power > _NEGLIGIBLE)
-            slopes = _slopes(lambda s, load=load: self._used(s, load), _at(here, heavy))  # type: ignore[misc]
+            slopes = _slopes(partial(self._used, loads=load), _at(here, heavy))
             worth[:, :, on[heavy]] += slopes * weight[heavy, None]
         return float(1 / worst), float(1 / norm), (worth[0], worth[1])
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from math import degrees
 from typing import Any
 
-from cranktopo.scene.goal import QUANTITIES, Limit
+from cranktopo.scene.goal import QUANTITIES
+from cranktopo.scene.goal.outcome import goal_json, limit_outcomes
 from cranktopo.shape.sensitivities import SHOWN, TOLERANCE, Dimension, dimensions, worst_case_percent
 from cranktopo.shape.stage import HELD, ShapeOptimum
 
 SCHEMA_VERSION = 1
-_ACTIVE = 5e-3
-"""A limit within this of its value, relative, counts as active."""
 _COMPARED = ("mass", "torsion", "bending", "torsion_per_mass", "bending_per_mass", "inertia", "unbalance")
 
 
@@ -30,7 +28,7 @@ def shape_json(
     return {
         "schema_version": SCHEMA_VERSION,
         "design": design,
-        "goal": {goal.sense: goal.quantity, "limits": [_limit(limit, optimum) for limit in goal.limits]},
+        "goal": goal_json(goal, result.web.values, optimum.original.values, HELD),
         "status": "converged" if result.held else "limits not met",
         "stop_reason": _reason(optimum),
         "original": optimum.original.evaluation,
@@ -52,34 +50,6 @@ def shape_json(
         + sum(r.evaluations for r in optimum.rounds),
         "seconds": seconds,
     }
-
-
-def _limit(limit: Limit, optimum: ShapeOptimum) -> dict[str, Any]:
-    reached, required = _reached(limit, optimum), limit.value
-    excess = (reached - required) / abs(required or 1.0) * (1 if limit.sense == "<=" else -1)
-    return {
-        "quantity": limit.quantity,
-        "sense": limit.sense,
-        "required": required,
-        "reached": reached,
-        "unit": limit.unit,
-        "holds": bool(excess <= HELD),
-        "active": bool(abs(excess) <= _ACTIVE),
-        "assumed": limit.assumed,
-    }
-
-
-def _reached(limit: Limit, optimum: ShapeOptimum) -> float:
-    """The result in the unit of the limit."""
-    values, original = optimum.result.web.values, optimum.original.values
-    deformed = {"pin_displacement": "bending", "twist": "torsion"}.get(limit.quantity)
-    if deformed is None:
-        value = values[limit.quantity]
-        return 100 * value / original[limit.quantity] if limit.percent else value
-    if limit.percent:
-        return 100 * original[deformed] / values[deformed]
-    case = next(case for case in optimum.model.model.cases if case.name == deformed)
-    return (case.radial_N if deformed == "bending" else degrees(case.torque_Nm)) / values[deformed]
 
 
 def _changes(optimum: ShapeOptimum) -> dict[str, float]:
@@ -112,6 +82,10 @@ def _reason(optimum: ShapeOptimum) -> str:
     result = optimum.result
     if result.held:
         return f"every limit holds by the evaluation after {optimum.best + 1} of {len(optimum.rounds)} rounds"
-    worst, limit = max(zip(result.excess_percent, optimum.true_limits, strict=True), key=lambda pair: pair[0])
-    label = QUANTITIES[limit.quantity].label  # type: ignore[index]
-    return f"{label} misses its limit by {worst:.2f} % by the evaluation, after {len(optimum.rounds)} rounds"
+    values, original = result.web.values, optimum.original.values
+    told = limit_outcomes(optimum.goal, values, original, HELD)
+    worst = max(told, key=lambda outcome: outcome.missed or 0.0)
+    label, percent = QUANTITIES[worst.limit.quantity].label, 100 * (worst.missed or 0.0)
+    return (
+        f"{label} misses its limit by {percent:.2f} % by the evaluation, after {len(optimum.rounds)} rounds"
+    )

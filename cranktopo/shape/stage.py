@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
+from cranktopo.scene.goal.moved import moved_bound
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.shape.goal_in_model import search_goal_of
 from cranktopo.shape.growth import Growth, Trial, no_web
 from cranktopo.shape.prices import Prices
 from cranktopo.shape.search import Found, prices_of, search, shaped_scene
-from cranktopo.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.start import scene_start
 from cranktopo.shape.web_model import WebModel, web_model
 from cranktopo.shape.work import Work
@@ -94,12 +95,6 @@ class ShapeOptimum:
     best: int
     trials: tuple[Trial, ...]
     prices: Prices
-
-    @property
-    def true_limits(self) -> tuple[SearchLimit, ...]:
-        """The goal's limits in the units of the body-fitted evaluation."""
-        values = self.original.values
-        return search_goal_of(self.goal, values, values, self.model.model.cases).limits
 
     @property
     def result(self) -> Round:
@@ -175,9 +170,9 @@ def _errors(model: WebModel, found: Found, web: EvaluatedWeb, original: Evaluate
     """By how much the cells overrate each quantity of the web against the original."""
     cells, truth, start = found.responses.values, web.values, original.values
     return {
-        name: cells[name] / model.original[name] / (truth[name] / start[name])
+        name: moved_bound(start[name], cells[name], truth[name]) / model.original[name]
         for name in cells
-        if truth[name] and start[name]
+        if truth[name] and model.original[name]
     }
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,11 +137,20 @@ def _still_faces(scene: Scene, mirrored: bool) -> Iterator[WebFace]:
     if mirrored:
         yield StillFace("plane of symmetry", lambda at: at[0])
     for name, height in zip(("journal face", "pin face"), scene.web_z_mm, strict=True):
-        yield StillFace(name, lambda at, z=height: at[2] - z)  # type: ignore[misc]
+        yield StillFace(name, partial(_above, height))
     for journal, y in scene.throw.journals:
         if journal.bore_radius_mm:
-            radius = journal.bore_radius_mm
-            yield StillFace("bore", lambda at, y=y, r=radius: np.hypot(at[0], at[1] - y) - r)  # type: ignore[misc]
+            yield StillFace("bore", partial(_off_bore, y, journal.bore_radius_mm))
+
+
+def _above(height: float, at: Array) -> Array:
+    above: Array = at[2] - height
+    return above
+
+
+def _off_bore(y: float, radius: float, at: Array) -> Array:
+    off: Array = np.hypot(at[0], at[1] - y) - radius
+    return off
 
 
 def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:

@@ -14,10 +14,10 @@ from cranktopo.report.pages.sections import (
     versions_section,
 )
 from cranktopo.report.quantities import BENDING, MASS, SAFETY, TORSION, Quantity
+from cranktopo.report.tables.goal_table import limits_table
 from cranktopo.report.tables.shape_tables import (
     changes_table,
     dimensions_table,
-    limits_table,
     prices_table,
     shape_headline,
     trials_table,
@@ -71,7 +71,7 @@ def _wanted(data: Mapping[str, Any]) -> Section:
         "would change if its limit were moved by one percent.",
         (
             ("Original and result, fillets included", changes_table(data)),
-            ("Limits, by the body-fitted evaluation", limits_table(data)),
+            ("Limits, by the body-fitted evaluation", limits_table(goal)),
             ("Prices of the limits", prices_table(data)),
         ),
     )

@@ -17,6 +17,7 @@ from cranktopo.report.quantities import (
     UNBALANCE,
     Quantity,
 )
+from cranktopo.report.tables.goal_table import broken_limits, limits_table
 from cranktopo.report.tables.result_table import ResultTable, terminal
 
 _ROWS: tuple[tuple[Quantity, str, float], ...] = (
@@ -57,22 +58,6 @@ def changes_table(data: Mapping[str, Any]) -> ResultTable:
                 }
             )
     return ResultTable(columns, tuple(rows))
-
-
-def limits_table(data: Mapping[str, Any]) -> ResultTable:
-    """Every limit: what is required and reached, whether it holds, and its price."""
-    columns = {"limit": 0, "required": 0, "reached": 0, "holds": 0, "active": 0}
-    rows = tuple(
-        {
-            "limit": limit["quantity"].replace("_", " "),
-            "required": f"{limit['sense']} {limit['required']:.6g} {limit['unit']}".rstrip(),
-            "reached": f"{limit['reached']:.6g} {limit['unit']}".rstrip(),
-            "holds": "yes" if limit["holds"] else "NO",
-            "active": "yes" if limit["active"] else "no",
-        }
-        for limit in data["goal"]["limits"]
-    )
-    return ResultTable(columns, rows)
 
 
 def prices_table(data: Mapping[str, Any]) -> ResultTable:
@@ -121,18 +106,12 @@ def trials_table(data: Mapping[str, Any]) -> ResultTable:
 
 def shape_headline(data: Mapping[str, Any]) -> str:
     """The result in one sentence; limits that are missed and what got worse come first."""
-    change, missed = data["change_percent"], [x for x in data["goal"]["limits"] if not x["holds"]]
+    change, missed = data["change_percent"], broken_limits(data["goal"])
     names = ("mass", "torsion", "bending", "fatigue_safety")
     said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names if name in change)
     if not missed:
         return f"Every limit holds: {said} against the original web."
-    first = ", ".join(_shortfall(limit) for limit in missed)
-    return f"NOT MET: {first}; {said} against the original web."
-
-
-def _shortfall(limit: Mapping[str, Any]) -> str:
-    text = f"{limit['quantity'].replace('_', ' ')} reaches {limit['reached']:.4g} of {limit['required']:.4g}"
-    return f"{text} {limit['unit']}".rstrip()
+    return f"NOT MET: {'; '.join(missed)}; {said} against the original web."
 
 
 def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
@@ -145,7 +124,7 @@ def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
         "",
         terminal(changes_table(data)),
         "",
-        terminal(limits_table(data)),
+        terminal(limits_table(data["goal"])),
         "",
         "What a millimetre (degree) is worth, % of the original:",
         terminal(dimensions_table(data)),

@@ -81,7 +81,7 @@ def refused(why: str, hint: str = "Correct that value.") -> PydanticCustomError:
     return PydanticCustomError("statement", "{why}", {"why": why, "hint": hint})
 
 
-def read_limits(quantity: QuantityName, value: Any) -> tuple[Limit, ...]:
+def read_limits(quantity: GoalQuantity, value: Any) -> tuple[Limit, ...]:
     """The limits of a quantity from what the user wrote: a text, or two of them for a range.
 
     Returns:
@@ -93,9 +93,9 @@ def read_limits(quantity: QuantityName, value: Any) -> tuple[Limit, ...]:
     texts = value if isinstance(value, tuple | list) else (value,)
     if texts == (NO_LIMIT,):
         return ()
-    limits = tuple(_read(QUANTITIES[quantity], text) for text in texts)
+    limits = tuple(_read(quantity, text) for text in texts)
     if not limits:
-        raise refused("no limit is given", f"Write {_example(QUANTITIES[quantity])}, or leave the key out.")
+        raise refused("no limit is given", f"Write {_example(quantity)}, or leave the key out.")
     _check_together(limits)
     return limits
 

@@ -22,11 +22,13 @@ class LimitOutcome:
 
     Attributes:
         reached, original: None where nobody has told it.
+        tolerance: share of its size by which the limit may be missed and still holds.
     """
 
     limit: Limit
     reached: float | None
     original: float | None
+    tolerance: float = HOLDS
 
     @property
     def required(self) -> float | None:
@@ -50,7 +52,7 @@ class LimitOutcome:
     @property
     def holds(self) -> bool | None:
         """Whether the limit holds; None if unknown."""
-        return None if self.missed is None else self.missed <= HOLDS
+        return None if self.missed is None else self.missed <= self.tolerance
 
     @property
     def active(self) -> bool:
@@ -74,18 +76,23 @@ class LimitOutcome:
         }
 
 
-def limit_outcomes(goal: Goal, reached: Values, original: Values) -> tuple[LimitOutcome, ...]:
+def limit_outcomes(
+    goal: Goal, reached: Values, original: Values, tolerance: float = HOLDS
+) -> tuple[LimitOutcome, ...]:
     """Every limit of a goal with what was reached.
 
     Args:
         reached, original: values of a web and of the original in the same model, by quantity, in its internal
             unit; what is not known is left out.
     """
-    return tuple(LimitOutcome(a, reached.get(a.quantity), original.get(a.quantity)) for a in goal.limits)
+    return tuple(
+        LimitOutcome(limit, reached.get(limit.quantity), original.get(limit.quantity), tolerance)
+        for limit in goal.limits
+    )
 
 
-def goal_json(goal: Goal, reached: Values, original: Values) -> dict[str, Any]:
-    """The entry `goal` of the metrics; values as in `limit_outcomes`."""
+def goal_json(goal: Goal, reached: Values, original: Values, tolerance: float = HOLDS) -> dict[str, Any]:
+    """The entry `goal` of the metrics; arguments as in `limit_outcomes`."""
     name = goal.quantity
     now, before = reached.get(name), original.get(name)
     return {
@@ -94,7 +101,7 @@ def goal_json(goal: Goal, reached: Values, original: Values) -> dict[str, Any]:
         "original": before,
         "unit": QUANTITIES[name].unit,
         "reached_percent": _percent(now, before),
-        "limits": [outcome.as_json() for outcome in limit_outcomes(goal, reached, original)],
+        "limits": [outcome.as_json() for outcome in limit_outcomes(goal, reached, original, tolerance)],
     }
 
 

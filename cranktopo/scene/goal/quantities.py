@@ -138,6 +138,11 @@ _MEANT: dict[str, QuantityName] = {
 """Other names of quantities that no likeness of letters finds."""
 
 
+def quantity_named(name: str) -> GoalQuantity:
+    """The quantity of a name that is known to be one."""
+    return next(quantity for quantity in QUANTITIES.values() if quantity.name == name)
+
+
 def nearest_quantity(word: str) -> str:
     """A sentence that names the quantity which a misspelt word means, or all that there are."""
     plain = word.strip().lower().replace("-", "_").replace(" ", "_")[:100]

@@ -15,7 +15,7 @@ from pydantic import (
 
 from cranktopo.scene.base import SceneTable
 from cranktopo.scene.goal.limit import read_limits, refused
-from cranktopo.scene.goal.quantities import QUANTITIES, nearest_quantity
+from cranktopo.scene.goal.quantities import QUANTITIES, nearest_quantity, quantity_named
 
 Minimised = Literal["mass", "inertia", "unbalance"]
 Maximised = Literal["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety"]
@@ -86,7 +86,7 @@ class LimitsTable(SceneTable):
     @classmethod
     def _readable(cls, value: Any, info: ValidationInfo) -> Any:
         if value is not None:
-            read_limits(info.field_name, value)  # type: ignore[arg-type]
+            read_limits(quantity_named(str(info.field_name)), value)
         return value
 
 

@@ -32,8 +32,8 @@ def wanted(scene: Scene) -> Goal | None:
 
 
 def _given(table: LimitsTable) -> tuple[Limit, ...]:
-    texts = ((name, getattr(table, name)) for name in QUANTITIES)
-    return tuple(limit for name, text in texts if text is not None for limit in read_limits(name, text))
+    texts = ((quantity, getattr(table, name)) for name, quantity in QUANTITIES.items())
+    return tuple(limit for what, text in texts if text is not None for limit in read_limits(what, text))
 
 
 def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
