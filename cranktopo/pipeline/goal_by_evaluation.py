@@ -24,6 +24,7 @@ from cranktopo.shape.work import Work
 
 ROUNDS = 3
 """Most times that the limits are moved."""
+_MOVED = "limits in the cells as the evaluation moved them"
 Step = Callable[[State], State]
 
 
@@ -63,7 +64,7 @@ def met_by_evaluation(case: EvaluatedGoal, state: State, save: Callable[[State],
         state = with_bounds(state, [limit.moved for limit in limits])
         save(state)
         state = go_on(state)
-    return state
+    return replace(state, reason=f"{state.reason} ({_MOVED})") if state.rounds else state
 
 
 def _verdict(told: Mapping[str, Any], rounds: int) -> str:

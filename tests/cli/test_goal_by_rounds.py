@@ -157,7 +157,8 @@ def ended(percent: float) -> State:
     def settled(state: State) -> State:
         return replace(state, status="converged", reason="settled")
 
-    return met_by_evaluation(Invented(percent), DONE, lambda _: None, settled)  # type: ignore[arg-type]
+    case: Any = Invented(percent)
+    return met_by_evaluation(case, DONE, lambda _: None, settled)
 
 
 def test_what_cannot_be_met_is_said() -> None:
@@ -178,6 +179,15 @@ def test_a_reserve_in_a_limit_that_decides_is_used_up() -> None:
 def test_a_limit_that_holds_is_not_moved() -> None:
     found = ended(90.2)
     assert (found.rounds, found.reason) == ((), "settled; every limit holds by the evaluation")
+
+
+def test_a_search_that_fails_later_says_that_its_limits_were_moved() -> None:
+    def stopped(state: State) -> State:
+        return replace(state, status="stopped", reason="iterations spent")
+
+    case: Any = Invented(89.0)
+    found = met_by_evaluation(case, DONE, lambda _: None, stopped)
+    assert found.reason == "iterations spent (limits in the cells as the evaluation moved them)"
 
 
 def test_a_design_that_cannot_be_evaluated_is_kept() -> None:
