@@ -64,7 +64,7 @@ def _text(found: Extraction, path: Path) -> str:
     from cranktopo.report.tables.undercut_table import undercut_text
 
     surface, report = found.surface, found.report
-    cells = found.minimum_member_mm / found.cell_mm
+    lengths = {"thinnest member": found.minimum_member_mm, "narrowest gap": found.minimum_gap_mm}
     lines = [
         f"{found.run}, iteration {found.iteration}",
         f"web volume       {surface.volume_mm3:.0f} mm3, "
@@ -72,13 +72,17 @@ def _text(found: Extraction, path: Path) -> str:
         f"mass             throw {found.throw_kg:.3f} kg, web {found.web_kg:.3f} kg",
         f"iso-value        {surface.iso_value:.4f}; distance of its surface {found.mean_distance_mm:.3f} mm "
         f"in the mean, {found.max_distance_mm:.3f} mm at most",
-        f"thinnest member  {found.minimum_member_mm:.1f} mm, {cells:.1f} cells",
+        *(
+            f"{name:<17}{'none' if mm is None else f'{mm:.1f} mm, {found.in_cells(mm):.1f} cells'}"
+            for name, mm in lengths.items()
+        ),
         f"undercuts        {undercut_text(found.undercuts)}",
         f"surface          {report.faces} faces, closed, 1 body, {report.cavities} closed hollows, "
         f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
     ]
     if surface.fallback:
         lines.append(f"fallback         the usual surface was not sound: {surface.fallback}")
-    if cells < LEAST_MEMBER_CELLS:
+    cells = found.in_cells(found.minimum_member_mm)
+    if cells is not None and cells < LEAST_MEMBER_CELLS:
         lines.append(f"warning: members thinner than {LEAST_MEMBER_CELLS:g} cells are not resolved")
     return "\n".join([*lines, str(path)])

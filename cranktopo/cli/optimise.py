@@ -47,6 +47,16 @@ if TYPE_CHECKING:
     help="Draft of forged and cast walls, degrees; default: the design's.",
 )
 @click.option(
+    "--min-member-mm",
+    type=Number(0.05, 1000),
+    help="Least thickness of a member, mm; at least 2 cells; default: the design's.",
+)
+@click.option(
+    "--min-gap-mm",
+    type=Number(0.05, 1000),
+    help="Least width of a gap, mm; at least 2 cells; default: the design's.",
+)
+@click.option(
     "--accuracy", metavar="PERCENT", callback=percent, help="Wanted error of the stiffnesses, such as 5%."
 )
 @click.option("--budget", metavar="TIME", callback=seconds, help="Time for the run, such as 30s or 2min.")
@@ -71,6 +81,8 @@ def command(
     resolution_mm: float | None,
     process: str | None,
     draft_deg: float | None,
+    min_member_mm: float | None,
+    min_gap_mm: float | None,
     accuracy: float | None,
     budget: float | None,
     no_evaluation: bool,
@@ -110,6 +122,8 @@ def command(
                 resolution_mm=resolution_mm,
                 process=process,
                 draft_deg=draft_deg,
+                min_member_mm=min_member_mm,
+                min_gap_mm=min_gap_mm,
                 max_iterations=max_iterations,
                 limits_by_evaluation=False if no_evaluation else None,
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,7 +16,9 @@ from cranktopo.fem.model import case_forces
 from cranktopo.fem.response import compliances, solve
 from cranktopo.optimise.continuation import advance, tolerance_at
 from cranktopo.optimise.material import (
+    PLAIN,
     Interpolation,
+    dilated_density,
     eroded_density,
     greyness,
     physical_density,
@@ -47,7 +50,8 @@ class WebDensities:
 def init(problem: DensityProblem) -> State:
     """The uniform start design."""
     x = np.full(problem.chain.design.shape, problem.start)
-    displacements = np.zeros(problem.model.forces.shape)
+    cases, *nodes = problem.model.forces.shape
+    displacements = np.zeros((cases if problem.chain.projection == PLAIN else 2 * cases, *nodes))
     return State(x=x, evaluated=x, displacements=displacements, beta=problem.schedule.projection_first)
 
 
@@ -62,8 +66,8 @@ def step(problem: DensityProblem, state: State) -> State:
     """
     started = time.perf_counter()
     problem = problem.with_bounds(state.bounds)
-    design, solution, volume, grey = _solved(problem, state)
-    proposal = problem.method(problem, state, design)
+    design, robust, solutions, volume, grey = _solved(problem, state)
+    proposal = problem.method(problem, state, design, robust)
     record = Record(
         iteration=len(state.history) + 1,
         beta=state.beta,
@@ -72,9 +76,9 @@ def step(problem: DensityProblem, state: State) -> State:
         volume_fraction=volume,
         greyness=grey,
         change=float(np.abs(proposal.x - state.x).max()),
-        cg_iterations=int(solution.iterations),
+        cg_iterations=sum(int(solution.iterations) for solution in solutions),
         seconds=time.perf_counter() - started,
-        notice=solution.notice,
+        notice=next((solution.notice for solution in solutions if solution.notice), ""),
         goals=proposal.goals,
         limits=proposal.limits,
         broken=proposal.broken,
@@ -82,7 +86,7 @@ def step(problem: DensityProblem, state: State) -> State:
     advanced = replace(
         state,
         evaluated=state.x,
-        displacements=np.asarray(solution.displacements),
+        displacements=np.concatenate([np.asarray(solution.displacements) for solution in solutions]),
         initial_N_mm=tuple(float(c) for c in design.first_works),
         history=(*state.history, record),
         memory=dict(proposal.memory),
@@ -90,23 +94,48 @@ def step(problem: DensityProblem, state: State) -> State:
     return advance(problem, advanced, proposal.x)
 
 
-def _solved(problem: DensityProblem, state: State) -> tuple[Design, Solution, float, float]:
-    """The state's design under its loads, how it was solved, its volume fraction and greyness."""
+class _Solved(NamedTuple):
+    """The design as it is made, its eroded and dilated form, and how they were solved."""
+
+    design: Design
+    robust: Design
+    solutions: tuple[Solution, ...]
+    volume_fraction: float
+    greyness: float
+
+
+def _solved(problem: DensityProblem, state: State) -> _Solved:
+    """The state's design under its loads; also the robust one where it is another."""
+    chain, x, beta = problem.chain, jnp.asarray(state.x), jnp.asarray(state.beta)
+    moduli, solid, volume, grey = _made(chain, x, beta)
+    cases = len(problem.model.cases)
+    design, solution = _loaded(problem, state, moduli, solid, state.displacements[:cases])
+    if chain.projection == PLAIN:
+        return _Solved(design, design, (solution,), float(volume), float(grey))
+    moduli, solid = _robust(chain, x, beta)
+    robust, other = _loaded(problem, state, moduli, solid, state.displacements[cases:])
+    robust = robust._replace(first_works=design.first_works)
+    return _Solved(design, robust, (solution, other), float(volume), float(grey))
+
+
+def _loaded(
+    problem: DensityProblem, state: State, moduli: jax.Array, solid: jax.Array, guess: Array
+) -> tuple[Design, Solution]:
+    """A design under its loads, and how it was solved."""
     model = problem.model
-    moduli, solid, volume, grey = _design(problem.chain, jnp.asarray(state.x), jnp.asarray(state.beta))
     forces = case_forces(model, solid)
     solution = solve(
         model,
         moduli,
         forces=forces,
-        guess=jnp.asarray(state.displacements),
+        guess=jnp.asarray(guess),
         tolerance=tolerance_at(problem, state.beta),
         precision=problem.solving.precision,
     )
     works = compliances(model, solution.displacements, forces)
     first = jnp.asarray(state.initial_N_mm) if state.initial_N_mm else works
     u = on_material(solution.displacements, moduli)
-    return Design(moduli, solid, works, first, u), solution, float(volume), float(grey)
+    return Design(moduli, solid, works, first, u), solution
 
 
 def final_design(problem: DensityProblem, state: State) -> WebDensities:
@@ -126,10 +155,17 @@ def _densities(chain: Interpolation, x: jax.Array, beta: jax.Array) -> tuple[jax
 
 
 @jax.jit
-def _design(
+def _made(
     chain: Interpolation, x: jax.Array, beta: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    """Moduli, solid fraction, volume fraction and greyness of the design itself."""
     density = physical_density(chain, x, beta)
-    moduli = relative_moduli(chain, eroded_density(chain, x, beta))
-    solid = solid_fraction(chain, density)
+    moduli, solid = relative_moduli(chain, density), solid_fraction(chain, density)
     return moduli, solid, volume_fraction(chain, density), greyness(chain, density)
+
+
+@jax.jit
+def _robust(chain: Interpolation, x: jax.Array, beta: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Moduli of the eroded design and solid fraction of the dilated one."""
+    moduli = relative_moduli(chain, eroded_density(chain, x, beta))
+    return moduli, solid_fraction(chain, dilated_density(chain, x, beta))

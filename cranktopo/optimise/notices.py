@@ -6,6 +6,7 @@ from pathlib import Path
 
 from cranktopo.domain.build import Domain
 from cranktopo.domain.stl_envelope import symmetrised
+from cranktopo.optimise.length_scale import length_notice
 from cranktopo.optimise.manufacturing import unreachable_share
 from cranktopo.scene import Scene
 
@@ -14,13 +15,13 @@ _WORTH_SAYING = 1e-3
 
 
 def notices(scene: Scene, domain: Domain) -> tuple[str, ...]:
-    """Sentences about the envelope, the die and the web that gains are measured against.
+    """Sentences about the envelope, the die, the filter and the web that gains are measured against.
 
     Args:
         scene: as it is simulated, without what the plan leaves out.
         domain: its cells.
     """
-    found = (_sides(scene), _die(scene, domain), baseline_notice(scene))
+    found = (_sides(scene), _die(scene, domain), length_notice(scene, domain), baseline_notice(scene))
     return tuple(sentence for sentence in found if sentence)
 
 

@@ -42,7 +42,7 @@ def design_gradients(
     _, pull_volume = jax.vjp(lambda v: volume_fraction(data, dilated_density(data, v, beta)), x)
     by_x = pull_objective(by_moduli)[0]
     if by_solid is not None:
-        _, pull_solid = jax.vjp(lambda v: solid_fraction(data, physical_density(data, v, beta)), x)
+        _, pull_solid = jax.vjp(lambda v: solid_fraction(data, dilated_density(data, v, beta)), x)
         by_x = by_x + pull_solid(by_solid)[0]
     return by_x, pull_volume(jnp.ones((), x.dtype))[0]
 

@@ -83,5 +83,9 @@ class DensityProblem:
         return replace(self, statement=replace(self.statement, limits=limits))
 
 
-Method = Callable[[DensityProblem, State, Design], Proposal]
-"""A way to the next design variables, such as those of `proposals`."""
+Method = Callable[[DensityProblem, State, Design, Design], Proposal]
+"""A way to the next design variables, such as those of `proposals`.
+
+It takes the design as it is made, whose values count, and the one with the stiffness of the eroded and the
+mass of the dilated design, whose derivatives count: the same one unless members or gaps have a least size.
+"""

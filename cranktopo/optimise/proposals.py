@@ -22,18 +22,18 @@ from cranktopo.optimise.material import (
 from cranktopo.optimise.mma import Asymptotes, first_asymptotes, mma_step
 from cranktopo.optimise.optimality_criteria import update
 from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.responses import Design, loads_of, slopes
+from cranktopo.optimise.responses import Design, loads_of, slopes, values_of
 from cranktopo.optimise.state import Proposal, State
 
 # Share of a miss that the next step aims further, and the largest such margin, as shares of the limit.
 _GAIN, _LARGEST_MARGIN = 0.5, 0.01
 
 
-def by_optimality_criteria(problem: DensityProblem, state: State, design: Design) -> Proposal:
+def by_optimality_criteria(problem: DensityProblem, state: State, design: Design, robust: Design) -> Proposal:
     """The weighted sum of compliances at a volume fraction."""
     factors = jnp.asarray([w / float(c) for w, c in zip(problem.weights, design.first_works, strict=True)])
     factors = factors / sum(problem.weights)
-    by_moduli, by_solid = _compliance_slopes(problem.model, design, factors)
+    by_moduli, by_solid = _compliance_slopes(problem.model, robust, factors)
     limits = jnp.asarray(problem.target), jnp.asarray(largest_move(problem.schedule, state.beta))
     x = jnp.asarray(state.x)
     new = _update(problem.chain, x, jnp.asarray(state.beta), by_moduli, *limits, by_solid)
@@ -51,11 +51,13 @@ def _compliance_slopes(
     return by_moduli, jnp.einsum("b,bxyz->xyz", factors, each)
 
 
-def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design) -> Proposal:
+def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, robust: Design) -> Proposal:
     """Any goals and limits."""
     statement = problem.statement
-    adjoints = _adjoints(problem, state, design)
-    values, by_moduli, by_solid = slopes(problem.model, statement.functions, design, adjoints)
+    adjoints = _adjoints(problem, state, robust)
+    values, by_moduli, by_solid = slopes(problem.model, statement.functions, robust, adjoints)
+    if robust is not design:
+        values = values_of(statement.functions, design)
     x, beta = jnp.asarray(state.x), jnp.asarray(state.beta)
     by_x = pulled_back(problem.chain, x, beta, by_moduli, by_solid)
     several = len(statement.goals) if statement.worst_of_several else 0

@@ -11,6 +11,7 @@ from cranktopo.effects import EffectPlan, plan, simulated_scene
 from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
 from cranktopo.optimise.build import build_problem
+from cranktopo.optimise.length_scale import check_lengths
 from cranktopo.optimise.notices import notices
 from cranktopo.optimise.problem import DensityProblem, SolverSettings
 from cranktopo.optimise.state import State
@@ -52,6 +53,7 @@ def prepare(scene: Scene) -> Prepared:
     cases = load_cases(scene, effects.enabled)
     resolution = scene.optimise.resolution_mm
     check_resolution(scene, resolution, quarter, len(cases), available_memory_MiB())
+    check_lengths(scene)
     domain = build_domain(scene, resolution)
     return Prepared(scene, effects, cases, domain, notices(scene, domain))
 

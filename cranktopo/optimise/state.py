@@ -62,7 +62,8 @@ class State:
     Attributes:
         x: design variables of the next design (nx, ny, nw).
         evaluated: design variables of the last design evaluated, the result once done.
-        displacements: of the last design, warm start of the next solve.
+        displacements: of the last design, and after them those of its eroded form where members or gaps have
+            a least size: warm start of the next solves.
         beta: projection steepness of the next design.
         stage_start: iterations done when the current beta began.
         initial_N_mm: compliances of the first design, the normalisation of the objective.

@@ -20,7 +20,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, load_checkpoint, load_iteration, open_run, require_kind, resume_command
 from cranktopo.surface.checked_surface import checked_surface
-from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
+from cranktopo.surface.fidelity import iso_distance_mm
 from cranktopo.surface.half_throw import WebSurface
 from cranktopo.surface.surface_checks import SurfaceReport, surface_json
 from cranktopo.surface.undercuts import Undercuts
@@ -38,7 +38,7 @@ class Extraction:
     Attributes:
         scene: the scene as it was simulated.
         mean_distance_mm: mean distance of the smoothed density's iso-surface to it.
-        minimum_member_mm: thickness of the thinnest member of the web.
+        minimum_member_mm, minimum_gap_mm: of the walls that were shaped; None where no two face each other.
         undercuts: what a die that parts in x = 0 could not release.
         cell_mm: smallest edge of the run's cells.
     """
@@ -50,7 +50,8 @@ class Extraction:
     report: SurfaceReport
     mean_distance_mm: float
     max_distance_mm: float
-    minimum_member_mm: float
+    minimum_member_mm: float | None
+    minimum_gap_mm: float | None
     undercuts: Undercuts
     cell_mm: float
 
@@ -68,6 +69,10 @@ class Extraction:
     def _kg_per_mm3(self) -> float:
         return density_kg_per_mm3(self.scene.material.density_kg_m3)
 
+    def in_cells(self, length_mm: float | None) -> float | None:
+        """A length over the smallest edge of the cells; None where there is none."""
+        return None if length_mm is None else length_mm / self.cell_mm
+
     def as_json(self) -> dict[str, Any]:
         """The measured values; units in the names."""
         return {
@@ -80,7 +85,9 @@ class Extraction:
                 "vertices": self.report.vertices,
                 "distance_to_iso_surface_mm": {"mean": self.mean_distance_mm, "max": self.max_distance_mm},
                 "minimum_member_mm": self.minimum_member_mm,
-                "minimum_member_cells": self.minimum_member_mm / self.cell_mm,
+                "minimum_member_cells": self.in_cells(self.minimum_member_mm),
+                "minimum_gap_mm": self.minimum_gap_mm,
+                "minimum_gap_cells": self.in_cells(self.minimum_gap_mm),
                 "undercuts": self.undercuts.as_json(),
             },
         }
@@ -120,6 +127,7 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
     checked = checked_surface(scene, domain, design)
     surface = checked.surface
     distances = iso_distance_mm(surface, checked.grid, scene, checked.usable, checked.smooth)
+    walls = checked.walls(scene)
     return Extraction(
         run=run.name,
         scene=scene,
@@ -128,7 +136,8 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
         report=checked.report,
         mean_distance_mm=float(distances.mean()),
         max_distance_mm=float(distances.max()),
-        minimum_member_mm=minimum_member_mm(surface.half_throw, scene.web_z_mm, checked.cell_mm / 2),
+        minimum_member_mm=walls["least_member_mm"],
+        minimum_gap_mm=walls["least_gap_mm"],
         undercuts=checked.undercuts(scene),
         cell_mm=checked.cell_mm,
     )

@@ -23,7 +23,7 @@ from cranktopo.scene.goal.outcome import goal_json
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.surface.checked_surface import CheckedSurface
 from cranktopo.surface.surface_checks import surface_json
-from cranktopo.surface.walls import shapes_walls
+from cranktopo.surface.walls import measures_walls
 
 SCHEMA_VERSION = 1
 _PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
@@ -158,7 +158,13 @@ def _surface(surface: CheckedSurface | str, scene: Scene) -> dict[str, Any]:
         return {"refusal": surface}
     known = surface_json(surface.surface, surface.report)
     found = {**known, "undercuts": surface.undercuts(scene).as_json()}
-    return {**found, "walls": surface.walls(scene)} if shapes_walls(scene) else found
+    return {**found, "walls": {**surface.walls(scene), **_asked(scene)}} if measures_walls(scene) else found
+
+
+def _asked(scene: Scene) -> dict[str, float]:
+    """Least member and gap that the scene asks for."""
+    lengths = {"member": scene.optimise.min_member_mm, "gap": scene.optimise.min_gap_mm}
+    return {f"asked_{name}_mm": length for name, length in lengths.items() if length is not None}
 
 
 def _solver(problem: DensityProblem, state: State, result: Assessment) -> dict[str, Any]:

@@ -140,7 +140,12 @@ class Optimise(SceneTable):
     resolution_mm: float = Field(default=1.5, ge=1e-3, le=1000)
     """Edge of the cells; each direction is adjusted so that cells end at the web's faces."""
     filter_radius_mm: Length | None = Field(default=None, examples=[3.0])
-    """Radius of the cone filter, which sets the thinnest member; by default 2.5 cells, at least 3 mm."""
+    """Radius of the cone filter; by default 2.5 cells, at least 3 mm, or more where `min_member_mm` or
+    `min_gap_mm` need it."""
+    min_member_mm: Length | None = Field(default=None, examples=[6.0])
+    """Least thickness of a member that the optimisation shapes; at least 2 cells."""
+    min_gap_mm: Length | None = Field(default=None, examples=[6.0])
+    """Least width of a gap, pocket or hole that the optimisation shapes; at least 2 cells."""
     max_iterations: int = Field(default=150, ge=1, le=10000)
     """Iterations after which the optimisation stops even if it has not converged."""
     weights: Weights = Weights()

@@ -51,8 +51,13 @@ class Walls:
         return Walls(self.points_mm[chosen], self.normals[chosen], self.areas_mm2[chosen])
 
 
-def shapes_walls(scene: Scene) -> bool:
-    """Whether a process limits the shape, so that its walls are worth measuring."""
+def measures_walls(scene: Scene) -> bool:
+    """Whether a process, a least member or a least gap limits the shape, so that it is worth measuring."""
+    lengths = scene.optimise.min_member_mm, scene.optimise.min_gap_mm
+    return _is_manufactured(scene) or any(lengths)
+
+
+def _is_manufactured(scene: Scene) -> bool:
     return scene.effects.manufacturing_constraint == "on"
 
 
@@ -105,7 +110,8 @@ def measure(
     """Least draft (deg), member and gap (mm) of the walls that were shaped; None where there is none.
 
     Draft is that of a die's halves and leaves out the walls nearest to its parting plane, where the edge
-    between both halves is rounded; of a mould the smaller angle to its way on either side, of a mill none.
+    between both halves is rounded; of a mould the smaller angle to its way on either side; of a mill or of a
+    free web none.
     """
     body = walls_of(half_throw, cell_mm)
     walls = shaped(body, envelope, scene)
@@ -114,7 +120,8 @@ def measure(
     if way.axis is not None and way.parting_mm is not None:
         apart = np.abs(walls.points_mm[:, way.axis] - way.parting_mm)
         drafted = walls.where(apart > PARTING_CELLS * cell_mm)
-    draft = None if way.axis is None else least(drafts_deg(drafted, way), drafted.areas_mm2)
+    leaves = _is_manufactured(scene) and way.axis is not None
+    draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else None
     found = {
         "least_draft_deg": draft,
         "least_member_mm": least(members_mm(walls, body), walls.areas_mm2),

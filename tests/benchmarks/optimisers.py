@@ -86,7 +86,7 @@ def with_mmapy(problem: DensityProblem) -> State:
 
     free = np.asarray(problem.chain.design) > 0
 
-    def propose(problem: DensityProblem, state: State, design: Design) -> Proposal:
+    def propose(problem: DensityProblem, state: State, design: Design, robust: Design) -> Proposal:
         values, by_x = functions(problem, state, design)
         x = state.x[free][:, None]
         move = largest_move(problem.schedule, state.beta)
@@ -112,7 +112,7 @@ def with_ccsaq(problem: DensityProblem) -> State:
     free = np.asarray(problem.chain.design) > 0
     found: dict[str, Any] = {"state": loop.init(problem)}
 
-    def keep(problem: DensityProblem, state: State, design: Design) -> Proposal:
+    def keep(problem: DensityProblem, state: State, design: Design, robust: Design) -> Proposal:
         found["values"], found["slopes"] = functions(problem, state, design)
         return Proposal(state.x, float(found["values"][0]), broken=float(found["values"][1:].max()))
 

@@ -46,6 +46,7 @@ def test_the_last_design_is_the_run_s_surface_bit_for_bit(run: Path, capsys: Cap
     assert abs(surface["web_volume_error_percent"]) < 0.5
     assert 0 <= surface["distance_to_iso_surface_mm"]["mean"] < 0.1 * 4.5
     assert surface["minimum_member_mm"] > 0
+    assert 0 < surface["minimum_member_cells"] < surface["minimum_member_mm"]
 
 
 def test_stored_designs_are_small_and_true(run: Path) -> None:

@@ -1,4 +1,4 @@
-"""A whole optimisation, forged and free: what a die cannot release, counted by rays of another library."""
+"""Whole optimisations: what a die cannot release, by rays of another library; members as thick as asked."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class Web:
     assessment: Assessment
 
 
-def optimised(scene: Scene, process: str) -> Web:
+def optimised(scene: Scene, process: str, **lengths: float) -> Web:
     """The built-in design, forged as it asks for, or free."""
-    settings = {"process": process, "resolution_mm": 4.5, "volume_fraction": 0.2}
+    settings = {"process": process, "resolution_mm": 4.5, "volume_fraction": 0.2, **lengths}
     ready = stage.prepare(scene.model_copy(update={"optimise": scene.optimise.model_copy(update=settings)}))
     assert (ready.plan["manufacturing_constraint"].state == "on") == (process == "forged")
     with double_precision():
@@ -94,3 +94,15 @@ def test_what_the_die_costs(webs: dict[str, Web]) -> None:
         assert one.stiffness is not None
         assert other.stiffness is not None
         assert 0.85 < other.stiffness / one.stiffness < 1.1
+
+
+def test_members_are_as_thick_as_asked(webs: dict[str, Web], mikron: Scene) -> None:
+    """Two cells; without asking, the same web has members of less than half of it."""
+    asked = optimised(mikron, "free", min_member_mm=9.0)
+    least = asked.surface.walls(mikron)["least_member_mm"]
+    usual = webs["free"].surface.walls(mikron)["least_member_mm"]
+    assert least is not None
+    assert usual is not None
+    assert usual < 4.5
+    assert least > 9.0
+    assert asked.assessment.throw_kg == pytest.approx(webs["free"].assessment.throw_kg, rel=1e-3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import jax
@@ -27,12 +28,16 @@ from cranktopo.optimise.chain import build_chain
 from cranktopo.optimise.material import (
     Interpolation,
     build_interpolation,
+    dilated_density,
+    eroded_density,
     physical_density,
     relative_moduli,
     solid_fraction,
     volume_fraction,
 )
 from cranktopo.optimise.optimality_criteria import design_gradients
+from cranktopo.optimise.projection import Projection
+from cranktopo.optimise.proposals import pulled_back
 from cranktopo.scene import Scene
 from tests.physics.throw_cases import BENDING, CENTRIFUGAL, TANGENTIAL, TORSION, forged
 
@@ -182,3 +187,28 @@ def test_mass_and_unbalance_of_the_original_web(float64: None, mikron: Scene) ->
     unbalance = 7850e-9 * (web * radius / 2 + 36 * ring * radius)
     assert float(throw_mass_kg(model, solid, 7850.0)) == pytest.approx(mass, rel=1e-3)
     assert float(throw_unbalance_kg_mm(model, solid, 7850.0)) == pytest.approx(unbalance, rel=1e-3)
+
+
+def test_three_fields(float64: None, mikron: Scene) -> None:
+    """Stiffness of the eroded design under the body force of the dilated one, and its volume."""
+    domain = build_domain(mikron, CELL_MM)
+    model = build_model(mikron, domain, (CENTRIFUGAL, TORSION, BENDING))
+    chain = replace(build_interpolation(domain, FILTER_MM), projection=Projection(0.5, 0.7, 0.35))
+    x, direction, beta = some_design(chain), some_direction(chain), jnp.asarray(2.0)
+
+    def parts(x: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        moduli = relative_moduli(chain, eroded_density(chain, x, 2.0))
+        solid = solid_fraction(chain, dilated_density(chain, x, 2.0))
+        forces = case_forces(model, solid)
+        u = solve(model, moduli, forces=forces, tolerance=TIGHT).displacements
+        return u, solid, compliances(model, u, forces)[0]
+
+    u, solid, _ = parts(x)
+    by_moduli, by_solid = compliance_gradients(model, u)[0], compliance_gradients_by_solid(model, u, solid)[0]
+    by_x, volume_by_x = design_gradients(chain, x, beta, by_moduli, by_solid)
+    by_asymptotes = pulled_back(chain, x, beta, by_moduli[None], by_solid[None])[0]
+    expected = slope(lambda x: parts(x)[2], x, direction)
+    for found in (by_x, by_asymptotes):
+        assert float(jnp.sum(found * direction)) == pytest.approx(expected, rel=1e-5)
+    expected = slope(lambda x: volume_fraction(chain, dilated_density(chain, x, 2.0)), x, direction)
+    assert float(jnp.sum(volume_by_x * direction)) == pytest.approx(expected, rel=1e-6)

@@ -19,6 +19,7 @@ from cranktopo.report.figures.plot import picture
 from cranktopo.report.pages.markdown_page import write_markdown
 from cranktopo.report.pages.page import Fact, Page, Section
 from cranktopo.report.pages.verdict import fatigue_fact, headline, run_undercuts_fact
+from cranktopo.report.tables.length_text import length_lines
 from cranktopo.report.tables.result_table import ResultTable
 from cranktopo.report.verdict_sentence import run_changes_percent, worse_line
 from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
@@ -181,3 +182,16 @@ def test_markdown_has_the_same_content(tmp_path: Path) -> None:
     assert "| a | 1.235 | x \\| y |" in text
     (name,) = re.findall(r"!\[a straight line\]\((.*?)\)", text)
     assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_lengths_are_told_beside_what_was_asked() -> None:
+    measured = {"least_draft_deg": None, "least_member_mm": 7.96, "least_gap_mm": None}
+    assert length_lines({"walls": measured}) == []
+    assert length_lines({"walls": measured | {"asked_member_mm": 8.0, "asked_gap_mm": 9.5}}) == [
+        "thinnest member 8.0 mm, 8 mm asked",
+        "narrowest gap none, 9.5 mm asked",
+    ]
+    assert length_lines({"walls": measured | {"asked_member_mm": 12.0}}) == [
+        "thinnest member 8.0 mm, 12 mm asked: NOT KEPT"
+    ]
+    assert length_lines({"refusal": "the density is too grey"}) == []

@@ -18,7 +18,7 @@ from manifold3d import Manifold
 from cranktopo.formats import SURFACES
 from cranktopo.surface import DensityGrid, extract_half_throw
 from cranktopo.surface.cutter import SIMPLIFY_MM, find_iso
-from cranktopo.surface.fidelity import iso_distance_mm, minimum_member_mm
+from cranktopo.surface.fidelity import iso_distance_mm
 from cranktopo.surface.iso_distance import distances_mm
 from cranktopo.surface.isosurface import iso_solid, resample, unsmoothed_solid
 from cranktopo.triangles.surface_files import write_surface
@@ -98,22 +98,6 @@ def test_iso_distance_is_small_and_sees_a_displaced_surface() -> None:
     moved = SurfaceMesh(surface.web.vertices_mm + np.array([0.0, 0.0, 0.4]), surface.web.faces)
     shifted = iso_distance_mm(replace(surface, web=moved), grid, scene)
     assert shifted.max() > distance.max() + 0.1
-
-
-@pytest.mark.parametrize("thickness", [3.0, 4.0, 6.3, 8.0])
-@pytest.mark.parametrize("turn_deg", [0.0, 30.0])
-def test_thinnest_member_of_a_finned_block(thickness: float, turn_deg: float) -> None:
-    fin = Manifold.cube((50, thickness, 24), True).rotate((0, 0, turn_deg))
-    body = mesh_of(Manifold.cube((20, 20, 24), True) + fin)
-    found = minimum_member_mm(body, (-10, 10), 0.75)
-    assert found == pytest.approx(thickness, abs=1.2)
-
-
-def test_edges_are_no_thin_members_but_knives_are() -> None:
-    block = mesh_of(Manifold.cube((20, 24, 30), True).rotate((0, 0, 20)))
-    assert minimum_member_mm(block, (-10, 10), 0.75) > 15
-    knife = Manifold.hull_points([(x, y, z) for z in (-15, 15) for x, y in ((0, 0), (30, 6), (30, -6))])
-    assert minimum_member_mm(mesh_of(knife), (-10, 10), 0.75) < 4
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ from cranktopo.report.pages.page import Fact, FactStatus
 from cranktopo.report.quantities import MASS, TORSION
 from cranktopo.report.run_record import RunRecord
 from cranktopo.report.tables.goal_table import broken_limits, goal_words
+from cranktopo.report.tables.length_text import asked_lengths, kept, shown
 from cranktopo.report.tables.undercut_table import obstacles, released_text
 from cranktopo.report.verdict_sentence import (
     NOTICEABLE_PERCENT,
@@ -38,6 +39,7 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
         *_limits(metrics),
         fatigue_fact(record.fatigue, _NO_FILLETS.format(run=record.folder)),
         run_undercuts_fact(metrics),
+        *_lengths(metrics),
         _end(metrics),
     )
 
@@ -86,6 +88,14 @@ def _walls_text(walls: Mapping[str, float | None] | None) -> str:
     known = {name: (walls[key], unit) for name, (key, unit) in shown.items()}
     parts = [f"{name} {value:.1f} {unit}" for name, (value, unit) in known.items() if value is not None]
     return f"; least {', '.join(parts)}" if parts else ""
+
+
+def _lengths(metrics: Mapping[str, Any]) -> list[Fact]:
+    """Least member and gap as measured, where they were asked for."""
+    return [
+        Fact(name.capitalize(), shown(found), f"{asked:g} mm asked", "good" if kept(found, asked) else "bad")
+        for name, (found, asked) in asked_lengths(metrics["surface"]).items()
+    ]
 
 
 def _limits(metrics: Mapping[str, Any]) -> list[Fact]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table
+from cranktopo.report.tables.length_text import length_lines
 from cranktopo.report.tables.result_table import terminal
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_tables
 from cranktopo.report.tables.undercut_table import obstacles
@@ -42,6 +43,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
         f"connected: {'yes' if metrics['connected'] else 'NO'}; greyness {metrics['greyness']:.3f}",
         *(f"note: {notice}" for notice in metrics.get("notices", ())),
         *_surface_warning(metrics["surface"]),
+        *length_lines(metrics["surface"]),
         *(f"{folder / metrics['files'][name]}" for name in _SHOWN_FILES if name in metrics["files"]),
     ]
     return "\n".join(lines)
