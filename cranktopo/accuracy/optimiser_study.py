@@ -20,7 +20,8 @@ from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evalua
 from cranktopo.evaluate.targets import Target
 from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop, stage
-from cranktopo.optimise.assess import Assessment, assess
+from cranktopo.optimise.assess import assess
+from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.problem import SolverSettings
 from cranktopo.scene import Scene
 from cranktopo.surface.checked_surface import checked_surface

@@ -43,7 +43,7 @@ class Choice(click.Choice[str]):
         return super().convert(value, param, ctx)
 
 
-class Speeds(click.ParamType):
+class Speeds(click.ParamType[list[float]]):
     """Speeds (rpm): one, or both ends of a sweep and its step."""
 
     name = "RPM|FROM:TO:STEP"
