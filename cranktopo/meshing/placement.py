@@ -35,6 +35,8 @@ _ROUND = 0.03
 _ENDS = (0.03, 0.95)
 """Heights of the sections between a journal's middle and its fillet."""
 _EXTENT_MM = 0.05
+_ZONE = 0.2
+"""Allowed error of a journal's volume over it: drillings and collars err less, a millimetre of web more."""
 _SQUARE_ANGLES = (0, 90, 180, 270)
 _ROUNDS = 4
 _KEPT: tuple[Feature, ...] = ("fillets",)
@@ -125,7 +127,8 @@ def misfits(body: Manifold, scene: Scene) -> list[str]:
     end = scene.pitch_mm / 2
     if abs(low) > _EXTENT_MM or abs(high - end) > _EXTENT_MM:
         return [f"reaches from z = {low:.3f} to {high:.3f} mm, the half throw from 0 to {end:g} mm"]
-    return [line for name, journal, y, z in _places(scene) for line in _misfit(body, name, journal, y, z)]
+    found = [line for name, journal, y, z in _places(scene) for line in _misfit(body, name, journal, y, z)]
+    return found or list(_zones(body, scene))
 
 
 def find_placement(body: Manifold, scene: Scene) -> Placement | None:
@@ -161,6 +164,26 @@ def _misfit(body: Manifold, name: str, journal: Journal, y: float, z: float) -> 
         yield f"{at}: bore {ring.bore_mm:.2f} mm instead of {journal.bore_diameter_mm:g}"
     elif abs(ring.polar_ratio - 1) > _ROUND:
         yield f"{at}: not round (polar moment {100 * (ring.polar_ratio - 1):+.0f} % off a circle's)"
+
+
+def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
+    """Journals with more or less material than they have between their middle and the web."""
+    first, last = scene.web_z_mm
+    main, pin = (journal for journal, _ in scene.throw.journals)
+    parts = (
+        ("main journal", main, body.trim_by_plane((0.0, 0.0, -1.0), -first), f"z = 0 to {first:g}"),
+        (
+            "crankpin",
+            pin,
+            body.trim_by_plane((0.0, 0.0, 1.0), last),
+            f"z = {last:g} to {scene.pitch_mm / 2:g}",
+        ),
+    )
+    for name, journal, part, where in parts:
+        area = math.pi / 4 * (journal.outer_diameter_mm**2 - journal.bore_diameter_mm**2)
+        share = part.volume() / (area * journal.length_mm / 2) - 1
+        if abs(share) > _ZONE:
+            yield f"{name}, {where} mm: {100 * share:+.0f} % of its material; the web lies elsewhere"
 
 
 def ring_at(body: Manifold, z_mm: float) -> Ring | None:

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from cranktopo.cad.solid_files import surface_of
 from cranktopo.effects.simulated import without
 from cranktopo.errors import CranktopoError
 from cranktopo.meshing.placement import misfits, placed, ring_at, without_bores_left_out
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.surface.solids import cylinder, journal_halves, web_bores
+from cranktopo.triangles.surface_mesh import solid_of
 
 
 def turned(axis: str, deg: float) -> np.ndarray:
@@ -89,6 +91,16 @@ def test_a_misplaced_body_is_refused_with_the_attitude_that_fits(
         placed(wrong, mikron, "body.step", align=False)
     assert words in error.value.message
     assert "--align" in error.value.hint
+
+
+@pytest.mark.parametrize("name", ["end for end", "crank axis along x"])
+def test_journals_alike_but_for_their_lengths_are_told_apart(name: str) -> None:
+    """The built-in throw itself: with its fillets, each end shows the sections of the other."""
+    whole = load_scene("mikron-iiic")
+    rotation, shift, words = WRONG[name]
+    wrong = solid_of(surface_of(whole, "half", 3.0)).transform(np.column_stack([rotation, shift]))
+    with pytest.raises(CranktopoError, match=f"looks {words}"):
+        placed(wrong, whole, "body.step", align=False)
 
 
 @pytest.mark.parametrize("name", WRONG)
