@@ -28,6 +28,8 @@ from cranktopo.surface.solids import (
 Array = NDArray[np.float64]
 SIMPLIFY_MM = 0.02
 _VOLUME_TOLERANCE = 1e-4
+_JUMP_TOLERANCE = 1e-3
+"""Relative error of the volume beside a jump: a die makes columns of one density that come and go at once."""
 _ISO_RANGE = (0.05, 0.95)
 _ISO_RESOLUTION = 1e-5
 _X_AXIS = (1.0, 0.0, 0.0)
@@ -106,7 +108,7 @@ def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:
         volume_at: volume (mm3) at an iso-value; it falls as the iso-value grows.
 
     Raises:
-        CranktopoError: the volume jumps past the target, as it does for a grey or uniform density.
+        CranktopoError: the volume jumps far past the target, as it does for a grey or uniform density.
     """
     low, high = _ISO_RANGE
     iso, previous = 0.5, None
@@ -120,9 +122,13 @@ def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:
             guess = iso - error * (iso - previous[0]) / (error - previous[1])
         previous = (iso, error)
         iso = guess if low < guess < high else (low + high) / 2
+    volumes = {value: volume_at(value) for value in (high, low)}
+    near = min(volumes, key=lambda value: abs(volumes[value] - target_mm3))
+    if abs(volumes[near] - target_mm3) <= _JUMP_TOLERANCE * target_mm3:
+        return near
     raise CranktopoError(
         f"surface: no iso-value encloses the {target_mm3:.0f} mm3 of the density (the volume jumps from "
-        f"{volume_at(high):.0f} to {volume_at(low):.0f} mm3 at {iso:.3f}).",
+        f"{volumes[high]:.0f} to {volumes[low]:.0f} mm3 at {iso:.3f}).",
         hint="The density is too grey: run more iterations, or use a smaller filter radius.",
         code=ExitCode.CRITERION_NOT_MET,
     )

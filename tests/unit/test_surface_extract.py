@@ -343,5 +343,8 @@ def test_find_iso_meets_a_smooth_target_and_reports_a_jump() -> None:
     iso = find_iso(volume, 200.0)
     assert 1000 * (1 - iso) ** 3 == pytest.approx(200, rel=1e-4)
     assert len(evaluations) < 10
+    beside = find_iso(lambda iso: 200.5 if iso < 0.546 else 199.9, 200.0)
+    assert beside == pytest.approx(0.546, abs=1e-4)
+    assert beside >= 0.546, "the side of the jump that is nearer"
     with pytest.raises(CranktopoError, match=r"jumps from 10 to 900 mm3 at 0\.7"):
         find_iso(lambda iso: 900.0 if iso < 0.7 else 10.0, 200.0)
