@@ -119,8 +119,9 @@ def test_packed_scene_is_the_body_and_the_densities() -> None:
     share = arrays[body["positions"]].reshape(-1, 3) / 65535
     points = np.array(body["low_mm"]) + share * np.array(body["size_mm"])
     faces = arrays[body["faces"]].reshape(-1, 3)
-    # No part is closed, but together they are the body.
-    np.testing.assert_allclose(mesh_volume(points, faces), cone.volume, rtol=2e-3)
+    # But for the caps of the journals, which lie inside them, the faces are the body's.
+    caps = (np.ptp(points[faces][:, :, 2], axis=1) < 1e-2) & (points[faces][:, 0, 2] > 1.0)
+    np.testing.assert_allclose(mesh_volume(points, faces[~caps]), cone.volume, rtol=2e-3)
     journal = arrays[body["journal"]].astype(bool)
     heights = points[:, 2]
     assert (heights[journal] < 10.01).any()

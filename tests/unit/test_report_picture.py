@@ -71,13 +71,19 @@ def test_views_are_right_handed_and_named_right() -> None:
     assert np.linalg.det(axes) == pytest.approx(1)
 
 
-def test_only_the_faces_of_the_body_are_drawn(throw: SurfaceMesh) -> None:
-    """None of the cuts between web and journals: two faces near one another would show in stripes."""
+def test_no_face_is_drawn_near_another(throw: SurfaceMesh) -> None:
+    """Caps of the journals, of 10 x 10 and 6 x 10 mm, lie inside them, or they would show in stripes."""
     body = shaded(throw, WEB_Z)
     corners = body.vertices_mm[body.faces]
-    assert _areas(corners).sum() == pytest.approx(_areas(throw.vertices_mm[throw.faces]).sum(), rel=1e-9)
-    flat = np.ptp(corners[:, :, 2], axis=1) < 1e-9
-    assert set(corners[flat, 0, 2].round(9)) == {0.0, *WEB_Z, throw.vertices_mm[:, 2].max()}
+    flat, areas, z = np.ptp(corners[:, :, 2], axis=1) < 1e-9, _areas(corners), corners[:, 0, 2]
+    inset = 0.01 * throw.extent_mm + 0.06
+    caps = {low: flat & (np.abs(z - low) < 1e-9) for low in (WEB_Z[0] - inset, WEB_Z[1] + inset)}
+    assert [areas[here].sum() for here in caps.values()] == pytest.approx([100.0, 60.0])
+    for here in caps.values():
+        assert (body.colours[here] == JOURNAL_COLOUR).all()
+    rest = ~np.logical_or(*caps.values())
+    assert areas[rest].sum() == pytest.approx(_areas(throw.vertices_mm[throw.faces]).sum(), rel=1e-9)
+    assert set(z[flat & rest].round(9)) == {0.0, *WEB_Z, throw.vertices_mm[:, 2].max()}
 
 
 def _areas(corners: np.ndarray) -> np.ndarray:

@@ -35,6 +35,8 @@ _FACES_ALONG = 40
 """Faces that a body's longest extent is cut into at least, for sorting by depth."""
 _BEYOND_MM = 0.06
 """How far beyond its sides the web still is web: a body from CAD may lie off by 0.05 mm."""
+_INSET = 0.01
+"""Way of a journal's cap into it, over the body's extent: near an outer face it would show in stripes."""
 _SHARP_DEGREES = 35.0
 _AMBIENT = 0.30
 # Direction to each light in the axes of the picture (right, up, to the viewer), and its strength.
@@ -71,11 +73,10 @@ def shaded(
     whole = solid_of(mesh).as_original()
     main, rest = whole.split_by_plane((0.0, 0.0, -1.0), _BEYOND_MM - web_z_mm[0])
     web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -_BEYOND_MM - web_z_mm[1])
-    coloured = ((main, JOURNAL_COLOUR), (web, WEB_COLOUR), (pin, JOURNAL_COLOUR))
-    # Without the faces of the cuts: near an outer face of the body they would show through it in stripes.
+    coloured = ((main, JOURNAL_COLOUR, 1.0), (web, WEB_COLOUR, 0.0), (pin, JOURNAL_COLOUR, -1.0))
     parts = [
-        _coloured(solid, colour, largest, whole.original_id())
-        for solid, colour in coloured
+        _coloured(solid, colour, largest, whole.original_id(), -outward * _INSET * mesh.extent_mm)
+        for solid, colour, outward in coloured
         if not solid.is_empty()
     ]
     before = np.cumsum([0, *(len(part.vertices_mm) for part in parts)])
@@ -133,13 +134,25 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
     axes.set_aspect("equal")
 
 
-def _coloured(solid: Manifold, colour: Colour, largest_face_mm: float | None, whole: int) -> ShadedMesh:
-    """Those faces of a part that are faces of the whole, the original of this number."""
+def _coloured(
+    solid: Manifold, colour: Colour, largest_face_mm: float | None, whole: int, inset_mm: float
+) -> ShadedMesh:
+    """Those faces of a part that are faces of the whole, the original of this number, and its cap.
+
+    Args:
+        inset_mm: way along z into the part by which the face of its cut is drawn; 0 leaves that out.
+    """
     with_normals = solid.calculate_normals(0, _SHARP_DEGREES)
     fine = (with_normals.refine_to_length(largest_face_mm) if largest_face_mm else with_normals).to_mesh64(0)
     table, faces = np.asarray(fine.vert_properties), np.asarray(fine.tri_verts).astype(np.int64)
-    origin = np.repeat(fine.run_original_id, np.diff(fine.run_index) // 3)
-    faces = faces[origin == whole]
+    own = np.repeat(fine.run_original_id, np.diff(fine.run_index) // 3) == whole
+    if inset_mm:
+        capped, corners = np.unique(faces[~own], return_inverse=True)
+        moved = table[capped] + inset_mm * np.eye(table.shape[1])[2]
+        faces = np.concatenate([faces[own], corners.reshape(-1, 3) + len(table)])
+        table = np.concatenate([table, moved])
+    else:
+        faces = faces[own]
     return ShadedMesh(table[:, :3], table[:, 3:6], faces, np.tile(colour, (len(faces), 1)))
 
 
