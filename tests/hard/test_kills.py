@@ -149,7 +149,7 @@ def test_a_loop_killed_again_and_again_ends_as_in_one_go(tmp_path: Path) -> None
             break
     if found != "done":
         finish(*again)
-    assert number > 4, "some of the kills came before the end"
+    assert number > 2, "some of the kills came before the end"
     assert not list(out.rglob(".*.tmp*")), "what the kills left unfinished is gone"
     assert len(solids(out)) > 8
     assert solids(out) == solids(tmp_path / "whole")
