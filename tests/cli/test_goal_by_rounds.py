@@ -102,6 +102,7 @@ def test_page_and_summary_show_both(short: Short) -> None:
     assert "evaluated: the extracted surface" in text
 
 
+@pytest.mark.slow
 def test_a_run_killed_in_an_evaluation_ends_the_same(short: Short) -> None:
     _, whole, metrics, evaluator = short
     out, calls = evaluator.copy, len(evaluator.names)

@@ -35,6 +35,7 @@ def test_a_turned_body_is_refused(turned: Path, capsys: pytest.CaptureFixture[st
     assert "--align" in error["hint"]
 
 
+@pytest.mark.slow
 def test_align_evaluates_it_where_it_belongs(turned: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["evaluate", str(turned), *COARSE, "--align"]) == 0
     out, err = capsys.readouterr()

@@ -30,6 +30,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]
     return folder, found.data
 
 
+@pytest.mark.slow
 def test_limits_hold_by_the_evaluation_and_the_web_is_lighter(run: tuple[Path, dict[str, Any]]) -> None:
     _, data = run
     assert data["status"] == "converged"
@@ -39,6 +40,7 @@ def test_limits_hold_by_the_evaluation_and_the_web_is_lighter(run: tuple[Path, d
     assert data["change_percent"]["torsion"] > -0.06
 
 
+@pytest.mark.slow
 def test_the_design_evaluates_as_it_says(run: tuple[Path, dict[str, Any]], capsys: Any) -> None:
     folder, data = run
     assert (
@@ -50,6 +52,7 @@ def test_the_design_evaluates_as_it_says(run: tuple[Path, dict[str, Any]], capsy
     assert found["torsion"]["free_Nm_per_rad"] == pytest.approx(data["values"]["result"]["torsion"], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_a_millimetre_is_worth_predicts_the_evaluation(run: tuple[Path, dict[str, Any]]) -> None:
     """The deeper of two bevels, 1 mm less deep: the mass by the exact solid against the table."""
     from cranktopo.cad.volume import half_throw_volume_mm3
@@ -66,6 +69,7 @@ def test_what_a_millimetre_is_worth_predicts_the_evaluation(run: tuple[Path, dic
     assert 100 * change == pytest.approx(-0.5 * row["per_unit"]["mass_percent"], rel=0.15)
 
 
+@pytest.mark.slow
 def test_files_and_page(run: tuple[Path, dict[str, Any]]) -> None:
     folder, data = run
     for name in data["files"].values():
@@ -75,6 +79,7 @@ def test_files_and_page(run: tuple[Path, dict[str, Any]]) -> None:
     assert "Every limit holds" in page
 
 
+@pytest.mark.slow
 def test_runs_show_and_list_know_it(run: tuple[Path, dict[str, Any]], capsys: Any) -> None:
     folder, _ = run
     assert main(["runs", "show", str(folder)]) == ExitCode.DONE

@@ -95,6 +95,7 @@ def test_what_the_die_costs(webs: dict[str, Web]) -> None:
         assert 0.85 < other.stiffness / one.stiffness < 1.1
 
 
+@pytest.mark.slow
 def test_members_are_as_thick_as_asked(webs: dict[str, Web], mikron: Scene) -> None:
     """Two cells; without asking, the same web has members of less than half of it."""
     asked = optimised(mikron, "free", min_member_mm=9.0)

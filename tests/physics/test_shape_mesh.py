@@ -176,6 +176,7 @@ def test_a_moved_mesh_tells_the_change_that_a_new_mesh_tells(case: Case) -> None
         assert moved.values[name] == pytest.approx(fresh.values[name], rel=3e-3), name
 
 
+@pytest.mark.slow
 def test_a_mesh_that_suffers_is_replaced_without_a_jump(case: Case) -> None:
     """Two moves are sought on both sides of the least quality."""
     webs, direction = MeshedWebs(case.scene, ManufacturingLimits(), COARSE_MM), directions(case, 1)[0]

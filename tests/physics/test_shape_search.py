@@ -63,6 +63,7 @@ def test_gradients_of_every_quantity_are_those_of_differences(model: WebModel, m
             )
 
 
+@pytest.mark.slow
 def test_mass_of_a_web_agrees_with_its_exact_solid(mikron: Scene) -> None:
     """The plain bar between the journals, whose volume is known in closed form, on cells of 3 mm."""
     from cranktopo.cad.volume import web_volume_mm3
@@ -132,6 +133,7 @@ def test_limits_that_no_web_keeps_end_without_a_web(model: WebModel, mikron: Sce
     assert found is None
 
 
+@pytest.mark.slow
 def test_a_web_stays_inside_a_narrow_envelope(mikron: Scene) -> None:
     data = mikron.model_dump(mode="json", exclude_none=True)
     data["envelope"] |= {"half_width_mm": 27.0}

@@ -127,7 +127,7 @@ class Object:
 def work():
     try:
         Object()
-        time.sleep(20)
+        time.sleep(4)
         print("went on")
     except KeyboardInterrupt:
         print("interrupted")
