@@ -22,7 +22,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.scene.goal.moved import moved_bound
 from cranktopo.scene.goal.outcome import ACTIVE, HOLDS, LimitOutcome, limit_outcomes
-from cranktopo.shape.work import Json, Work
+from cranktopo.store import Json, Work
 from cranktopo.surface.checked_surface import checked_surface
 from cranktopo.triangles.surface_files import write_stl
 

@@ -20,7 +20,7 @@ from cranktopo.report.tables.goal_table import broken_limits, percent_line
 from cranktopo.scene import Scene
 from cranktopo.scene.goal.outcome import goal_json, with_evaluation
 from cranktopo.scene.goal.wanted import wanted
-from cranktopo.shape.work import Work
+from cranktopo.store import Work
 
 ROUNDS = 3
 """Most times that the limits are moved."""

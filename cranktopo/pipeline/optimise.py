@@ -29,7 +29,6 @@ from cranktopo.pipeline.goal_by_evaluation import (
     met_by_evaluation,
     told_by_evaluation,
 )
-from cranktopo.pipeline.kept_work import KeptWork
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original
@@ -55,9 +54,10 @@ from cranktopo.scene.assumed import (
 from cranktopo.scene.goal.sentence import goal_text
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.of_run import scene_of_run
-from cranktopo.shape.work import Work
 from cranktopo.store import (
+    KeptWork,
     RunStore,
+    Work,
     check_destination,
     load_checkpoint,
     open_run,

@@ -13,7 +13,6 @@ from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import check_device, double_precision
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.drawing_file import export_drawing
-from cranktopo.pipeline.kept_work import KeptWork
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.run_status import working_in
@@ -41,11 +40,13 @@ from cranktopo.shape.goal_in_model import check_goal
 from cranktopo.shape.result_json import shape_json
 from cranktopo.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.shape.start import scene_start
-from cranktopo.shape.work import Json, Work
 from cranktopo.store import (
     RESULT_FILES,
     SHAPE,
+    Json,
+    KeptWork,
     RunStore,
+    Work,
     check_destination,
     open_run,
     require_kind,

@@ -13,7 +13,7 @@ from cranktopo.evaluate.goal_values import goal_values
 from cranktopo.evaluate.safety_field import fatigue_field
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import Scene
-from cranktopo.shape.work import Json, Work
+from cranktopo.store import Json, Work
 
 _FILLETS: tuple[Feature, ...] = ("fillets",)
 _WITH_BODY: tuple[Feature, ...] = ("bores", "fillets")

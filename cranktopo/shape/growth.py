@@ -18,7 +18,7 @@ from cranktopo.shape.search import EVALUATIONS, Found, prices_of, search
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.start import bevel_start, groove_start
 from cranktopo.shape.web_model import WebModel
-from cranktopo.shape.work import Work
+from cranktopo.store import Work
 
 Array = NDArray[np.float64]
 LEAST_GAIN = 2e-3

@@ -17,7 +17,7 @@ from cranktopo.shape.envelope_room import EnvelopeRoom
 from cranktopo.shape.prices import Prices, prices
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.web_model import Responses, WebModel
-from cranktopo.shape.work import Json, Work
+from cranktopo.store import Json, Work
 
 Array = NDArray[np.float64]
 EVALUATIONS = 40

@@ -26,7 +26,7 @@ from cranktopo.shape.search import Found, prices_of, search, shaped_scene
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.start import scene_start
 from cranktopo.shape.web_model import WebModel, web_model
-from cranktopo.shape.work import Work
+from cranktopo.store import Work
 
 Array = NDArray[np.float64]
 HELD = 5e-4

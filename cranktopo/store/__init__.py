@@ -28,6 +28,7 @@ from cranktopo.store.runs import (
     remove_run,
     runs_named,
 )
+from cranktopo.store.work import Json, KeptWork, Work
 
 __all__ = [
     "LOOP",
@@ -35,8 +36,11 @@ __all__ = [
     "RUNS",
     "SHAPE",
     "Checkpoint",
+    "Json",
+    "KeptWork",
     "RunKind",
     "RunStore",
+    "Work",
     "check_destination",
     "check_file",
     "check_folder",

@@ -24,7 +24,7 @@ from cranktopo.pipeline.goal_by_evaluation import met_by_evaluation
 from cranktopo.report.tables.run_text import run_summary
 from cranktopo.scene.goal import Goal, Limit
 from cranktopo.scene.goal.outcome import limit_outcomes
-from cranktopo.shape.work import Work
+from cranktopo.store import Work
 
 OPTIONS = [
     *("--minimise", "mass", "--limit", "bending none", "--limit", "torsion >= 90 %"),

@@ -20,7 +20,7 @@ from cranktopo.shape.search import search
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 from cranktopo.shape.start import outline_start
 from cranktopo.shape.web_model import WebModel, web_model
-from cranktopo.shape.work import Work
+from cranktopo.store import Work
 
 QUANTITIES = ("mass", "inertia", "unbalance", "torsion", "bending", "torsion_per_mass", "bending_per_mass")
 PARTS = (FittedBevel("journal"), FittedBevel("pin"), FittedSlot(through=True), FittedBox("pin", True))
