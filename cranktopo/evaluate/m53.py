@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from cranktopo.scene.checks_free import M53_FILLET
+
 LEAST_FACTOR = 1.15
 """Least acceptability factor."""
 
@@ -86,8 +88,8 @@ class FilletCheck:
 def outside_validity(d: Dimensions) -> tuple[str, ...]:
     """The ratios that lie outside the range of the rule's polynomials, with their range."""
     ranges = (
-        ("pin fillet / pin diameter", d.pin_fillet / d.pin, 0.03, 0.13),
-        ("journal fillet / pin diameter", d.journal_fillet / d.pin, 0.03, 0.13),
+        ("pin fillet / pin diameter", d.pin_fillet / d.pin, *M53_FILLET),
+        ("journal fillet / pin diameter", d.journal_fillet / d.pin, *M53_FILLET),
         ("overlap / pin diameter", d.overlap, -math.inf, 0.5),
         ("web thickness / pin diameter", d.web_thickness / d.pin, 0.2, 0.8),
         ("web width / pin diameter", d.web_width / d.pin, 1.1, 2.2),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_engine import check_engine, check_supports
+from cranktopo.scene.checks_free import check_free_dimensions
 from cranktopo.scene.checks_goal import check_goal
 from cranktopo.scene.checks_sizes import check_envelope_reach, check_proportions, check_web_extent
 from cranktopo.scene.checks_web import check_solid
@@ -28,6 +29,7 @@ def check_scene(scene: Scene) -> None:
     _check_envelope(scene)
     _check_optimise(scene)
     _check_tool(scene)
+    check_free_dimensions(scene)
     check_goal(scene)
 
 

@@ -27,6 +27,7 @@ from cranktopo.scene.features import Web
 from cranktopo.scene.geometry import Envelope, Throw
 from cranktopo.scene.goal.table import GoalTable
 from cranktopo.scene.messages import explain, explains
+from cranktopo.scene.shape_table import ShapeTable
 from cranktopo.scene.supports import Supports
 
 EffectState = Literal["auto", "on", "off"]
@@ -219,6 +220,7 @@ class Scene(SceneTable):
     goal: GoalTable | None = None
     effects: Effects = Effects()
     optimise: Optimise = Optimise()
+    shape: ShapeTable = ShapeTable()
     fatigue: Fatigue = Fatigue()
     published: Published | None = None
 

@@ -1,0 +1,116 @@
+"""Ranges of `[shape.free]`: each holds the scene's own value and fits the throw and the other ranges."""
+
+from __future__ import annotations
+
+from cranktopo.errors import invalid
+from cranktopo.scene.features.body import ROUNDING_MM
+from cranktopo.scene.free_dimensions import (
+    DIMENSIONS,
+    DimensionName,
+    free_range_mm,
+    key_of,
+    own_dimension_mm,
+    with_dimensions,
+)
+from cranktopo.scene.schema import Scene
+
+M53_FILLET = (0.03, 0.13)
+"""Fillet radius over the pin's diameter for which the rule's formulas are made (IACS UR M53, section 3)."""
+
+
+def check_free_dimensions(scene: Scene) -> None:
+    """Check every range of `[shape.free]`.
+
+    Raises:
+        CranktopoError: first range that cannot be.
+    """
+    for name in DIMENSIONS:
+        found = free_range_mm(scene, name)
+        if found is None:
+            continue
+        _check_own(scene, name, found)
+        if name.endswith("fillet"):
+            _check_fillet(scene, name, found)
+        elif name.endswith("bore"):
+            _check_bore(scene, name, found[1])
+        else:
+            _check_thickness(scene, found[0])
+
+
+def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    own = own_dimension_mm(scene, name)
+    if not found[0] - ROUNDING_MM <= own <= found[1] + ROUNDING_MM:
+        raise invalid(
+            f"shape.free.{name}_mm",
+            list(found),
+            f"the range must hold the design's own value, {key_of(name)} = {own:g} mm",
+            "Widen the range, or change the design.",
+        )
+
+
+def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """The formulas of M53 hold, and the thinnest land between two fillets stays."""
+    pin = scene.throw.crankpin.outer_diameter_mm
+    low, high = (share * pin for share in M53_FILLET)
+    if found[0] < low - ROUNDING_MM or found[1] > high + ROUNDING_MM:
+        raise invalid(
+            f"shape.free.{name}_mm",
+            list(found),
+            f"must lie within {low:.4g} and {high:.4g} mm, {M53_FILLET[0]:g} to {M53_FILLET[1]:g} of the "
+            "pin's diameter (IACS UR M53)",
+            "Narrow the range.",
+        )
+    journal, room = _shortest_journal(scene, name)
+    if found[1] >= room / 2:
+        raise invalid(
+            f"shape.free.{name}_mm",
+            list(found),
+            f"the greatest must be smaller than half of throw.{journal}.length_mm, which is at least "
+            f"{room:g} mm",
+            "Narrow this range" + (" or that of the thickness." if journal == "main_journal" else "."),
+        )
+
+
+def _shortest_journal(scene: Scene, name: DimensionName) -> tuple[str, float]:
+    """The journal of a fillet, and its least length, mm, at the web's greatest thickness."""
+    if name == "pin_fillet":
+        return "crankpin", scene.throw.crankpin.length_mm
+    thickness = free_range_mm(scene, "web_thickness")
+    thickest = with_dimensions(scene, {"web_thickness": thickness[1]} if thickness else {})
+    return "main_journal", thickest.throw.main_journal.length_mm
+
+
+def _check_bore(scene: Scene, name: DimensionName, greatest: float) -> None:
+    journal = "crankpin" if name == "pin_bore" else "main_journal"
+    outer = getattr(scene.throw, journal).outer_diameter_mm
+    if greatest >= outer:
+        raise invalid(
+            f"shape.free.{name}_mm",
+            list(free_range_mm(scene, name) or ()),
+            f"the greatest must be smaller than throw.{journal}.outer_diameter_mm = {outer:g} mm",
+            "Narrow the range.",
+        )
+
+
+def _check_thickness(scene: Scene, least: float) -> None:
+    """Room for the clearances in the thinnest web, and for the bearing beside the thickest."""
+    found = free_range_mm(scene, "web_thickness") or (0.0, 0.0)
+    length, fillet = _shortest_journal(scene, "journal_fillet")[1], scene.throw.main_journal.fillet_mm
+    if length <= 2 * fillet:
+        most = found[1] - (2 * fillet - length) / 2
+        raise invalid(
+            "shape.free.web_thickness_mm",
+            list(found),
+            f"the pitch stays, so the main journal would keep {length:g} mm; the greatest must be smaller "
+            f"than {most:.4g} mm to leave a bearing between its fillets",
+            "Narrow the range.",
+        )
+    envelope = scene.envelope
+    clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm if envelope else 0.0
+    if least <= clearance:
+        raise invalid(
+            "shape.free.web_thickness_mm",
+            list(found),
+            f"the least must be larger than the clearances of the envelope, {clearance:g} mm together",
+            "Narrow the range.",
+        )

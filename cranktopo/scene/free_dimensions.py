@@ -1,0 +1,58 @@
+"""Dimensions of the throw that the shape optimisation may change: where each stands in a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, get_args
+
+from cranktopo.scene.schema import Scene
+
+DimensionName = Literal["pin_fillet", "journal_fillet", "pin_bore", "journal_bore", "web_thickness"]
+DIMENSIONS: tuple[DimensionName, ...] = get_args(DimensionName)
+"""All of them; keys of `[shape.free]` have their unit besides."""
+_JOURNALS = {"pin": "crankpin", "journal": "main_journal"}
+_KEYS = {"fillet": "fillet_mm", "bore": "bore_diameter_mm"}
+
+
+def key_of(name: DimensionName) -> str:
+    """Key path of a dimension in the scene."""
+    if name == "web_thickness":
+        return "web.thickness_mm"
+    journal, _, kind = name.partition("_")
+    return f"throw.{_JOURNALS[journal]}.{_KEYS[kind]}"
+
+
+def own_dimension_mm(scene: Scene, name: DimensionName) -> float:
+    """A dimension of a scene, mm."""
+    value: Any = scene
+    for part in key_of(name).split("."):
+        value = getattr(value, part)
+    return float(value)
+
+
+def free_range_mm(scene: Scene, name: DimensionName) -> tuple[float, float] | None:
+    """Least and greatest of a dimension in `[shape.free]`, mm; None where it is not free."""
+    found: tuple[float, float] | None = getattr(scene.shape.free, f"{name}_mm")
+    return found
+
+
+def with_dimensions(scene: Scene, values: Mapping[DimensionName, float]) -> Scene:
+    """The scene with other dimensions, not checked; the pitch stays, the main journal gives way to the web.
+
+    Args:
+        values: mm, by name.
+    """
+    if not values:
+        return scene
+    throw, web = scene.throw, scene.web
+    changes: dict[str, dict[str, float]] = {"main_journal": {}, "crankpin": {}}
+    for name, value in values.items():
+        if name == "web_thickness":
+            longer = 2 * (web.thickness_mm - float(value))
+            changes["main_journal"]["length_mm"] = throw.main_journal.length_mm + longer
+            web = web.model_copy(update={"thickness_mm": float(value)})
+        else:
+            _, journal, key = key_of(name).split(".")
+            changes[journal][key] = float(value)
+    journals = {key: getattr(throw, key).model_copy(update=change) for key, change in changes.items()}
+    return scene.model_copy(update={"throw": throw.model_copy(update=journals), "web": web})

@@ -1,0 +1,60 @@
+"""Scene table of the shape optimisation: dimensions of the throw that it may change, each within a range."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from cranktopo.scene.base import LARGEST_MM, SceneTable
+from cranktopo.scene.goal.limit import refused
+
+
+def _ascending(value: Any) -> Any:
+    """Least and greatest as floats.
+
+    Raises:
+        PydanticCustomError: not two numbers, or not in this order.
+    """
+    numbers = isinstance(value, list | tuple) and len(value) == 2
+    if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
+        raise refused("must be the least and the greatest value in mm", "Write [2.5, 5.0], for example.")
+    low, high = map(float, value)
+    if not 0 <= low <= LARGEST_MM or not 0 <= high <= LARGEST_MM:
+        raise refused(f"both must be >= 0 and <= {LARGEST_MM:g} mm", "Correct that value, or its unit.")
+    if low >= high:
+        raise refused("the least must be smaller than the greatest", "Exchange them, or leave the key out.")
+    return low, high
+
+
+Range = Annotated[
+    tuple[float, float],
+    BeforeValidator(_ascending),
+    WithJsonSchema({"type": "array", "kind": "least and greatest", "minimum": 0, "maximum": LARGEST_MM}),
+]
+
+
+class FreeDimensions(SceneTable):
+    """Dimensions of the throw that the shape optimisation may change beside those of the web.
+
+    Each is free where its range is given; the design's own value lies in it. Bearings stay: diameters, throw
+    and pitch do not change.
+    """
+
+    pin_fillet_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """Range of the fillet radius at the crankpin; 0.03 to 0.13 of the pin's diameter (IACS UR M53)."""
+    journal_fillet_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """Range of the fillet radius at the main journal; 0.03 to 0.13 of the pin's diameter."""
+    pin_bore_mm: Range | None = Field(default=None, examples=[[0.0, 30.0]])
+    """Range of the crankpin's bore diameter."""
+    journal_bore_mm: Range | None = Field(default=None, examples=[[0.0, 30.0]])
+    """Range of the main journal's bore diameter."""
+    web_thickness_mm: Range | None = Field(default=None, examples=[[17.0, 22.0]])
+    """Range of the web's thickness; the pitch stays, so the main journal gets shorter by twice what the web
+    gets thicker."""
+
+
+class ShapeTable(SceneTable):
+    """Settings of the shape optimisation."""
+
+    free: FreeDimensions = FreeDimensions()

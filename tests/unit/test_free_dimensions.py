@@ -1,0 +1,50 @@
+"""`[shape.free]`: ranges that cannot be are refused, and dimensions go where they belong."""
+
+from __future__ import annotations
+
+import pytest
+
+from cranktopo.errors import CranktopoError
+from cranktopo.scene import Scene
+from cranktopo.scene.free_dimensions import DIMENSIONS, own_dimension_mm, with_dimensions
+from cranktopo.scene.loading import designs_folder, parse_scene
+
+MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+
+
+def scene(free: str) -> Scene:
+    return parse_scene(f"{MIKRON}\n[shape.free]\n{free}\n")
+
+
+@pytest.mark.parametrize(
+    ("free", "message"),
+    [
+        ("pin_filet_mm = [2.5, 5.0]", r"shape.free.pin_filet_mm. Did you mean 'pin_fillet_mm'\?"),
+        ("pin_fillet_mm = 3.0", "the least and the greatest value in mm"),
+        ("pin_fillet_mm = [2.5, true]", "the least and the greatest value in mm"),
+        ("pin_fillet_mm = [5.0, 2.5]", "the least must be smaller than the greatest"),
+        ("pin_bore_mm = [-1.0, 30.0]", "both must be >= 0"),
+        ("pin_fillet_mm = [3.0, 5.0]", "own value, throw.crankpin.fillet_mm = 2.5 mm"),
+        ("journal_bore_mm = [0, 20]", "own value, throw.main_journal.bore_diameter_mm = 24 mm"),
+        ("journal_fillet_mm = [1.2, 5.0]", "within 1.26 and 5.46 mm, 0.03 to 0.13 of the pin's diameter"),
+        ("pin_bore_mm = [20, 42]", "throw.crankpin.outer_diameter_mm = 42 mm"),
+        ("web_thickness_mm = [18, 37]", "the greatest must be smaller than 36.5 mm"),
+        ("web_thickness_mm = [18, 36]\njournal_fillet_mm = [2.5, 5]", "which is at least 6 mm"),
+    ],
+)
+def test_a_range_that_cannot_be_is_refused_with_what_would_do(free: str, message: str) -> None:
+    with pytest.raises(CranktopoError, match=message):
+        scene(free)
+
+
+def test_each_dimension_goes_to_its_place_and_the_pitch_stays() -> None:
+    before = scene("pin_fillet_mm = [2, 5]\nweb_thickness_mm = [18, 24]")
+    values = {name: 3.0 + k for k, name in enumerate(DIMENSIONS)}
+    after = with_dimensions(before, values)
+    assert {name: own_dimension_mm(after, name) for name in DIMENSIONS} == values
+    assert after.pitch_mm == pytest.approx(before.pitch_mm)
+    assert after.throw.main_journal.length_mm == pytest.approx(40 + 2 * (19 - 7))
+    assert after.throw.crankpin.length_mm == before.throw.crankpin.length_mm
+    assert after.web_z_mm[1] == pytest.approx(before.web_z_mm[1])
+    assert (after.throw.crankpin.fillet_mm, after.throw.main_journal.fillet_mm) == (3.0, 4.0)
+    assert with_dimensions(before, {}) is before
