@@ -20,6 +20,7 @@ from cranktopo.errors import ExitCode
 if TYPE_CHECKING:
     from cranktopo.optimise.problem import DensityProblem
     from cranktopo.optimise.state import State
+    from cranktopo.scene import Scene
 
 
 @click.command("optimise")
@@ -72,25 +73,7 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as one JSON object.")
 @verbosity_options
-def command(
-    design: str | None,
-    minimise: str | None,
-    maximise: str | None,
-    limits: tuple[str, ...],
-    volume_fraction: float | None,
-    resolution_mm: float | None,
-    process: str | None,
-    draft_deg: float | None,
-    min_member_mm: float | None,
-    min_gap_mm: float | None,
-    accuracy: float | None,
-    budget: float | None,
-    no_evaluation: bool,
-    max_iterations: int | None,
-    out: Path | None,
-    resume: str | None,
-    as_json: bool,
-) -> int:
+def command(design: str | None, out: Path | None, resume: str | None, as_json: bool, **options: Any) -> int:
     """Optimise the web of DESIGN under its load cases and write a run.
 
     Without a goal it is the stiffest web at a volume fraction. Quantities of a goal and its limits are mass,
@@ -102,42 +85,49 @@ def command(
     began = time.perf_counter()
     if resume:
         refuse_beside_resume("max_iterations")
-    if resolution_mm and (accuracy or budget):
-        raise click.UsageError(
-            "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
-        )
     from cranktopo.pipeline.optimise import optimise_design, resume_optimisation
     from cranktopo.report.tables.run_text import run_summary
 
     with _Bar() as bar:
         if resume:
-            run = resume_optimisation(resume, max_iterations, bar.info, bar, began)
+            run = resume_optimisation(resume, options["max_iterations"], bar.info, bar, began)
         else:
-            from cranktopo.pipeline.optimise import with_cells_for
-            from cranktopo.scene.loading import design_text, load_scene
+            from cranktopo.scene.loading import design_text
 
             name = design or DEFAULT_DESIGN
-            scene = load_scene(name).with_optimise(
-                volume_fraction=volume_fraction,
-                resolution_mm=resolution_mm,
-                process=process,
-                draft_deg=draft_deg,
-                min_member_mm=min_member_mm,
-                min_gap_mm=min_gap_mm,
-                max_iterations=max_iterations,
-                limits_by_evaluation=False if no_evaluation else None,
-            )
-            scene = with_goal_options(scene, minimise, maximise, limits)
-            if volume_fraction is not None and scene.goal is not None:
-                raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
-            if no_evaluation and scene.goal is None:
-                raise click.UsageError("--no-evaluation needs a goal: only its limits are evaluated")
-            if accuracy or budget:
-                scene = with_cells_for(scene, accuracy, budget, info)
+            scene = _scene(name, **options)
             command_line = ["cranktopo", *sys.argv[1:]]
             run = optimise_design(scene, out, design_text(name), command_line, bar.info, bar, began)
     click.echo(json.dumps(run.metrics) if as_json else run_summary(run.metrics, run.folder))
     return _exit_code(run.metrics)
+
+
+def _scene(
+    name: str,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
+    accuracy: float | None,
+    budget: float | None,
+    no_evaluation: bool,
+    **settings: Any,
+) -> Scene:
+    """The design with what the options change; `settings` are named as in `[optimise]`."""
+    if settings["resolution_mm"] and (accuracy or budget):
+        raise click.UsageError(
+            "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
+        )
+    from cranktopo.pipeline.optimise import with_cells_for
+    from cranktopo.scene.loading import load_scene
+
+    evaluated = False if no_evaluation else None
+    scene = load_scene(name).with_optimise(**settings, limits_by_evaluation=evaluated)
+    scene = with_goal_options(scene, minimise, maximise, limits)
+    if settings["volume_fraction"] is not None and scene.goal is not None:
+        raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
+    if no_evaluation and scene.goal is None:
+        raise click.UsageError("--no-evaluation needs a goal: only its limits are evaluated")
+    return with_cells_for(scene, accuracy, budget, info) if accuracy or budget else scene
 
 
 def _exit_code(metrics: dict[str, Any]) -> ExitCode:

@@ -143,16 +143,20 @@ def test_the_worst_load_case_gains_on_the_sum(mikron: Scene, domain: Domain) -> 
     assert works["worst"].sum() > works["sum"].sum()
 
 
+def refusal(problem: DensityProblem, scene: Scene, domain: Domain, code: ExitCode) -> str:
+    with pytest.raises(CranktopoError) as error:
+        check_limits(problem, scene, domain)
+    assert error.value.code == code
+    return str(error.value)
+
+
 def test_limits_beyond_the_envelope_are_named_before_the_first_iteration(
     mikron: Scene, domain: Domain
 ) -> None:
     limits = {"torsion": ">= 900 %", "mass": "<= 0.2 kg", "inertia": ">= 9000 kg mm2", "bending": ">= 90 %"}
     scene = asked(mikron, {"maximise": "bending_per_mass", "limits": limits | {"bending": "none"}})
     problem = stated(scene, domain)
-    with pytest.raises(CranktopoError) as error:
-        check_limits(problem, scene, domain)
-    assert error.value.code == ExitCode.CRITERION_NOT_MET
-    text = str(error.value)
+    text = refusal(problem, scene, domain, ExitCode.CRITERION_NOT_MET)
     assert "torsion >= 900 %: the whole envelope reaches 1" in text
     assert "mass <= 0.2 kg: the journals alone have 0." in text
     assert "inertia >= 9000 kg mm2: the whole envelope has " in text
@@ -165,10 +169,7 @@ def test_a_range_in_two_units_is_checked_once_the_original_is_known(mikron: Scen
         Requirement(torsion, "<=", 110e3),
     )
     problem: Any = SimpleNamespace(statement=Statement((), limits))
-    with pytest.raises(CranktopoError) as error:
-        check_limits(problem, mikron, domain)
-    assert error.value.code == ExitCode.INVALID_INPUT
-    text = str(error.value)
+    text = refusal(problem, mikron, domain, ExitCode.INVALID_INPUT)
     assert "goal.limits.torsion = '>= 120 %, <= 110000 N m/rad': contradictory" in text
     assert "the original web has 100000 N m/rad" in text
 
