@@ -135,8 +135,10 @@ def _exit_code(metrics: dict[str, Any]) -> ExitCode:
         return ExitCode.CRITERION_NOT_MET
     if metrics["status"] != "converged":
         return ExitCode.NOT_CONVERGED
-    broken = any(limit["holds"] is False for limit in metrics.get("goal", {}).get("limits", ()))
-    return ExitCode.CRITERION_NOT_MET if broken or "refusal" in metrics["surface"] else ExitCode.DONE
+    goal = metrics.get("goal", {})
+    broken = any(limit["holds"] is False for limit in goal.get("limits", ()))
+    unmet = broken or "not_evaluated" in goal or "refusal" in metrics["surface"]
+    return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
 
 
 class _Bar:

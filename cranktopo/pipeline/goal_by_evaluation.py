@@ -18,7 +18,7 @@ from cranktopo.optimise.state import State
 from cranktopo.pipeline.evaluated_limits import EvaluatedGoal, iteration_name
 from cranktopo.report.tables.goal_table import broken_limits, percent_line
 from cranktopo.scene import Scene
-from cranktopo.scene.goal.outcome import goal_json, with_evaluation
+from cranktopo.scene.goal.outcome import goal_json, with_evaluation, without_evaluation
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.store import Work
 
@@ -38,15 +38,19 @@ def evaluated_goal(
     return EvaluatedGoal(goal, scene, prepared, problem, work)
 
 
-def met_by_evaluation(case: EvaluatedGoal, state: State, save: Callable[[State], None], go_on: Step) -> State:
-    """The state at the end, its limits met by the evaluation if rounds and iterations suffice.
-
-    A design that cannot be evaluated ends the rounds, with the reason.
+def met_by_evaluation(
+    case: EvaluatedGoal, state: State, save: Callable[[State], None], go_on: Step
+) -> tuple[State, str]:
+    """Have the limits met by the evaluation, if rounds and iterations suffice.
 
     Args:
         state: where the optimisation in the cells has ended.
         save: keeps a state, so that the run can be resumed.
         go_on: takes a running state to the end of the optimisation in the cells.
+
+    Returns:
+        The state at the end, and why its design could not be evaluated: that ends the rounds. Empty where it
+        was, or was not to be since the optimisation has not converged.
     """
     while state.status == "converged":
         try:
@@ -54,17 +58,18 @@ def met_by_evaluation(case: EvaluatedGoal, state: State, save: Callable[[State],
         except CranktopoError as error:
             if error.code == ExitCode.INTERRUPTED:
                 raise
-            return replace(state, reason=f"{state.reason}; not evaluated: {error.message}")
+            case.work.info(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
+            return replace(state, reason=f"{state.reason}; its limits are not judged"), error.message
         told = goal_json(case.goal, case.reached(state), case.original())
         done = len(state.rounds) == ROUNDS or all(limit.met for limit in limits)
         more = "" if done else "; the limits in the cells are moved by their error"
         case.work.info(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
         if done:
-            return replace(state, reason=f"{state.reason}; {_verdict(told, len(state.rounds))}")
+            return replace(state, reason=f"{state.reason}; {_verdict(told, len(state.rounds))}"), ""
         state = with_bounds(state, [limit.moved for limit in limits])
         save(state)
         state = go_on(state)
-    return replace(state, reason=f"{state.reason} ({_MOVED})") if state.rounds else state
+    return (replace(state, reason=f"{state.reason} ({_MOVED})") if state.rounds else state), ""
 
 
 def _verdict(told: Mapping[str, Any], rounds: int) -> str:
@@ -76,8 +81,16 @@ def _verdict(told: Mapping[str, Any], rounds: int) -> str:
     return f"every limit holds by the evaluation{after}"
 
 
-def told_by_evaluation(goal: Mapping[str, Any], case: EvaluatedGoal, state: State) -> dict[str, Any]:
-    """The entry `goal` of the metrics with what the evaluation says of the last design; as it is without."""
+def told_by_evaluation(
+    goal: Mapping[str, Any], case: EvaluatedGoal, state: State, failure: str
+) -> dict[str, Any]:
+    """The entry `goal` of the metrics with what the evaluation says of the last design; as it is without.
+
+    Args:
+        failure: why the last design could not be evaluated; empty where it was, or was not to be.
+    """
+    if failure:
+        return without_evaluation(goal, failure)
     name, kept = iteration_name(state.last.iteration), case.work.kept
     if name not in kept:
         return dict(goal)

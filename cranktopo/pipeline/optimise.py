@@ -185,11 +185,12 @@ def _optimise(
         keep = _kept(run, progress, check)
         state = iterate(problem, state, keep)
         case = evaluated_goal(scene, prepared, problem, Work(info, KeptWork(run.path / EVALUATIONS), check))
+        failure = ""
         if case is not None:
-            state = met_by_evaluation(
+            state, failure = met_by_evaluation(
                 case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, keep)
             )
-        metrics = _finish(run, prepared, problem, state, clock, began, case)
+        metrics = _finish(run, prepared, problem, state, clock, began, case, failure)
     run.log(f"{metrics['status']}: {metrics['stop_reason']}")
     return OptimisedRun(run.path, metrics)
 
@@ -227,6 +228,7 @@ def _finish(
     clock: CompileClock,
     began: float,
     case: EvaluatedGoal | None,
+    failure: str,
 ) -> dict[str, Any]:
     """Assess the final design in the optimiser's model at a tight tolerance and write every file."""
     optimised = time.perf_counter()
@@ -254,7 +256,7 @@ def _finish(
         assumed,
     )
     if case is not None:
-        metrics["goal"] = told_by_evaluation(metrics["goal"], case, state)
+        metrics["goal"] = told_by_evaluation(metrics["goal"], case, state, failure)
         metrics["seconds"]["evaluation"] = evaluation_seconds(case)
     metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)

@@ -21,6 +21,7 @@ from cranktopo.optimise.statement import Requirement
 from cranktopo.pipeline import evaluated_limits
 from cranktopo.pipeline.evaluated_limits import CheckedLimit
 from cranktopo.pipeline.goal_by_evaluation import met_by_evaluation
+from cranktopo.report.pages.verdict import headline
 from cranktopo.report.tables.run_text import run_summary
 from cranktopo.scene.goal import Goal, Limit
 from cranktopo.scene.goal.outcome import limit_outcomes
@@ -119,6 +120,32 @@ def test_a_run_killed_in_an_evaluation_ends_the_same(short: Short) -> None:
     )
 
 
+def test_limits_that_could_not_be_judged_are_said_first(
+    short: Short, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also where the web could be evaluated and only the original, which limits are in percent of, could not."""
+    run = tmp_path / "run"
+    shutil.copytree(short[3].copy, run)
+
+    def failing(target: Any, *_: Any, **__: Any) -> Evaluation:
+        if target.file is None:
+            raise CranktopoError("mesh of the original web: no valid mesh.")
+        return evaluation(target, TORSION_NM_PER_RAD)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evaluated_limits, "evaluate", failing)
+        assert main(["optimise", "--resume", str(run)]) == 6
+    out, err = capsys.readouterr()
+    first = out.splitlines()[0]
+    assert first.startswith("not judged: torsion >= ")
+    assert "the evaluation failed, mesh of the original web: no valid mesh;" in first
+    assert "could not be evaluated" in err
+    metrics = json.loads((run / "metrics.json").read_text(encoding="utf-8"))
+    (limit,) = metrics["goal"]["limits"]
+    assert (metrics["status"], limit["holds"]) == ("converged", None)
+    assert headline(metrics).startswith("Not judged: torsion >= ")
+
+
 GOAL = Goal("minimise", "mass", (Limit("torsion", ">=", 90.0, percent=True),))
 
 
@@ -159,7 +186,9 @@ def ended(percent: float) -> State:
         return replace(state, status="converged", reason="settled")
 
     case: Any = Invented(percent)
-    return met_by_evaluation(case, DONE, lambda _: None, settled)
+    found, failure = met_by_evaluation(case, DONE, lambda _: None, settled)
+    assert not failure
+    return found
 
 
 def test_what_cannot_be_met_is_said() -> None:
@@ -187,13 +216,15 @@ def test_a_search_that_fails_later_says_that_its_limits_were_moved() -> None:
         return replace(state, status="stopped", reason="iterations spent")
 
     case: Any = Invented(89.0)
-    found = met_by_evaluation(case, DONE, lambda _: None, stopped)
+    found, _ = met_by_evaluation(case, DONE, lambda _: None, stopped)
     assert found.reason == "iterations spent (limits in the cells as the evaluation moved them)"
 
 
 def test_a_design_that_cannot_be_evaluated_is_kept() -> None:
-    found = ended(0.0)
-    assert (found.status, found.reason) == ("converged", "settled; not evaluated: mesh: no valid mesh.")
+    case: Any = Invented(0.0)
+    found, failure = met_by_evaluation(case, DONE, lambda _: None, lambda state: state)
+    assert (found.status, found.reason) == ("converged", "settled; its limits are not judged")
+    assert failure == "mesh: no valid mesh."
 
 
 def test_the_option_needs_a_goal(capsys: pytest.CaptureFixture[str]) -> None:

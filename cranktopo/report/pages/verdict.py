@@ -8,7 +8,7 @@ from typing import Any
 from cranktopo.report.pages.page import Fact, FactStatus
 from cranktopo.report.quantities import MASS, TORSION
 from cranktopo.report.run_record import RunRecord
-from cranktopo.report.tables.goal_table import broken_limits, goal_words
+from cranktopo.report.tables.goal_table import broken_limits, goal_words, unjudged_line
 from cranktopo.report.tables.length_text import asked_lengths, kept, shown
 from cranktopo.report.tables.undercut_table import obstacles, released_text
 from cranktopo.report.verdict_sentence import (
@@ -26,8 +26,10 @@ _NO_FILLETS = (
 
 
 def headline(metrics: Mapping[str, Any]) -> str:
-    """The verdict in one sentence, against the original web in the same model; what got worse comes first."""
-    return comparison_sentence("The optimised throw", run_changes_percent(metrics), "the original")
+    """The verdict against the original web in the same model: limits not judged, then what got worse, first."""
+    unjudged = unjudged_line(metrics.get("goal", {}))
+    sentence = comparison_sentence("The optimised throw", run_changes_percent(metrics), "the original")
+    return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
 
 
 def facts(record: RunRecord) -> tuple[Fact, ...]:
@@ -103,6 +105,8 @@ def _limits(metrics: Mapping[str, Any]) -> list[Fact]:
     goal = metrics.get("goal")
     if goal is None:
         return []
+    if "not_evaluated" in goal:
+        return [Fact("Limits", "not judged", unjudged_line(goal), "bad")]
     broken, known = broken_limits(goal), [e for e in goal["limits"] if e["holds"] is not None]
     note = "; ".join(broken) if broken else f"{goal_words(goal)} within them"
     value = f"{len(known) - len(broken)} of {len(known)} hold"

@@ -63,6 +63,17 @@ def broken_limits(goal: _Entry) -> list[str]:
     return [f"{_limit(entry)}: reached {value_text(entry['reached'], entry['unit'])}" for entry in broken]
 
 
+def unjudged_line(goal: _Entry) -> str:
+    """Which limits could not be judged and why, where an evaluation of them failed; else empty."""
+    if "not_evaluated" not in goal:
+        return ""
+    limits = ", ".join(_limit(entry) for entry in goal["limits"] if entry["reached"] is not None)
+    return (
+        f"not judged: {limits}: the evaluation failed, {goal['not_evaluated'].rstrip('.')}; "
+        "the limits hold in the cells only"
+    )
+
+
 def value_text(value: float | None, unit: str) -> str:
     """A value with its unit, large ones without decimals; a dash for what is not known."""
     if value is None:

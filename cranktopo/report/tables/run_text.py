@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table
+from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table, unjudged_line
 from cranktopo.report.tables.length_text import length_lines
 from cranktopo.report.tables.result_table import terminal
 from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_tables
@@ -22,6 +22,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
     """A finished optimise run; `metrics` as metrics.json holds it."""
     original = metrics["original_web"]
     lines = [
+        *filter(None, [unjudged_line(metrics.get("goal", {}))]),
         f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
         *filter(None, [worse_line(run_changes_percent(metrics), "the original web")]),
         "",

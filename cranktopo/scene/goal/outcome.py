@@ -124,6 +124,17 @@ def with_evaluation(model: Mapping[str, Any], evaluated: Mapping[str, Any]) -> d
     return {**model, "limits": limits, "evaluation": total}
 
 
+def without_evaluation(model: Mapping[str, Any], why: str) -> dict[str, Any]:
+    """What became of a goal whose limits were to hold by an evaluation that failed: nobody can tell.
+
+    Args:
+        model: the goal as `goal_json` tells it in the optimiser's model.
+        why: what failed.
+    """
+    limits = [{**limit, "holds": None} for limit in model["limits"]]
+    return {**model, "limits": limits, "not_evaluated": why}
+
+
 def _percent(value: float | None, original: float | None) -> float | None:
     """A value in percent of the original's, where that is above 0."""
     return None if value is None or original is None or original <= 0 else 100 * value / original
