@@ -123,7 +123,7 @@ def test_a_run_killed_in_an_evaluation_ends_the_same(short: Short) -> None:
 def test_limits_that_could_not_be_judged_are_said_first(
     short: Short, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Also where the web could be evaluated and only the original, which limits are in percent of, could not."""
+    """Also where only the original, which limits are in percent of, could not be evaluated."""
     run = tmp_path / "run"
     shutil.copytree(short[3].copy, run)
 

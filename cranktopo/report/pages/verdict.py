@@ -26,7 +26,7 @@ _NO_FILLETS = (
 
 
 def headline(metrics: Mapping[str, Any]) -> str:
-    """The verdict against the original web in the same model: limits not judged, then what got worse, first."""
+    """The verdict against the original web in the same model: limits not judged first, then what is worse."""
     unjudged = unjudged_line(metrics.get("goal", {}))
     sentence = comparison_sentence("The optimised throw", run_changes_percent(metrics), "the original")
     return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
