@@ -12,7 +12,15 @@ from cranktopo.remodel.family import named_parts
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.scene.features.body import least_shoulder_mm
-from cranktopo.scene.features.fitted import CLEAR_MM, FittedFeature, Surroundings
+from cranktopo.scene.features.fitted import (
+    CLEAR_MM,
+    JOURNALS,
+    FittedFeature,
+    Rule,
+    Surroundings,
+    shoulder_rule,
+    wall_rule,
+)
 from cranktopo.scene.features.flank import Flank
 
 Array = NDArray[np.float64]
@@ -23,8 +31,8 @@ _BEND_MARGIN = 0.99
 _ENDLESS_MM = 1e4
 
 
-def outline_constraints(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> Array:
-    """Constraints on the outline alone: curvature times the least radius less 1, rise, reach over journals.
+def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:
+    """Rules of the outline alone, each an array: curvature times the least radius less 1, rise, reach.
 
     Analytic in the flank, so that a complex step differentiates them.
     """
@@ -33,9 +41,25 @@ def outline_constraints(flank: Flank, scene: Scene, limits: ManufacturingLimits)
     bend = flank.curvature_per_mm(np.linspace(0, 1, _CHECKS)).ravel() * limits.min_radius_mm
     (main, main_reach), (pin, pin_reach) = reaches = reaches_mm(scene, limits)
     low, high = flank.points_mm[0, 1], flank.points_mm[-1, 1]
-    found = [bend - _BEND_MARGIN, -bend - _BEND_MARGIN, _LEAST_RISE - _rises(flank, u)]
-    found += [reach - np.sqrt(points[:, 0] ** 2 + (points[:, 1] - y) ** 2) for y, reach in reaches]
-    return np.concatenate([*found, [main_reach - main + low, pin_reach + pin - high]])
+    radius = f"least radius of the outline, {limits.min_radius_mm:.3g} mm"
+    beside = _reach_names(scene, limits)
+    found: list[Rule] = [(radius, bend - _BEND_MARGIN), (radius, -bend - _BEND_MARGIN)]
+    found.append(("the outline does not fold back", _LEAST_RISE - _rises(flank, u)))
+    for name, (y, reach) in zip(beside, reaches, strict=True):
+        found.append((name, reach - np.sqrt(points[:, 0] ** 2 + (points[:, 1] - y) ** 2)))
+    ends = np.stack([main_reach - main + low]), np.stack([pin_reach + pin - high])
+    return [*found, *zip(beside, ends, strict=True)]
+
+
+def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
+    """What keeps the outline away from each journal: the wall of its bore or the shoulder of its fillet."""
+    least = least_shoulder_mm(scene.throw)
+    return [
+        wall_rule(f"between the outline and the bore of the {name}", limits.min_wall_mm)
+        if journal.bore_radius_mm + limits.min_wall_mm > journal.radius_mm + journal.fillet_mm + least
+        else shoulder_rule(name)
+        for name, (journal, _) in zip(JOURNALS, scene.throw.journals, strict=True)
+    ]
 
 
 def _rises(flank: Flank, u: Array) -> Any:
@@ -51,14 +75,14 @@ def _rises(flank: Flank, u: Array) -> Any:
     return np.concatenate([inner, np.stack(ends)])
 
 
-def part_constraints(
+def part_rules(
     parts: tuple[FittedFeature, ...],
     points: Array,
     values: Array,
     scene: Scene,
     limits: ManufacturingLimits,
-) -> Array:
-    """Constraints on the features: walls, shoulders, access, mm.
+) -> list[Rule]:
+    """Rules of the features: walls, shoulders, access, mm.
 
     Args:
         points: (n, 2) points of the outline's right half, mm.
@@ -67,11 +91,12 @@ def part_constraints(
     named = list(named_parts(parts, values))
     arcs = (part.arc(own, points[[0, -1], 1]) for part, own in named)
     around = Surroundings(scene, limits, points, tuple(arc for arc in arcs if arc is not None))
-    terms = [term for part, own in named for term in part.constraints(own, around)]
-    boxes = (part.box_mm(own, around) for part, own in named)
-    pairs = combinations((box for box in boxes if box is not None), 2)
-    terms += [around.wall_mm - _apart(*pair) for pair in pairs]
-    return np.array(terms, dtype=np.float64)
+    found = [rule for part, own in named for rule in part.rules(own, around)]
+    boxes = ((part.title, part.box_mm(own, around)) for part, own in named)
+    for (one, low), (other, high) in combinations(((n, box) for n, box in boxes if box is not None), 2):
+        between = wall_rule(f"between the {one} and the {other}", limits.min_wall_mm)
+        found.append((between, around.wall_mm - _apart(low, high)))
+    return found
 
 
 def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, float]]:

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.constraints import outline_constraints, part_constraints
+from cranktopo.remodel.constraints import outline_rules, part_rules
 from cranktopo.remodel.family import Layout, bounds, flank_of
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.model_fill import CHORDS, Fill
 from cranktopo.scene import Scene
-from cranktopo.scene.features.fitted import Axes
+from cranktopo.scene.features.fitted import Axes, Rule
 
 Array = NDArray[np.float64]
 _COMPLEX = 1e-30
@@ -53,7 +53,13 @@ class _Outline:
 
     def _raw(self, own: Any) -> tuple[Any, Any]:
         flank = flank_of(self._layout, own)
-        return flank.along(CHORDS), outline_constraints(flank, self._scene, self._limits)
+        rules = outline_rules(flank, self._scene, self._limits)
+        return flank.along(CHORDS), np.concatenate([values for _, values in rules])
+
+    def rule_names(self, own: Any) -> list[str]:
+        """Name of each constraint."""
+        rules = outline_rules(flank_of(self._layout, own), self._scene, self._limits)
+        return [name for name, values in rules for _ in values]
 
 
 class ParametricWeb:
@@ -94,6 +100,12 @@ class ParametricWeb:
         shape = self._outline.at(values)
         return np.concatenate([shape.constraints, self._part_constraints(shape.points, values)])
 
+    def rule_names(self, values: Array) -> tuple[str, ...]:
+        """Name of each constraint in plain English, several parts of one rule alike."""
+        points = self._outline.at(values).points
+        names = [name for name, _ in self._part_rules(points, values)]
+        return (*self._outline.rule_names(values[: self.layout.stations]), *names)
+
     def slopes(self, values: Array) -> Array:
         """Gradients of the constraints (constraints, parameters)."""
         shape, n = self._outline.at(values), self.layout.stations
@@ -110,4 +122,7 @@ class ParametricWeb:
         return values[self.layout.stations :]
 
     def _part_constraints(self, points: Array, values: Array) -> Array:
-        return part_constraints(self.layout.parts, points, self._parts(values), self._scene, self._limits)
+        return np.array([value for _, value in self._part_rules(points, values)], dtype=np.float64)
+
+    def _part_rules(self, points: Array, values: Array) -> list[Rule]:
+        return part_rules(self.layout.parts, points, self._parts(values), self._scene, self._limits)

@@ -11,11 +11,12 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.errors import CranktopoError
-from cranktopo.remodel.constraints import part_constraints
+from cranktopo.remodel.constraints import part_rules
 from cranktopo.remodel.family import Layout, web_of
 from cranktopo.remodel.fit import fit_problem, fit_web, scene_with_web
 from cranktopo.remodel.initial_guess import outline_guess
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.remodel.residual_regions import residual_regions
 from cranktopo.remodel.search import Fit, search
 from cranktopo.remodel.select import Candidate, fit_from, model_fill
@@ -141,14 +142,37 @@ def test_pockets_keep_a_wall_between_each_other(mikron: Scene) -> None:
     def wall_mm(x: float, y: float, depth: float) -> float:
         values = np.array([*values_of(PLAIN), *slot, x, y, 6.0, 6.0, depth])
         points = _profile(mikron).flank.along(48)
-        limits = part_constraints(layout.parts, points, values[7:], mikron, ManufacturingLimits())
-        return ManufacturingLimits().min_wall_mm - float(limits[-1])
+        name, excess = part_rules(layout.parts, points, values[7:], mikron, ManufacturingLimits())[-1]
+        assert name == "least wall between the side pocket and the box pocket of the journal face, 3 mm"
+        return ManufacturingLimits().min_wall_mm - float(excess)
 
     opening = (_profile(mikron).flank.along(48)[:, 0].max() - 31.0) * np.tan(np.deg2rad(3.0))
     assert wall_mm(24.0, 24.0, 12.0) == pytest.approx(31.0 - 27.0, abs=0.03)  # further in
     assert wall_mm(32.0, 24.0, 3.0) == pytest.approx(9.5 - 2.5 - opening - 3.0, abs=0.03)  # above
     assert wall_mm(32.0, 45.0, 12.0) == pytest.approx(21.0 - 3.0 - 12.0 - opening, abs=0.03)  # beyond its end
     assert wall_mm(32.0, 24.0, 12.0) < 0  # into it
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "broken"),
+    [
+        ("cylinder-through-pair.x", 4.0, "least wall between the cylinder pocket through the web"),
+        ("bevel-journal.crown", 9.0, "the arc of the journal bevel does not turn back"),
+        ("bevel-journal.depth", 26.0, "least wall under the edge of the crankpin, 3 mm"),
+        ("bevel-pin.y", 32.0, "shoulder beside the fillet of the crankpin"),
+        ("half_width_3", 22.0, "least wall between the cylinder pocket through the web and the outline"),
+        ("half_width_5", 11.0, "least radius of the outline, 6 mm"),
+        ("side.height", 14.0, "least wall beside the side pocket, 3 mm"),
+        ("y_high", 65.0, "shoulder beside the fillet of the crankpin"),
+    ],
+)
+def test_a_broken_rule_has_a_name(mikron: Scene, parameter: str, value: float, broken: str) -> None:
+    web = ParametricWeb(WHOLE, mikron, ManufacturingLimits(), (np.zeros(0),) * 3)
+    values = values_of(WHOLE)
+    values[WHOLE.names.index(parameter)] = value
+    names, excess = web.rule_names(values), web.constraints(values)
+    assert len(names) == len(excess)
+    assert any(name.startswith(broken) for name, over in zip(names, excess, strict=True) if over > 0)
 
 
 def test_constraints_refuse_a_groove_whose_floor_a_bevel_takes_off(mikron: Scene) -> None:
@@ -158,7 +182,8 @@ def test_constraints_refuse_a_groove_whose_floor_a_bevel_takes_off(mikron: Scene
     sound = []
     for floor, offset, height in product((15.0, 20.0, 24.0, 27.0, 31.0), np.linspace(-7, 7, 15), (3.0, 4.0)):
         values = np.array([*values_of(MORE)[:13], height, floor, offset, 3.0])
-        terms = part_constraints(layout.parts, points, values[7:], mikron, limits)
+        rules = part_rules(layout.parts, points, values[7:], mikron, limits)
+        terms = np.array([excess for _, excess in rules])
         web = web_of(layout, values, mikron)
         sound.append((terms[:-2].max() <= 0, terms[-2:].max() <= 0, _accepted(mikron, web)))
     assert (True, True, True) in sound

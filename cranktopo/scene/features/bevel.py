@@ -32,8 +32,11 @@ from cranktopo.scene.features.fitted import (
     FittedToSections,
     Limits,
     Named,
+    Rule,
     Surroundings,
     depth_mm,
+    shoulder_rule,
+    wall_rule,
 )
 from cranktopo.scene.features.primitives import (
     Arc,
@@ -228,6 +231,11 @@ class FittedBevel(FittedToSections):
 
     @property
     @override
+    def title(self) -> str:
+        return f"{self.face} bevel"
+
+    @property
+    @override
     def names(self) -> tuple[str, ...]:
         return ("y", "depth", "crown")
 
@@ -245,16 +253,20 @@ class FittedBevel(FittedToSections):
         arc, (_, y, z) = self.arc(named, ends), at
         return [np.asarray(arc.distance_mm(depth_mm(self.face, z, web_z_mm), arc.outward * y))]
 
-    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
+    def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Clear of the journal on its face, a wall under the other journal's edge, no turning back."""
         arc = self.arc(named, around.points_mm[[0, -1], 1])
-        (_, journal, axis), (_, other, far) = _journals(around.scene.throw, self.face)
+        (name, journal, axis), (under, other, far) = _journals(around.scene.throw, self.face)
+        least = around.limits.min_wall_mm
         reach = arc.outward * axis + journal.radius_mm + journal.fillet_mm
-        yield reach + least_shoulder_mm(around.scene.throw) + CLEAR_MM - arc.start_mm
-        yield around.limits.min_wall_mm + arc.start_mm - arc.end_mm
-        wall = around.scene.web.thickness_mm - around.limits.min_wall_mm
-        yield -arc.distance_mm(wall, arc.outward * far + other.radius_mm)
-        yield 4 * arc.crown_mm - 0.95 * _twice_tangent(arc.end_mm - arc.start_mm, arc.depth_mm)
+        shoulder = reach + least_shoulder_mm(around.scene.throw) + CLEAR_MM
+        yield shoulder_rule(name.replace("_", " ")), shoulder - arc.start_mm
+        yield f"least length of the {self.title}, {least:.3g} mm", least + arc.start_mm - arc.end_mm
+        wall = around.scene.web.thickness_mm - least
+        edge = f"under the edge of the {under.replace('_', ' ')}"
+        yield wall_rule(edge, least), -arc.distance_mm(wall, arc.outward * far + other.radius_mm)
+        most = 0.95 * _twice_tangent(arc.end_mm - arc.start_mm, arc.depth_mm)
+        yield f"the arc of the {self.title} does not turn back", 4 * arc.crown_mm - most
 
     @override
     def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:

@@ -45,6 +45,11 @@ class BevelArc:
         return np.asarray(np.clip(depth - root, 0.0, self.depth_mm))
 
     @property
+    def title(self) -> str:
+        """What its bevel is called in a sentence."""
+        return "journal bevel" if self.outward > 0 else "pin bevel"
+
+    @property
     def chord_mm(self) -> float:
         """Length of the chord."""
         return math.hypot(self.end_mm - self.start_mm, self.depth_mm)

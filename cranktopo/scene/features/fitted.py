@@ -18,11 +18,15 @@ if TYPE_CHECKING:
 
 Named = dict[str, Any]
 """Values of a feature's parameters by name, mm or degrees."""
+Rule = tuple[str, Any]
+"""A manufacturing rule: its name in plain English with its value, and what is kept where it is <= 0."""
 Axes = tuple[Array, Array, Array]
 """x, y and z of the cell centres, mm; x > 0 only."""
 RESOLUTION_MM = 0.01
 """Parameters are rounded to this in the scene; the constraints keep as much clear."""
 CLEAR_MM = 2 * RESOLUTION_MM
+JOURNALS = ("main journal", "crankpin")
+"""What the journals are called in a sentence, in the order of the throw."""
 LEAST_MM = 3.0
 """Least size of a pocket."""
 _STEP = 1e-6
@@ -131,6 +135,11 @@ class FittedFeature(ABC):
 
     @property
     @abstractmethod
+    def title(self) -> str:
+        """What it is called in a sentence, such as `journal bevel`."""
+
+    @property
+    @abstractmethod
     def names(self) -> tuple[str, ...]:
         """Names of its parameters: mm, draft in degrees."""
 
@@ -150,8 +159,8 @@ class FittedFeature(ABC):
         """
 
     @abstractmethod
-    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
-        """Walls, shoulders and access of a tool, mm; each kept where it is <= 0."""
+    def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
+        """Walls, shoulders and access of a tool, mm."""
 
     @abstractmethod
     def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
@@ -202,6 +211,16 @@ class FittedToSections(FittedFeature):
     @abstractmethod
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values; None where the body shows no such feature."""
+
+
+def wall_rule(between: str, least_mm: float) -> str:
+    """Name of the rule that keeps a wall."""
+    return f"least wall {between}, {least_mm:.3g} mm"
+
+
+def shoulder_rule(journal: str) -> str:
+    """Name of the rule that keeps a flat shoulder beyond a journal's fillet."""
+    return f"shoulder beside the fillet of the {journal}"
 
 
 def depth_mm(face: str, z_mm: Any, web_z_mm: tuple[float, float]) -> Any:

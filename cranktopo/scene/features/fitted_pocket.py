@@ -12,20 +12,26 @@ from typing_extensions import override
 
 from cranktopo.scene.features.body import Array, least_shoulder_mm
 from cranktopo.scene.features.fitted import (
+    JOURNALS,
     LEAST_MM,
     Axes,
     FittedFeature,
     Limits,
     Named,
     Region,
+    Rule,
     Surroundings,
     depth_mm,
+    shoulder_rule,
+    wall_rule,
 )
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
 
 _LEAST_DEPTH_MM = 1.0
+_FACES = ("journal", "pin")
+"""Faces that the journals stand on, in the order of the throw."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,12 @@ class FittedPocket(FittedFeature):
 
     @property
     @override
+    def title(self) -> str:
+        where = "through the web" if self.face == "through" else f"of the {self.face} face"
+        return f"{self.shape} pocket {where}"
+
+    @property
+    @override
     def names(self) -> tuple[str, ...]:
         depth = () if self.face == "through" else ("depth",)
         return (*(("x", "y") if self.pair else ("y",)), *self.sizes, *depth)
@@ -77,17 +89,23 @@ class FittedPocket(FittedFeature):
             return walls
         return [*walls, depth_mm(self.face, z, web_z_mm) - named["depth"]]
 
-    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
+    def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Walls toward bores and the outline, between twins, and journals out of the tool's way."""
-        wall = around.wall_mm
-        yield wall - self.gap_mm(named, around.points_mm[:, 0], around.points_mm[:, 1]).min()
+        wall, least, throw = around.wall_mm, around.limits.min_wall_mm, around.scene.throw
+        outline = self.gap_mm(named, around.points_mm[:, 0], around.points_mm[:, 1]).min()
+        yield wall_rule(f"between the {self.title} and the outline", least), wall - outline
         if self.pair:
-            yield wall / 2 + named[self.sizes[0]] / 2 - named["x"]
-        for face, (journal, axis) in zip(("journal", "pin"), around.scene.throw.journals, strict=True):
+            between = wall_rule(f"between the {self.title} and its twin", least)
+            yield between, wall / 2 + named[self.sizes[0]] / 2 - named["x"]
+        for face, name, (journal, axis) in zip(_FACES, JOURNALS, throw.journals, strict=True):
             gap = self.gap_mm(named, 0.0, axis)
-            yield journal.bore_radius_mm + wall - gap
+            beside = wall_rule(f"between the {self.title} and the bore of the {name}", least)
+            yield beside, journal.bore_radius_mm + wall - gap
             if self.face in (face, "through"):
-                yield journal.radius_mm + journal.fillet_mm + least_shoulder_mm(around.scene.throw) - gap
+                yield (
+                    shoulder_rule(name),
+                    journal.radius_mm + journal.fillet_mm + least_shoulder_mm(throw) - gap,
+                )
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:

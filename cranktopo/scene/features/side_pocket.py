@@ -17,13 +17,16 @@ from cranktopo.scene.features.bevel import height_range_mm
 from cranktopo.scene.features.body import Array, Body, Feature
 from cranktopo.scene.features.fitted import (
     CLEAR_MM,
+    JOURNALS,
     LEAST_MM,
     Axes,
     Cells,
     FittedToSections,
     Limits,
     Named,
+    Rule,
     Surroundings,
+    wall_rule,
 )
 from cranktopo.scene.features.hole import check_cut, check_depth
 from cranktopo.scene.features.primitives import (
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
 _LARGEST_DRAFT_DEG = 45.0
 _FIRST_DRAFT_DEG = 10.0
 _LEAST_LENGTH_MM = 6.0
+_LEAST_DEPTH_MM = 1.0
 _ROUNDING_MM = 1e-6
 _ENDLESS_MM = 1e4
 
@@ -187,6 +191,11 @@ class FittedSlot(FittedToSections):
 
     @property
     @override
+    def title(self) -> str:
+        return "groove" if self.through else "side pocket"
+
+    @property
+    @override
     def names(self) -> tuple[str, ...]:
         return (*(() if self.through else ("y", "length")), "height", "floor", "offset", "draft")
 
@@ -214,24 +223,28 @@ class FittedSlot(FittedToSections):
             walls.append(np.abs(y - named["y"]) - named["length"] / 2 - opening)
         return [-deep, *(wall * np.cos(angle) for wall in walls)]
 
-    def constraints(self, named: Named, around: Surroundings) -> Iterator[Any]:
+    def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Flanges on both sides, walls toward bores and, unless it runs through them, bevels."""
         scene, slope = around.scene, np.tan(np.deg2rad(named["draft"]))
         deep, offset, wall = around.widest_mm - named["floor"], named["offset"], around.wall_mm
         tall = named["height"] / 2 + slope * deep
-        yield 1.0 - deep
-        yield tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
-        for journal, y in scene.throw.journals:
+        least, own = around.limits.min_wall_mm, f"between the {self.title} and"
+        yield f"least depth of the {self.title}, {_LEAST_DEPTH_MM:.3g} mm", _LEAST_DEPTH_MM - deep
+        flange = tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
+        yield wall_rule(f"beside the {self.title}", least), flange
+        for name, (journal, y) in zip(JOURNALS, scene.throw.journals, strict=True):
             if journal.bore_radius_mm:
                 beyond = 0.0 if self.through else max(abs(y - named["y"]) - named["length"] / 2, 0.0)
-                yield journal.bore_radius_mm + wall - np.hypot(named["floor"], beyond)
+                gap = np.hypot(named["floor"], beyond)
+                yield wall_rule(f"{own} the bore of the {name}", least), journal.bore_radius_mm + wall - gap
         for arc in () if self.through else around.arcs:
             reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
             depth = scene.web.thickness_mm / 2 + offset * arc.outward
-            yield wall - arc.distance_mm(depth - tall, reach)
+            yield wall_rule(f"{own} the {arc.title}", least), wall - arc.distance_mm(depth - tall, reach)
         for arc in around.arcs if self.through else ():
             bottom = scene.web.thickness_mm / 2 + offset * arc.outward + named["height"] / 2
-            yield _sunk_mm(arc, bottom, named["floor"], around.points_mm)
+            sunk = _sunk_mm(arc, bottom, named["floor"], around.points_mm)
+            yield f"the {arc.title} leaves a part of the groove's floor", sunk
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:
