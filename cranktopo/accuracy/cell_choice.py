@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from statistics import median
+from typing import Any
 
 import numpy as np
 
+from cranktopo.accuracy.error_target import expected_seconds
+from cranktopo.accuracy.evaluation_study import EvaluationMesh
 from cranktopo.accuracy.level import OPTIMISER
 from cranktopo.accuracy.optimiser_study import cell_sizes
 from cranktopo.accuracy.stored_studies import StoredStudy
@@ -17,7 +21,7 @@ from cranktopo.domain.resolution import (
     estimated_cells,
     optimiser_memory_MiB,
 )
-from cranktopo.effects import CostRates, plan, simulated_scene
+from cranktopo.effects import CostRates, Effort, effort, plan, simulated_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.loads import load_cases
 from cranktopo.optimise.error_bound import model_error_percent
@@ -106,24 +110,41 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     if not usable:
         nearest = sizes[0] if sizes else scene.optimise.resolution_mm
         check_resolution(simulated, nearest, quarter, cases, available)
-    found = []
+    found, todo = [], effort(simulated)
     for cell in usable:
-        work = estimated_cells(simulated, cell, quarter) * cases
+        work = estimated_cells(simulated, cell, quarter) * cases * todo.designs
         error = max(model_error_percent(simulated, cell).values())
-        found.append(CellChoice(cell, error, *_seconds(work, measured)))
+        seconds, source = _seconds(work, todo, measured)
+        found.append(CellChoice(cell, error, seconds + _evaluating_s(todo, measured), source))
     return found
 
 
-def _seconds(work: float, measured: StoredStudy | None) -> tuple[float, str]:
-    """Expected wall time of an optimisation of so many cells times load cases, and what it is taken from."""
+def _evaluating_s(todo: Effort, measured: StoredStudy | None) -> float:
+    """Expected wall time of the body-fitted evaluations, which have elements of the default size."""
+    each = expected_seconds(EvaluationMesh(0, graded=True), measured)
+    return todo.evaluation_seconds if each is None else todo.evaluations * each
+
+
+def _seconds(work: float, todo: Effort, measured: StoredStudy | None) -> tuple[float, str]:
+    """Expected wall time of the optimiser and what it is taken from.
+
+    Args:
+        work: cells times load cases times designs of an iteration.
+    """
     levels = [r for r in measured.levels(OPTIMISER) if r["family"] == "cells"] if measured else []
     if measured is None or not levels:
-        rates = CostRates()
-        seconds = _START_S + rates.iterations * rates.seconds_per_cell_solve * work
+        iterations = todo.iterations + todo.more_iterations
+        seconds = _START_S + iterations * CostRates().seconds_per_cell_solve * work
         return seconds, "not measured here: run cranktopo accuracy"
-    done = sorted((r["settings"]["cells"] * r["settings"]["load_cases"], r["seconds"]) for r in levels)
-    sizes, times = np.array(done).T
+    sizes, times = np.array(sorted(_timed(level, todo) for level in levels)).T
     inside = float(np.exp(np.interp(np.log(work), np.log(sizes), np.log(times))))
     beyond = max(1.0, work / float(sizes[-1]))
     compiling = median(level["compile_seconds"] for level in levels)
     return measured.slowdown * (inside * beyond + compiling), f"measured on {measured.design}"
+
+
+def _timed(level: Mapping[str, Any], todo: Effort) -> tuple[float, float]:
+    """Cells times load cases times designs of a measured level; its seconds with the iterations to come."""
+    settings = level["settings"]
+    work = settings["cells"] * settings["load_cases"] * settings.get("designs", 1)  # older studies have one
+    return work, level["seconds"] * (1 + todo.more_iterations / settings["iterations"])

@@ -73,7 +73,7 @@ def first_level(wanted: ErrorTarget, measured: StoredStudy | None) -> int:
         enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= wanted.percent]
         first_levels.append(enough[0] if enough else len(LEVELS) - 1)
     if wanted.budget_s is not None:
-        seconds = [_expected_seconds(level, measured) for level in LEVELS]
+        seconds = [expected_seconds(level, measured) for level in LEVELS]
         fit = [n for n, s in enumerate(seconds) if s is not None and s <= wanted.budget_s]
         first_levels.append(fit[-1] if fit else 0)
     return min(first_levels, default=0)
@@ -90,8 +90,8 @@ def _expected_percent(number: int, measured: StoredStudy | None) -> float:
     return sum(known) if len(known) == len(errors) else EXPECTED_PERCENT[number]
 
 
-def _expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None) -> float | None:
-    """Time of an evaluation, both meshes; None where one was never measured."""
+def expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None) -> float | None:
+    """Wall time of an evaluation, both meshes; None where one was never measured."""
     levels = [_stored_level(mesh, measured) for mesh in (fine, _coarser(fine))]
     if measured is None or None in levels:
         return None

@@ -15,6 +15,7 @@ from pathlib import Path
 from cranktopo.accuracy.level import BENDING, NAME_OF_CASE, OPTIMISER, TORSION, Level, PlannedLevel
 from cranktopo.accuracy.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.domain.resolution import WALL_CELLS, thinnest_wall_mm
+from cranktopo.effects import effort
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate
 from cranktopo.evaluate.targets import Target
@@ -162,6 +163,7 @@ def _solve(scene: Scene, model: OptimiserModel) -> Level:
             "iterations": found.iterations,
             "cells": found.cells,
             "load_cases": found.load_cases,
+            "designs": effort(scene).designs,
         },
         size_mm=model.cell_mm,
         unknowns=found.unknowns,

@@ -25,7 +25,7 @@ def command(
 
     Example: cranktopo plan opposed-piston
     """
-    from cranktopo.effects import plan
+    from cranktopo.effects import effort, plan
     from cranktopo.report.tables.plan_text import plan_text
     from cranktopo.scene import load_scene
     from cranktopo.scene.assumed import (
@@ -44,6 +44,7 @@ def command(
     scene = with_goal_options(load_scene(design), minimise, maximise, limits)
     goal = wanted(scene)
     effects = plan(scene, goal=goal)
+    todo = effort(scene)
     assumed = assumptions(scene, (THROW, LOADS, SUPPORTS, ENVELOPE, GOAL))
     if as_json:
         payload = {
@@ -51,6 +52,7 @@ def command(
             "design": scene.name,
             **({} if goal is None else {"goal": goal.as_json()}),
             "effects": effects.as_json(),
+            "evaluations": {"number": todo.evaluations, "seconds": todo.evaluation_seconds},
             "assumed": assumed_json(assumed),
         }
         click.echo(json.dumps(payload, indent=2))
@@ -58,6 +60,11 @@ def command(
         click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %")
         if goal is not None:
             click.echo(goal_text(goal, "density"))
+        if todo.evaluations:
+            click.echo(
+                f"limits by the evaluation: about {todo.evaluations} evaluations of original and surfaces, "
+                f"+{todo.evaluation_seconds:.0f} s"
+            )
         click.echo(f"\n{plan_text(effects)}")
         if assumed:
             click.echo(assumed_text(assumed), err=True)

@@ -10,6 +10,7 @@ from cranktopo.domain.build import GridContent
 from cranktopo.domain.resolution import estimated_cells
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.goal.wanted import judged_by_evaluation
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,50 @@ class CostRates:
         seconds_per_cell_solve: one load case of one design iteration, per cell; 2.9e-6 to 4.8e-6 on two
             cores ("Cost of effects", docs/pages/archive.md), without compilation.
         seconds_per_element: one direct solve per quadratic tetrahedron; an order of magnitude.
+        moves: how often limits are moved until they hold by the evaluation; one to three on the built-in
+            engines.
+        iterations_per_move: designs until an optimisation has converged again.
+        seconds_per_evaluation: a body-fitted evaluation of the default size with its coarser mesh, on two
+            cores (docs/pages/accuracy.md).
     """
 
     iterations: int = 35
     seconds_per_cell_solve: float = 4e-6
     seconds_per_element: float = 5e-4
+    moves: int = 2
+    iterations_per_move: int = 10
+    seconds_per_evaluation: float = 10.0
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a density optimisation does whatever its cells and load cases.
+
+    Attributes:
+        designs: solved in each iteration: the eroded one, too, where members or gaps have a least size.
+        iterations: designs until it has converged in the cells.
+        more_iterations: those after its limits were moved.
+        evaluations: body-fitted evaluations, of the original, the first surface and one after each move.
+        evaluation_seconds: what they take in all, at rates that were not measured on this machine.
+    """
+
+    designs: int
+    iterations: int
+    more_iterations: int
+    evaluations: int
+    evaluation_seconds: float
+
+
+def effort(scene: Scene, rates: CostRates | None = None) -> Effort:
+    """What the density optimisation of a scene is expected to do."""
+    rates, settings = rates or CostRates(), scene.optimise
+    lengths = (settings.min_member_mm, settings.min_gap_mm)
+    moves = rates.moves if judged_by_evaluation(scene) else 0
+    iterations = min(settings.max_iterations, rates.iterations)
+    more = min(settings.max_iterations - iterations, moves * rates.iterations_per_move)
+    evaluations = moves + 2 if moves else 0
+    designs = 1 if lengths == (None, None) else 2
+    return Effort(designs, iterations, more, evaluations, evaluations * rates.seconds_per_evaluation)
 
 
 class Costing:
@@ -63,6 +103,7 @@ class Costing:
         self._scene = scene
         self._rates = rates
         self._mirrored = mirrored
+        self._effort = effort(scene, rates)
 
     @property
     def half_throw_cells(self) -> int:
@@ -71,9 +112,9 @@ class Costing:
         return round(estimated_cells(self._scene, edge, quarter=False, target=_target(self._scene)))
 
     def load_case(self) -> Cost:
-        """One more solve in every iteration."""
+        """One more solve of each design in every iteration."""
         cells = self.half_throw_cells // (2 if self._mirrored else 1)
-        return Cost(1.0, 0, self._optimiser_seconds(cells))
+        return Cost(float(self._effort.designs), 0, self._optimiser_seconds(cells))
 
     def mirror(self) -> Cost:
         """Half of the cells less, for one load case."""
@@ -87,8 +128,8 @@ class Costing:
         return Cost(2.0, cells, 1.2 * cells * self._rates.seconds_per_element)
 
     def _optimiser_seconds(self, cells: int) -> float:
-        iterations = min(self._scene.optimise.max_iterations, self._rates.iterations)
-        return cells * self._rates.seconds_per_cell_solve * iterations
+        solves = self._effort.designs * (self._effort.iterations + self._effort.more_iterations)
+        return cells * self._rates.seconds_per_cell_solve * solves
 
 
 def _target(scene: Scene) -> GridContent:

@@ -72,11 +72,6 @@ def needed_filter_radius_mm(scene: Scene) -> float:
     return max(length or 0.0 for length in lengths) / least_width(LARGEST_THRESHOLD)
 
 
-def asks_for_lengths(scene: Scene) -> bool:
-    """Whether the scene asks for a least member or gap."""
-    return scene.optimise.min_member_mm is not None or scene.optimise.min_gap_mm is not None
-
-
 def check_lengths(scene: Scene) -> None:
     """Check least member and gap against the cells, the web and the filter.
 

@@ -19,7 +19,7 @@ from cranktopo.pipeline.evaluated_limits import EvaluatedGoal, iteration_name
 from cranktopo.report.tables.goal_table import broken_limits, percent_line
 from cranktopo.scene import Scene
 from cranktopo.scene.goal.outcome import goal_json, with_evaluation, without_evaluation
-from cranktopo.scene.goal.wanted import wanted
+from cranktopo.scene.goal.wanted import judged_by_evaluation, wanted
 from cranktopo.store import Work
 
 ROUNDS = 3
@@ -33,7 +33,7 @@ def evaluated_goal(
 ) -> EvaluatedGoal | None:
     """The goal of a scene whose limits are to hold by the evaluation; None where none are."""
     goal = wanted(scene)
-    if goal is None or not scene.optimise.limits_by_evaluation or not problem.statement.limits:
+    if goal is None or not judged_by_evaluation(scene):
         return None
     return EvaluatedGoal(goal, scene, prepared, problem, work)
 

@@ -7,7 +7,7 @@ import pytest
 from cranktopo.accuracy.cell_choice import choose_cells
 from cranktopo.accuracy.optimiser_study import optimiser_models
 from cranktopo.errors import CranktopoError
-from cranktopo.scene import Scene
+from cranktopo.scene import Scene, scene_from_dict
 
 
 def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
@@ -26,6 +26,21 @@ def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
         choose_cells(mikron, None, 0.1)
     with pytest.raises(CranktopoError, match="evaluate RUN"):
         choose_cells(mikron, 1e-4, None)
+
+
+def test_evaluations_and_the_eroded_design_take_time(mikron: Scene) -> None:
+    """40 s of four evaluations and 20 more iterations than 35; the 20 s of compiling stay what they are."""
+
+    def seconds(goal: dict[str, str] | None = None, **settings: object) -> float:
+        data = mikron.model_dump(mode="json", exclude_none=True) | ({"goal": goal} if goal else {})
+        scene = scene_from_dict(data, mikron.name).with_optimise(**settings)
+        return choose_cells(scene, 10.0, None).seconds - 20.0
+
+    plain, least = seconds(), {"minimise": "mass"}
+    assert seconds(min_gap_mm=8.0) == pytest.approx(2 * plain)
+    assert seconds(least, limits_by_evaluation=False) == pytest.approx(plain)
+    assert seconds(least) == pytest.approx(plain * 55 / 35 + 40)
+    assert seconds(least, max_iterations=40) == pytest.approx(plain * 40 / 35 + 40)
 
 
 def throw_with(scene: Scene, bore_mm: float) -> Scene:

@@ -34,7 +34,7 @@ from cranktopo.report.figures.accuracy_plot import error_picture
 from cranktopo.report.pages.accuracy_page import accuracy_page
 from cranktopo.report.pages.accuracy_section import accuracy_section
 from cranktopo.report.tables.accuracy_tables import level_tables, limit_lines, recommendation_table
-from cranktopo.scene import Scene
+from cranktopo.scene import Scene, scene_from_dict
 
 MACHINE = Machine("a processor", 2, 0.1)
 
@@ -351,6 +351,12 @@ def test_measured_times_replace_the_rough_ones(mikron: Scene, front: ParetoFront
     # 18 s for 16 000 cells times cases, in proportion beyond, twice as slow now, 0.5 s of compilation.
     work = 2 * estimated_cells(mikron, found.cell_mm, quarter=True)
     assert found.seconds == pytest.approx(2 * (18 * work / 16000 + 0.5), rel=1e-6)
+    # Twice the solves, 20 iterations more than 30, and four evaluations of 16 s and 8 s.
+    asked = {"goal": {"minimise": "mass"}, "optimise": {"min_member_mm": 8.0}}
+    scene = scene_from_dict(mikron.model_dump(mode="json", exclude_none=True) | asked, mikron.name)
+    full = choose_cells(scene, 5.0, None, known)
+    expected = 2 * (18 * (5 / 3) * 2 * work / 16000 + 0.5 + 4 * 24)
+    assert full.seconds == pytest.approx(expected, rel=1e-6)
 
 
 def test_memory_and_speed_are_measured() -> None:

@@ -216,6 +216,8 @@ def test_costs_scale_with_rates_cells_and_iterations():
         assert twice[name].cost.seconds == pytest.approx(2 * base[name].cost.seconds)
     fine = plan(with_part(MIKRON, "optimise", resolution_mm=0.75))
     assert fine["tangential"].cost.seconds == pytest.approx(8 * base["tangential"].cost.seconds, rel=0.05)
+    lengths = plan(with_part(MIKRON, "optimise", min_member_mm=8.0))["tangential"].cost
+    assert (lengths.solves, lengths.seconds) == (2.0, 2 * base["tangential"].cost.seconds)
     # 96 x 116 x 57 mm in cells of 1.5 mm, one half of them saved by the mirror
     assert base["lateral_symmetry"].cost.cells == -(round(96 * 116 * 57 / 1.5**3) // 2)
 

@@ -31,6 +31,14 @@ def wanted(scene: Scene) -> Goal | None:
     return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*given, *more))
 
 
+def judged_by_evaluation(scene: Scene) -> bool:
+    """Whether a density optimisation has limits that are to hold by the evaluation of its surface."""
+    goal = wanted(scene)
+    if goal is None or not scene.optimise.limits_by_evaluation:
+        return False
+    return any("density" in QUANTITIES[limit.quantity].optimisers for limit in goal.limits)
+
+
 def _given(table: LimitsTable) -> tuple[Limit, ...]:
     texts = ((quantity, getattr(table, name)) for name, quantity in QUANTITIES.items())
     return tuple(limit for what, text in texts if text is not None for limit in read_limits(what, text))
