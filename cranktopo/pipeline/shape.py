@@ -78,7 +78,7 @@ def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> S
     """Settings that suit a throw of any size."""
     usual, scale = ShapeSettings(), usual_scale(scene)
     kept = limits or usual_limits(scene)
-    return ShapeSettings(usual.coarse_mm / scale, usual.fine_mm / scale, limits=kept)
+    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept)
 
 
 def shape_design(

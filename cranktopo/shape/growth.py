@@ -14,6 +14,7 @@ from cranktopo.remodel.initial_guess import with_stations
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.shape.pocket_places import pocket_starts
+from cranktopo.shape.prices import Prices
 from cranktopo.shape.search import EVALUATIONS, Found, prices_of, search
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.start import bevel_start, groove_start
@@ -91,7 +92,7 @@ class Growth:
         for part, guess in self._ends(best):
             best = self._with(best, part, guess)
         for _ in range(_MOST_POCKETS):
-            before, paid = best, prices_of(self.model, best, self.goal)
+            before, paid = best, self._prices(best)
             for part, guess in list(pocket_starts(self.model, best, self.goal, paid))[:_TRIED_POCKETS]:
                 best = self._with(best, part, guess)
                 if best is not before:
@@ -103,6 +104,10 @@ class Growth:
             values = with_stations(best.layout, best.values, stations)
             best = self._tried(best, layout, values, f"{stations} stations")
         return best
+
+    def _prices(self, best: Found) -> Prices:
+        web = self.model.web(best.layout)
+        return prices_of(self.model.scene, web, best.values, best.responses, self.goal)
 
     def _ends(self, best: Found) -> Iterator[tuple[FittedFeature, Array]]:
         there = {part.label for part in best.layout.parts}

@@ -64,13 +64,30 @@ class MeshedWebs:
         old = self._moved(web.layout, values, quantities)
         if old is not None and old.quality >= _LEAST_QUALITY:
             return self._shared(old)
-        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
+        try:
+            model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
+            new = model.responses(values, quantities)
+        except CranktopoError:
+            if old is None:
+                raise
+            return self._shared(old)
         self._made, self.meshes = (web.layout, model), self.meshes + 1
-        new = model.responses(values, quantities)
         if old is not None:
             for name, value in old.values.items():
                 self._shares[name] = self._shares.get(name, 1.0) * value / new.values[name]
         return self._shared(new)
+
+    def anchored(self, web: ParametricWeb, values: Array, truth: Mapping[str, float]) -> MeshResponses:
+        """Quantities of a web that is known better: from here on they are told as shares of the truth.
+
+        Args:
+            truth: its quantities by a finer evaluation.
+        """
+        found = self.responses(web, values)
+        for name in found.values.keys() & truth.keys():
+            if found.values[name]:
+                self._shares[name] = self._shares.get(name, 1.0) * truth[name] / found.values[name]
+        return self.responses(web, values)
 
     def _moved(
         self, layout: Layout, values: Array, quantities: Collection[str] | None

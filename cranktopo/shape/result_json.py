@@ -24,7 +24,7 @@ def shape_json(
         seconds: wall time by part.
     """
     goal, result = optimum.goal, optimum.result
-    found = dimensions(optimum.model, result.found)
+    found = dimensions(optimum.web, result.values, optimum.responses, optimum.original.values)
     return {
         "schema_version": SCHEMA_VERSION,
         "design": design,
@@ -39,7 +39,7 @@ def shape_json(
         "worst_case_percent": {"tolerance": TOLERANCE, **worst_case_percent(found)},
         "prices": [
             {"quantity": r.quantity, "goal_percent_per_percent": float(price)}
-            for r, price in zip(result.goal.limits, optimum.prices.limits, strict=True)
+            for r, price in zip(optimum.stated.limits, optimum.prices.limits, strict=True)
         ],
         "trials": [asdict(trial) for trial in optimum.trials],
         "rounds": [
@@ -81,11 +81,13 @@ def _parameter(found: Dimension, start: dict[str, float]) -> dict[str, Any]:
 def _reason(optimum: ShapeOptimum) -> str:
     result = optimum.result
     if result.held:
-        return f"every limit holds by the evaluation after {optimum.best + 1} of {len(optimum.rounds)} rounds"
+        return (
+            f"every limit holds by the evaluation, web {optimum.best + 1} of {len(optimum.rounds)} evaluated"
+        )
     values, original = result.web.values, optimum.original.values
     told = limit_outcomes(optimum.goal, values, original, HELD)
     worst = max(told, key=lambda outcome: outcome.missed or 0.0)
     label, percent = QUANTITIES[worst.limit.quantity].label, 100 * (worst.missed or 0.0)
     return (
-        f"{label} misses its limit by {percent:.2f} % by the evaluation, after {len(optimum.rounds)} rounds"
+        f"{label} misses its limit by {percent:.2f} % by the evaluation, best of {len(optimum.rounds)} webs"
     )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,11 +32,51 @@ _KEPT_MM = 5e-3
 _HELD = 1e-3
 """Relative excess of a limit with which a web still counts as keeping it."""
 _FEASIBLE, _STEP_MM, _FLAT = 1e-6, 1e-3, 1e-8
+_ATTEMPTS = 4
+
+
+class Quantities(Protocol):
+    """Quantities of a web by name, and their gradients by its parameters, per mm or degree."""
+
+    @property
+    def values(self) -> dict[str, float]:
+        """In the units of the goal's limits."""
+
+    @property
+    def slopes(self) -> dict[str, Array]:
+        """Of those that were asked for, each (parameters,)."""
+
+
+class Webs(Protocol):
+    """Webs of a throw in one model, solved one after another."""
+
+    @property
+    def scene(self) -> Scene:
+        """The throw."""
+
+    def web(self, layout: Layout) -> ParametricWeb:
+        """A web of the layout."""
+
+    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
+        """Quantities of a web with these values."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long a search may be, and how far it may go.
+
+    Attributes:
+        evaluations: most webs solved.
+        reach: how far a parameter may move, mm or degrees.
+    """
+
+    evaluations: int = EVALUATIONS
+    reach: float = _REACH
 
 
 @dataclass(frozen=True)
 class Found:
-    """The best web of a search.
+    """The best web of a search on cells.
 
     Attributes:
         values: parameters of the layout, mm or degrees.
@@ -51,23 +93,28 @@ class Found:
 class _Search:
     """Objective and constraints of one search, each web solved once; the best web that keeps all."""
 
-    def __init__(self, model: WebModel, layout: Layout, goal: SearchGoal) -> None:
+    def __init__(self, webs: Webs, layout: Layout, goal: SearchGoal) -> None:
         self.goal = goal
-        self.web: ParametricWeb = model.web(layout)
+        self.web: ParametricWeb = webs.web(layout)
         self.evaluations = 0
         self.best: tuple[float, Array] | None = None
-        self._model = model
-        self._room = EnvelopeRoom(model.scene)
-        self._last: tuple[bytes, Responses] | None = None
+        self._webs = webs
+        self._room = EnvelopeRoom(webs.scene)
+        self._last: tuple[bytes, Quantities] | None = None
 
-    def responses(self, values: Array) -> Responses:
+    def responses(self, values: Array) -> Quantities:
         if self._last is None or self._last[0] != values.tobytes():
-            guess = None if self._last is None else self._last[1].displacements
-            found = self._model.responses(self.web, values, self.goal.quantities, guess)
+            found = self._webs.responses(self.web, values, self.goal.quantities)
             self._last = values.tobytes(), found
             self.evaluations += 1
             self._keep(values, found)
         return self._last[1]
+
+    @property
+    def sound(self) -> Array:
+        """The best web that keeps all, else the last one that was solved."""
+        assert self._last is not None
+        return np.frombuffer(self._last[0]) if self.best is None else self.best[1]
 
     def objective(self, values: Array, gradient: Array) -> float:
         found = self.responses(values)
@@ -76,12 +123,7 @@ class _Search:
         return float(self.goal.objective(found.values))
 
     def rules(self, values: Array) -> tuple[Array, Array]:
-        """Manufacturing constraints and envelope, mm, and their gradients."""
-        room, room_slopes = self._room.constraints(self.web, values)
-        return (
-            np.concatenate([self.web.constraints(values), room]),
-            np.vstack([self.web.slopes(values), room_slopes]),
-        )
+        return rules_of(self.web, self._room, values)
 
     def constrain(self, result: Array, values: Array, gradient: Array) -> None:
         found, (rules, slopes) = self.responses(values), self.rules(values)
@@ -90,7 +132,7 @@ class _Search:
             limits = self.goal.excess_slopes(found.slopes, len(values))
             gradient[:] = np.vstack([limits, _RULES * slopes])
 
-    def _keep(self, values: Array, found: Responses) -> None:
+    def _keep(self, values: Array, found: Quantities) -> None:
         objective = self.goal.objective(found.values)
         if self.best is not None and objective >= self.best[0]:
             return
@@ -99,18 +141,19 @@ class _Search:
             self.best = objective, values.copy()
 
 
-def search(
-    model: WebModel,
+def best_values(
+    webs: Callable[[], Webs],
     layout: Layout,
     start: Array,
     goal: SearchGoal,
     name: str,
     work: Work,
-    evaluations: int = EVALUATIONS,
-) -> tuple[Found | None, int]:
-    """The best web of a layout near a start, and how many webs were solved.
+    effort: Effort,
+) -> tuple[Array | None, int]:
+    """Parameters of the best web of a layout near a start, and how many webs were solved.
 
     Args:
+        webs: makes the model that solves them.
         start: (n,) parameters, mm or degrees; it may break rules and limits.
         name: under which the work keeps the result.
 
@@ -122,31 +165,54 @@ def search(
     """
 
     def make() -> Json:
+        model = webs()
         task = _Search(model, layout, goal)
-        _minimise(task, start, evaluations, work)
+        _minimise(task, start, effort, work)
         sound = task.best is not None and _sound(model.scene, layout, task.best[1], work)
         values = [float(value) for value in task.best[1]] if task.best and sound else None
         return {"values": values, "evaluations": task.evaluations}
 
     kept = work.once(name, make)
-    if kept["values"] is None:
-        return None, kept["evaluations"]
+    return None if kept["values"] is None else np.array(kept["values"]), kept["evaluations"]
+
+
+def search(
+    model: WebModel,
+    layout: Layout,
+    start: Array,
+    goal: SearchGoal,
+    name: str,
+    work: Work,
+    evaluations: int = EVALUATIONS,
+) -> tuple[Found | None, int]:
+    """As `best_values` on cells, with the responses of the best web."""
+    values, solved = best_values(model.webs, layout, start, goal, name, work, Effort(evaluations))
+    if values is None:
+        return None, solved
     # Solved anew from nothing, so that a continued optimisation sees the very same numbers.
-    values = np.array(kept["values"])
     found = model.responses(model.web(layout), values, goal.quantities)
-    return Found(layout, values, goal.objective(found.values), found), kept["evaluations"]
+    return Found(layout, values, goal.objective(found.values), found), solved
 
 
-def prices_of(model: WebModel, found: Found, goal: SearchGoal) -> Prices:
-    """What each limit, rule and bound costs at an optimum."""
-    task = _Search(model, found.layout, goal)
-    values, slopes, count = found.responses.values, found.responses.slopes, len(found.values)
-    low, high = task.web.bounds
+def rules_of(web: ParametricWeb, room: EnvelopeRoom, values: Array) -> tuple[Array, Array]:
+    """Manufacturing constraints and envelope, mm, kept where <= 0, and their gradients."""
+    inside, slopes = room.constraints(web, values)
+    return np.concatenate([web.constraints(values), inside]), np.vstack([web.slopes(values), slopes])
+
+
+def prices_of(scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal) -> Prices:
+    """What each limit, rule and bound costs at an optimum.
+
+    Args:
+        at: (n,) parameters of the optimum.
+        found: its quantities.
+    """
+    low, high = web.bounds
     return prices(
-        goal.objective_slope(slopes),
-        (goal.excesses(values), goal.excess_slopes(slopes, count)),
-        task.rules(found.values),
-        (found.values - low, high - found.values),
+        goal.objective_slope(found.slopes),
+        (goal.excesses(found.values), goal.excess_slopes(found.slopes, len(at))),
+        rules_of(web, EnvelopeRoom(scene), at),
+        (at - low, high - at),
     )
 
 
@@ -171,10 +237,26 @@ def _sound(scene: Scene, layout: Layout, values: Array, work: Work) -> bool:
     return True
 
 
-def _minimise(task: _Search, start: Array, evaluations: int, work: Work) -> None:
+def _minimise(task: _Search, start: Array, effort: Effort, work: Work) -> None:
+    """Search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
+    reach = effort.reach
+    for _ in range(_ATTEMPTS):
+        try:
+            return _descend(task, start, reach, effort.evaluations - task.evaluations, work)
+        except CranktopoError as error:
+            if task.evaluations == 0:
+                raise
+            work.info(
+                f"a web on the way could not be solved ({error}): on from the last one, in smaller steps"
+            )
+            start, reach = task.sound, reach / 4
+
+
+def _descend(task: _Search, start: Array, reach: float, evaluations: int, work: Work) -> None:
     import nlopt
 
-    low, high = np.maximum(task.web.bounds[0], start - _REACH), np.minimum(task.web.bounds[1], start + _REACH)
+    low, high = task.web.bounds
+    low, high = np.maximum(low, start - reach), np.minimum(high, start + reach)
     first = np.clip(start, low, high)
     count = len(task.goal.limits) + len(task.rules(first)[0])
 
@@ -189,6 +271,6 @@ def _minimise(task: _Search, start: Array, evaluations: int, work: Work) -> None
     optimiser.set_upper_bounds(high)
     optimiser.set_xtol_abs(_STEP_MM)
     optimiser.set_ftol_rel(_FLAT)
-    optimiser.set_maxeval(evaluations)
+    optimiser.set_maxeval(max(evaluations, 1))
     with suppress(nlopt.RoundoffLimited):
         optimiser.optimize(first)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.shape.search import Found
-from cranktopo.shape.web_model import WebModel
+from cranktopo.remodel.parametric_web import ParametricWeb
+from cranktopo.shape.mesh_model import MeshResponses
 
 Array = NDArray[np.float64]
-SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance")
+SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety")
 TOLERANCE = 0.5
 """Usual tolerance of a forged dimension, mm; of an angle, degrees."""
 _AT_BOUND = 0.02
@@ -36,13 +37,18 @@ class Dimension:
     per_unit_percent: dict[str, float]
 
 
-def dimensions(model: WebModel, found: Found) -> tuple[Dimension, ...]:
-    """Every dimension of a web with what it is worth on the cells."""
-    web = model.web(found.layout)
-    slopes = model.responses(web, found.values, SHOWN).slopes
-    percent = {
-        name: 100 * slope / model.original[name] for name, slope in slopes.items() if model.original[name]
-    }
+def dimensions(
+    web: ParametricWeb, values: Array, found: MeshResponses, original: Mapping[str, float]
+) -> tuple[Dimension, ...]:
+    """Every dimension of a web with what it is worth on body-fitted elements.
+
+    Args:
+        values: (n,) of its parameters.
+        found: its quantities and their gradients.
+        original: quantities of the original web.
+    """
+    told = [name for name in SHOWN if name in found.slopes and original.get(name)]
+    percent = {name: 100 * found.slopes[name] / original[name] for name in told}
     return tuple(
         Dimension(
             name,
@@ -54,7 +60,7 @@ def dimensions(model: WebModel, found: Found) -> tuple[Dimension, ...]:
             {quantity: float(slope[index]) for quantity, slope in percent.items()},
         )
         for index, (name, value, low, high) in enumerate(
-            zip(found.layout.names, found.values, *web.bounds, strict=True)
+            zip(web.layout.names, values, *web.bounds, strict=True)
         )
     )
 

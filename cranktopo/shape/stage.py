@@ -1,31 +1,34 @@
 """The stage: a scene and a goal -> the dimensions of the best web that can be made.
 
-Features are chosen on coarse cells, dimensions on finer ones. The cells know no fillets and err beside
-pockets, so the result is evaluated on body-fitted elements, each limit is moved by the error that shows, and
-the search goes on from there, until the limits hold by the evaluation.
+Features are chosen on cells, which are fast but know no fillets, err beside pockets and tell no fatigue. The
+dimensions are then finished on body-fitted elements with all limits. These are coarse, so the result is
+evaluated on the default mesh, the coarse numbers are brought to that truth, and the finish goes on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.family import Layout
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
-from cranktopo.scene.goal.moved import moved_bound
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.shape.goal_in_model import search_goal_of
-from cranktopo.shape.growth import Growth, Trial, no_web
+from cranktopo.shape.growth import Growth, Trial
+from cranktopo.shape.mesh_model import MeshResponses
+from cranktopo.shape.meshed_webs import MeshedWebs
 from cranktopo.shape.prices import Prices
-from cranktopo.shape.search import Found, prices_of, search, shaped_scene
+from cranktopo.shape.search import Effort, best_values, prices_of, shaped_scene
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.start import scene_start
-from cranktopo.shape.web_model import WebModel, web_model
+from cranktopo.shape.web_model import web_model
 from cranktopo.store import Work
 
 Array = NDArray[np.float64]
@@ -33,8 +36,10 @@ HELD = 5e-4
 """Relative excess with which a limit still counts as kept by the evaluation."""
 _SETTLED = 1e-3
 """Relative gain in the goal below which a round that keeps the limits is the last."""
-_FIRST, _AGAIN = 60, 20
-"""Most webs solved by the first search on the finer cells, and by those after the limits were moved."""
+_FINISH = Effort(25, 5.0), Effort(12, 2.0)
+"""Effort of the first finish and of those after it."""
+_FILLET_FRACTION = 1.0
+"""Elements of the finish on a fillet over its radius: coarse, as its safety is brought to the truth."""
 _SAFE = 3e-4
 """Part of a limit that the search keeps in reserve, for the rounding of the dimensions."""
 
@@ -44,31 +49,31 @@ class ShapeSettings:
     """How a shape is searched for.
 
     Attributes:
-        coarse_mm: cells on which features are chosen.
-        fine_mm: cells on which dimensions are found.
-        rounds: most searches on the finer cells, each followed by an evaluation.
+        cell_mm: cells on which features are chosen.
+        mesh_mm: elements on which the dimensions are finished.
+        rounds: most finishes, each followed by an evaluation.
         element_size_mm: of the evaluation; by default that of `evaluate`.
     """
 
-    coarse_mm: float = 4.0
-    fine_mm: float = 2.5
-    rounds: int = 6
+    cell_mm: float = 4.0
+    mesh_mm: float = 12.0
+    rounds: int = 4
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
 
 
 @dataclass(frozen=True)
 class Round:
-    """One search and the evaluation of its result.
+    """A web that was found, and its evaluation.
 
     Attributes:
+        values: its parameters, mm or degrees.
         excess_percent: how far each limit of the goal is missed by the evaluation, %; 0 or less is kept.
-        evaluations: webs solved by the search.
+        evaluations: webs solved to find it.
     """
 
     web: EvaluatedWeb
-    found: Found
-    goal: SearchGoal
+    values: Array
     excess_percent: tuple[float, ...]
     evaluations: int
 
@@ -83,17 +88,21 @@ class ShapeOptimum:
     """The best web found.
 
     Attributes:
-        rounds: searches on the finer cells in their order.
+        stated: the goal in the units of the evaluation.
+        rounds: webs that were evaluated, in their order; the first is that of the cells.
         best: position of the best of them.
         trials: features and stations that were tried.
+        responses: quantities of the best web as the evaluation tells them, with their exact gradients.
     """
 
     goal: Goal
+    stated: SearchGoal
     original: EvaluatedWeb
-    model: WebModel
+    web: ParametricWeb
     rounds: tuple[Round, ...]
     best: int
     trials: tuple[Trial, ...]
+    responses: MeshResponses
     prices: Prices
 
     @property
@@ -117,87 +126,99 @@ def optimise_shape(
     fatigue = any(limit.quantity == "fatigue_safety" for limit in goal.limits)
     own = None if scene.original is None else Path(scene.original.file)
     original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
-    coarse = web_model(scene, settings.limits, settings.coarse_mm)
-    growth = Growth(coarse, _goal_on_cells(goal, coarse, original), work)
+    cells = web_model(scene, settings.limits, settings.cell_mm)
+    cases = cells.model.cases
+    growth = Growth(cells, search_goal_of(goal, cells.original, original.values, cases), work)
     grown = growth.grown(growth.first(*scene_start(scene, settings.limits)))
-    fine = web_model(scene, settings.limits, settings.fine_mm)
-    rounds = _rounds(fine, goal, original, grown, settings, work)
-    best = _best(rounds)
-    chosen = rounds[best]
-    paid = prices_of(fine, chosen.found, chosen.goal)
-    return ShapeOptimum(goal, original, fine, rounds, best, tuple(growth.trials), paid)
+    stated = search_goal_of(goal, original.values, original.values, cases)
+    finish = _Finish(scene, stated, grown.layout, original, settings, work)
+    rounds = finish.rounds(grown.values)
+    best = _best(rounds, stated)
+    found = finish.anchored(rounds[best])
+    web = finish.webs().web(grown.layout)
+    paid = prices_of(scene, web, rounds[best].values, found, stated)
+    return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(growth.trials), found, paid)
 
 
-def _goal_on_cells(goal: Goal, model: WebModel, original: EvaluatedWeb) -> SearchGoal:
-    return search_goal_of(goal, model.original, original.values, model.model.cases)
+class _Finish:
+    """Webs of one layout on body-fitted elements, and what the default mesh says of them."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        goal: SearchGoal,
+        layout: Layout,
+        original: EvaluatedWeb,
+        settings: ShapeSettings,
+        work: Work,
+    ) -> None:
+        self._scene, self._goal, self._layout = scene, goal, layout
+        self._original, self._settings, self._work = original, settings, work
+        self._fatigue = "fatigue_safety" in goal.quantities
+
+    def webs(self) -> MeshedWebs:
+        fraction = _FILLET_FRACTION if self._fatigue else None
+        return MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
+
+    def anchored(self, web: Round) -> MeshResponses:
+        """The quantities of a web as the evaluation tells them, with gradients of the coarse mesh."""
+        webs = self.webs()
+        return webs.anchored(webs.web(self._layout), web.values, web.web.values)
+
+    def rounds(self, start: Array) -> tuple[Round, ...]:
+        """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
+        rounds = [self._evaluated(start, 0, 0)]
+        for number in range(1, self._settings.rounds + 1):
+            found = self._finished(rounds[-1], number)
+            if found is None:
+                break
+            rounds.append(found)
+            if _settled(rounds, self._goal):
+                break
+        return tuple(rounds)
+
+    def _finished(self, before: Round, number: int) -> Round | None:
+        def webs() -> MeshedWebs:
+            made = self.webs()
+            made.anchored(made.web(self._layout), before.values, before.web.values)
+            return made
+
+        goal = self._goal.shifted({r.quantity: 1 - r.sign * _SAFE for r in self._goal.limits})
+        effort = _FINISH[min(number, len(_FINISH)) - 1]
+        values, solved = best_values(
+            webs, self._layout, before.values, goal, f"finish-{number}", self._work, effort
+        )
+        return None if values is None else self._evaluated(values, number, solved)
+
+    def _evaluated(self, values: Array, number: int, solved: int) -> Round:
+        scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
+        web = evaluated_web(scene, self._fatigue, size, f"evaluation-{number}", self._work)
+        found = Round(web, values, tuple(100 * self._goal.excesses(web.values)), solved)
+        self._work.info(_round_text(number, found, self._original))
+        return found
 
 
-def _rounds(
-    model: WebModel, wanted: Goal, original: EvaluatedWeb, grown: Found, settings: ShapeSettings, work: Work
-) -> tuple[Round, ...]:
-    """Searches on the finer cells, each with limits that are moved by the error of the one before."""
-    plain, cases = _goal_on_cells(wanted, model, original), model.model.cases
-    true = search_goal_of(wanted, original.values, original.values, cases)
-    fatigue, errors = "fatigue_safety" in original.values, dict[str, float]()
-    start, rounds = grown.values, list[Round]()
-    for number in range(1, settings.rounds + 1):
-        goal = plain.shifted(_factors(plain, errors))
-        most = _AGAIN if rounds else _FIRST
-        found, solved = search(model, grown.layout, start, goal, f"round-{number}", work, most)
-        if found is None:
-            break
-        scene = shaped_scene(model.scene, found.layout, found.values)
-        web = evaluated_web(scene, fatigue, settings.element_size_mm, f"evaluation-{number}", work)
-        rounds.append(Round(web, found, goal, tuple(100 * true.excesses(web.values)), solved))
-        work.info(_round_text(number, rounds[-1], original))
-        if _settled(rounds):
-            break
-        errors, start = _errors(model, found, web, original), found.values
-    if not rounds:
-        raise no_web()
-    return tuple(rounds)
-
-
-def _settled(rounds: Sequence[Round]) -> bool:
-    """Whether the last two rounds keep every limit and reach about the same goal."""
-    if len(rounds) < 2 or not (rounds[-1].held and rounds[-2].held):
+def _settled(rounds: Sequence[Round], goal: SearchGoal) -> bool:
+    """Whether the last web keeps every limit and gains next to nothing over the one before."""
+    if not rounds[-1].held:
         return False
-    before, now = (_goal_value(found) for found in rounds[-2:])
-    return before - now < _SETTLED * abs(before)
+    before, now = (goal.objective(found.web.values) for found in rounds[-2:])
+    return before - now < _SETTLED
 
 
-def _errors(model: WebModel, found: Found, web: EvaluatedWeb, original: EvaluatedWeb) -> dict[str, float]:
-    """By how much the cells overrate each quantity of the web against the original."""
-    cells, truth, start = found.responses.values, web.values, original.values
-    return {
-        name: moved_bound(start[name], cells[name], truth[name]) / model.original[name]
-        for name in cells
-        if truth[name] and model.original[name]
-    }
-
-
-def _factors(goal: SearchGoal, errors: Mapping[str, float]) -> dict[str, float]:
-    """What each limit on the cells is multiplied by: the error of the cells, and a little in reserve."""
-    return {r.quantity: (1 - r.sign * _SAFE) * errors.get(r.quantity, 1.0) for r in goal.limits}
-
-
-def _best(rounds: tuple[Round, ...]) -> int:
+def _best(rounds: tuple[Round, ...], goal: SearchGoal) -> int:
     """The held round with the best goal by the evaluation, the first of equals; else the nearest to held."""
     held = [index for index, found in enumerate(rounds) if found.held]
     if held:
-        return min(held, key=lambda i: (round(_goal_value(rounds[i]), 6), i))
+        return min(held, key=lambda i: (round(goal.objective(rounds[i].web.values), 6), i))
     return min(range(len(rounds)), key=lambda i: (round(max(rounds[i].excess_percent), 4), i))
-
-
-def _goal_value(found: Round) -> float:
-    goal = found.goal
-    return goal.sign * found.web.values[goal.quantity]
 
 
 def _round_text(number: int, found: Round, original: EvaluatedWeb) -> str:
     changes = ", ".join(
         f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+.2f} %"
         for name in ("mass", "torsion", "bending", "fatigue_safety")
-        if name in found.web.values
+        if name in original.values
     )
-    return f"round {number}: {changes} by the evaluation; limits {'kept' if found.held else 'missed'}"
+    told = f"finish {number}" if number else "web of the cells"
+    return f"{told}: {changes} by the evaluation; limits {'kept' if found.held else 'missed'}"

@@ -73,6 +73,10 @@ class WebModel:
         x, y, z = ((nodes[1:] + nodes[:-1]) / 2 for nodes in self._nodes)
         return ParametricWeb(layout, self.scene, self.limits, (x, y, z[self.layers]))
 
+    def webs(self) -> SolvedWebs:
+        """Webs on these cells, solved one after another."""
+        return SolvedWebs(self)
+
     @property
     def layers(self) -> slice:
         """Layers of the web along z."""
@@ -115,6 +119,29 @@ class WebModel:
     @property
     def _functions(self) -> tuple[Callable[[Design], jax.Array], ...]:
         return tuple(response.value for response in self.known.values())
+
+
+class SolvedWebs:
+    """Webs on cells, each solved from the displacements of the one before."""
+
+    def __init__(self, model: WebModel) -> None:
+        self._model = model
+        self._guess: jax.Array | None = None
+
+    @property
+    def scene(self) -> Scene:
+        """The throw."""
+        return self._model.scene
+
+    def web(self, layout: Layout) -> ParametricWeb:
+        """A web of the layout on the cells."""
+        return self._model.web(layout)
+
+    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Responses:
+        """As `WebModel.responses`."""
+        found = self._model.responses(web, values, quantities, self._guess)
+        self._guess = found.displacements
+        return found
 
 
 def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -> WebModel:

@@ -16,7 +16,7 @@ from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.goal.changing import with_goal
 from cranktopo.shape.stage import ShapeSettings
 
-COARSE = ShapeSettings(coarse_mm=9.0, fine_mm=9.0, rounds=3, element_size_mm=14.0)
+COARSE = ShapeSettings(cell_mm=9.0, mesh_mm=16.0, rounds=3, element_size_mm=14.0)
 
 
 def light(scene: Scene) -> Scene:
