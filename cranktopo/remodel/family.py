@@ -13,6 +13,7 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import LEAST_MM, FittedFeature, Named
 from cranktopo.scene.features.flank import Flank, flank_through, largest_half_width_mm
+from cranktopo.scene.free_dimensions import DimensionName
 
 Array = NDArray[np.float64]
 _DECIMALS = 2
@@ -26,16 +27,23 @@ class Layout:
     Attributes:
         stations: points of the profile, both round ends included.
         parts: its features.
+        dimensions: free dimensions of the throw; their values come after those of the features.
     """
 
     stations: int
     parts: tuple[FittedFeature, ...] = ()
+    dimensions: tuple[DimensionName, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters in the order of the vector."""
         outline = ("y_low", "y_high", *(f"half_width_{i}" for i in range(1, self.stations - 1)))
-        return (*outline, *(f"{part.label}.{name}" for part in self.parts for name in part.names))
+        features = (f"{part.label}.{name}" for part in self.parts for name in part.names)
+        return (*outline, *features, *self.dimensions)
+
+    def sizes(self, values: Array) -> Array:
+        """The values of the free dimensions out of a parameter vector, mm."""
+        return values[len(values) - len(self.dimensions) :]
 
 
 def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Array]]:
@@ -71,7 +79,7 @@ def flank_of(layout: Layout, values: Any) -> Flank:
 
 
 def bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[Array, Array]:
-    """Lower and upper bounds of the parameters, (n,) each, mm or degrees."""
+    """Lower and upper bounds of the web's parameters, (n,) each, mm or degrees."""
     far = 4 * scene.throw.radius_mm
     pairs = [(-far, far)] * 2 + [(LEAST_MM / 2, far)] * (layout.stations - 2)
     pairs += [pair for part in layout.parts for pair in part.bounds(scene, limits)]

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.remodel.constraints import outline_rules, part_rules
-from cranktopo.remodel.family import Layout, bounds, flank_of
+from cranktopo.remodel.dimensions import all_bounds, scene_at, size_rules
+from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.model_fill import CHORDS, Fill
 from cranktopo.scene import Scene
@@ -34,31 +35,45 @@ class _Shape:
 class _Outline:
     """The outline of a parameter vector, the last one kept; derivatives by complex steps."""
 
-    def __init__(self, stations: int, scene: Scene, limits: ManufacturingLimits) -> None:
-        self._layout, self._scene, self._limits = Layout(stations), scene, limits
+    def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits) -> None:
+        self._layout, self._scene, self._limits = layout, scene, limits
         self._last: tuple[bytes, _Shape] | None = None
 
     def at(self, values: Array) -> _Shape:
-        own = np.asarray(values[: self._layout.stations], dtype=np.float64)
+        own = np.concatenate([values[: self._layout.stations], self._layout.sizes(values)])
         if self._last is None or self._last[0] != own.tobytes():
-            self._last = own.tobytes(), self._shape(own)
+            self._last = own.tobytes(), self._shape(own[: self._layout.stations], values)
         return self._last[1]
 
-    def _shape(self, own: Array) -> _Shape:
-        points, constraints = self._raw(own)
-        sides = [self._raw(own + 1j * _COMPLEX * unit) for unit in np.eye(len(own))]
+    def _shape(self, own: Array, values: Array) -> _Shape:
+        scene = scene_at(self._scene, self._layout, values)
+        points, constraints = self._raw(own, scene)
+        sides = [self._raw(own + 1j * _COMPLEX * unit, scene) for unit in np.eye(len(own))]
         point_slopes = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
         constraint_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
-        return _Shape(points, constraints, point_slopes, constraint_slopes)
+        by_sizes = self._by_sizes(own, values, len(constraints))
+        return _Shape(points, constraints, point_slopes, np.hstack([constraint_slopes, by_sizes]))
 
-    def _raw(self, own: Any) -> tuple[Any, Any]:
+    def _by_sizes(self, own: Array, values: Array, count: int) -> Array:
+        """Derivatives of the constraints by the parameters after the outline's, (constraints, rest)."""
+        result = np.zeros((count, len(values) - len(own)))
+        for k in range(len(values) - len(self._layout.dimensions), len(values)):
+            step = _DIFFERENCE * np.eye(len(values))[k]
+            above, below = (
+                self._raw(own, scene_at(self._scene, self._layout, values + s * step))[1] for s in (1, -1)
+            )
+            result[:, k - len(own)] = (above - below) / (2 * _DIFFERENCE)
+        return result
+
+    def _raw(self, own: Any, scene: Scene) -> tuple[Any, Any]:
         flank = flank_of(self._layout, own)
-        rules = outline_rules(flank, self._scene, self._limits)
+        rules = outline_rules(flank, scene, self._limits)
         return flank.along(CHORDS), np.concatenate([values for _, values in rules])
 
-    def rule_names(self, own: Any) -> list[str]:
+    def rule_names(self, values: Array) -> list[str]:
         """Name of each constraint."""
-        rules = outline_rules(flank_of(self._layout, own), self._scene, self._limits)
+        scene = scene_at(self._scene, self._layout, values)
+        rules = outline_rules(flank_of(self._layout, values), scene, self._limits)
         return [name for name, values in rules for _ in values]
 
 
@@ -70,10 +85,10 @@ class ParametricWeb:
     """
 
     def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits, axes: Axes) -> None:
-        self.layout, self.bounds = layout, bounds(layout, scene, limits)
+        self.layout, self.bounds = layout, all_bounds(layout, scene, limits)
         self._scene, self._limits = scene, limits
         self._grid = Fill(layout.parts, axes, scene.web_z_mm)
-        self._outline = _Outline(layout.stations, scene, limits)
+        self._outline = _Outline(layout, scene, limits)
 
     def points(self, values: Array) -> tuple[Array, Array]:
         """Points of the outline's right half, (n, 2), mm, and their derivatives by its values, (n, 2, m)."""
@@ -93,7 +108,8 @@ class ParametricWeb:
         """
         shape = self._outline.at(values)
         by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
-        return np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts])
+        by_sizes = np.zeros(len(self.layout.dimensions))
+        return np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
 
     def constraints(self, values: Array) -> Array:
         """Manufacturing constraints, kept where <= 0."""
@@ -104,7 +120,7 @@ class ParametricWeb:
         """Name of each constraint in plain English, several parts of one rule alike."""
         points = self._outline.at(values).points
         names = [name for name, _ in self._part_rules(points, values)]
-        return (*self._outline.rule_names(values[: self.layout.stations]), *names)
+        return (*self._outline.rule_names(values), *names)
 
     def slopes(self, values: Array) -> Array:
         """Gradients of the constraints (constraints, parameters)."""
@@ -115,8 +131,7 @@ class ParametricWeb:
 
         steps = _DIFFERENCE * np.eye(len(values))
         below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
-        above = np.hstack([shape.constraint_slopes, np.zeros((len(shape.constraints), len(values) - n))])
-        return np.vstack([above, below])
+        return np.vstack([shape.constraint_slopes, below])
 
     def _parts(self, values: Array) -> Array:
         return values[self.layout.stations :]
@@ -125,4 +140,7 @@ class ParametricWeb:
         return np.array([value for _, value in self._part_rules(points, values)], dtype=np.float64)
 
     def _part_rules(self, points: Array, values: Array) -> list[Rule]:
-        return part_rules(self.layout.parts, points, self._parts(values), self._scene, self._limits)
+        """Rules of the features and of the dimensions of the throw."""
+        scene = scene_at(self._scene, self.layout, values)
+        parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
+        return [*parts, *size_rules(self.layout, values, self._scene, self._limits)]

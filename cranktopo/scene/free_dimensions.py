@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
+from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
 
 DimensionName = Literal["pin_fillet", "journal_fillet", "pin_bore", "journal_bore", "web_thickness"]
@@ -20,6 +21,12 @@ def key_of(name: DimensionName) -> str:
         return "web.thickness_mm"
     journal, _, kind = name.partition("_")
     return f"throw.{_JOURNALS[journal]}.{_KEYS[kind]}"
+
+
+def journal_of(scene: Scene, name: DimensionName) -> Journal:
+    """The journal of a fillet or bore."""
+    journal: Journal = getattr(scene.throw, _JOURNALS[name.partition("_")[0]])
+    return journal
 
 
 def own_dimension_mm(scene: Scene, name: DimensionName) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import Condensed
-from cranktopo.evaluate.elasticity import Elasticity
+from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.lsa import lsa
 from cranktopo.evaluate.safety_field import load_kinds, lsa_strength, unit_loads
@@ -27,7 +27,7 @@ from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, su
 from cranktopo.evaluate.unit_fields import UnitField, loaded, support_spring, twisted
 from cranktopo.loads.histories import LoadHistory, load_history
 from cranktopo.scene import Scene
-from cranktopo.shape.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
+from cranktopo.shape.node_gradients import centrifugal_slopes, mean_slopes, section_slopes, work_slopes
 from cranktopo.shape.stress_adjoint import stress_adjoint
 from cranktopo.units import MPA_PER_GPA, density_tonne_per_mm3
 
@@ -72,22 +72,23 @@ class FilletFatigue:
         """Whether the symmetric condensation needs the centrifugal load, as its only further load."""
         return "centrifugal" in self.kinds
 
-    def safety(self, model: Elasticity, bend: Condensed, twist: Condensed) -> FilletSafety:
+    def safety(self, model: Elasticity, scene: Scene, bend: Condensed, twist: Condensed) -> FilletSafety:
         """Safety of the fillets on a mesh.
 
         Args:
+            scene: with the fillets of the mesh.
             bend, twist: symmetric and antisymmetric condensation.
         """
         fields = self._fields(bend, twist)
         moved = np.stack([field.displacement_mm for field in fields])
         found = nodal_stress(model, moved, *self._elastic)
         mirrored = bend.parts == 2
-        planes = [(2, 0.0), (2, self.scene.pitch_mm / 2)] + ([(0, 0.0)] if mirrored else [])
+        planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if mirrored else [])
         surface = outer_surface(model, found.elements, tuple(planes))
         stress = surface_stress(model, surface, found)
         signs = [image.signs for image in images_of(fields, mirrored)]
         least, smooth, worth = self._smooth(
-            surface, stress, [unit_loads(self.history, self.kinds) * s for s in signs]
+            scene, surface, stress, [unit_loads(self.history, self.kinds) * s for s in signs]
         )
         forces, slopes = stress_adjoint(model, surface, found, moved, worth, self._elastic)
         for field, force in zip(fields, forces, strict=True):
@@ -104,12 +105,10 @@ class FilletFatigue:
         return [found[kind] for kind in self.kinds]
 
     def _smooth(
-        self, surface: Surface, stress: SurfaceStress, loads: list[Array]
+        self, scene: Scene, surface: Surface, stress: SurfaceStress, loads: list[Array]
     ) -> tuple[float, float, tuple[Array, Array]]:
         """Least and smooth safety, and what stresses and slopes into the depth are worth to the latter."""
-        on = np.flatnonzero(
-            sum(fillet_nodes(self.scene, name, surface.points_mm) for name in ("journal", "pin"))
-        )
+        on = np.flatnonzero(sum(fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")))
         here = _at(stress, on)
         used = np.stack([self._used(here, load) for load in loads])
         worst = used.max()
@@ -142,11 +141,16 @@ class FilletFatigue:
             spring = support_spring(scene, scene.supports.bending)
             motion = bending_motion(block, section, scene.supports.bending, spring)
         adjoint = block.solve(force[:, None], None)[:, 0] + units @ motion
-        slopes = -work_slopes(model, *self._elastic, field.displacement_mm, adjoint)
+        moved, load = field.displacement_mm, np.zeros(len(adjoint))
+        slopes = -work_slopes(model, *self._elastic, moved, adjoint)
         if kind == "bending":
             slopes -= mean_slopes(model, 1, scene.web_z_mm[1], adjoint) / (2 * block.parts)
         if kind == "centrifugal":
-            slopes += centrifugal_slopes(model, density_tonne_per_mm3(scene.material.density_kg_m3), adjoint)
+            density = density_tonne_per_mm3(scene.material.density_kg_m3)
+            load = centrifugal_force(model, density)
+            slopes += centrifugal_slopes(model, density, adjoint)
+        slopes += section_slopes(model, load - model.stiffness @ moved, adjoint)
+        slopes += section_slopes(model, force - model.stiffness @ adjoint, moved)
         return slopes
 
 

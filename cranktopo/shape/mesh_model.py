@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cranktopo.evaluate.condense import Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_throw
+from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, exact_web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.scene import Scene
@@ -65,8 +66,10 @@ class MeshModel:
         Raises:
             CranktopoError: they make no sound web, or there is no valid mesh.
         """
-        self.scene = scene_with_web(scene, exact_web_of(layout, values, scene))
+        sized = scene_at(scene, layout, values)
+        self.scene = scene_with_web(sized, exact_web_of(layout, values, sized))
         meshed = mesh_throw(self.scene, element_size_mm, fillet_fraction=fillet_fraction)
+        self._layout = layout
         self.moved = MovedMesh(meshed.mesh, self.scene, layout, values)
         self._parts = 2 if meshed.mesh.mirrored else 1
         self._missing = _exact(meshed) - self._parts * moments(self._model(self.moved.mesh))[0]
@@ -86,7 +89,8 @@ class MeshModel:
         """
         mesh = self.moved.at(values)
         model = self._model(mesh)
-        found = {**self._masses(model), **self._solved(model, mesh.mirrored, quantities)}
+        scene = scene_at(self.scene, self._layout, values)
+        found = {**self._masses(model), **self._solved(model, scene, mesh.mirrored, quantities)}
         motion = self.moved.velocities(mesh, values)
         numbers = {name: value for name, (value, _) in found.items()}
         slopes = {name: np.einsum("in,inp->p", slope, motion) for name, (_, slope) in found.items()}
@@ -96,35 +100,37 @@ class MeshModel:
             slopes[f"{name}_per_mass"] = (slopes[name] - ratio * slopes["mass"]) / numbers["mass"]
         return MeshResponses(numbers, slopes, self.moved.quality(mesh))
 
-    def _solved(self, model: Elasticity, mirrored: bool, quantities: Collection[str] | None) -> _ByNodes:
+    def _solved(
+        self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
+    ) -> _ByNodes:
         """What needs displacements, of the quantities that are wanted."""
         found: _ByNodes = {}
         safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
         twist, bend = (
-            self._condensed(model, kind, mirrored)
+            self._condensed(model, scene, kind, mirrored)
             if safety or quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
             else None
             for kind in ("torsion", "bending")
         )
         if twist:
-            found["torsion"] = torsion_slopes(model, self.scene, twist)
+            found["torsion"] = torsion_slopes(model, scene, twist)
         if bend:
-            found["bending"] = bending_slopes(model, self.scene, bend)
+            found["bending"] = bending_slopes(model, scene, bend)
         if safety and twist and bend:
-            fillets = safety.safety(model, bend, twist)
+            fillets = safety.safety(model, scene, bend, twist)
             self._smoothing = self._smoothing or fillets.least / fillets.smooth
             found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.slopes
         return found
 
-    def _condensed(self, model: Elasticity, kind: str, mirrored: bool) -> Condensed:
+    def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Condensed:
         """The block of a stiffness, from the displacements of the web before."""
         guess = self._before.get(kind)
         if kind == "torsion":
             side: Lateral = "odd" if mirrored else "none"
-            block = condense(model, self.scene, "antisymmetric", side, guess=guess)
+            block = condense(model, scene, "antisymmetric", side, guess=guess)
         else:
             side = "even" if mirrored else "none"
-            block = condense(model, self.scene, "symmetric", side, self._spin(model), guess)
+            block = condense(model, scene, "symmetric", side, self._spin(model), guess)
         self._before[kind] = block.displacement
         return block
 

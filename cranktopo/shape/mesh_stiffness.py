@@ -19,7 +19,7 @@ from cranktopo.evaluate.support_stiffness import (
 )
 from cranktopo.evaluate.unit_fields import support_spring
 from cranktopo.scene import Scene
-from cranktopo.shape.node_gradients import mean_slopes, work_slopes
+from cranktopo.shape.node_gradients import mean_slopes, section_slopes, work_slopes
 from cranktopo.units import MPA_PER_GPA
 
 Array = NDArray[np.float64]
@@ -57,4 +57,6 @@ def bending_slopes(model: Elasticity, scene: Scene, block: Condensed) -> tuple[f
 
 
 def _work(model: Elasticity, scene: Scene, field: Array) -> Array:
-    return work_slopes(model, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, field, field)
+    """Derivative of field' K field by the nodes, the section moving rigidly as it does."""
+    inner = work_slopes(model, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, field, field)
+    return inner + 2 * section_slopes(model, model.stiffness @ field, field)

@@ -1,8 +1,8 @@
 """A mesh of the throw that follows the parameters of its web, its elements and nodes staying the same.
 
-Nodes on the faces of the web stay on them and slide along them, edges stay edges; the journals and their
-fillets stand still. The move is spread over the surface, then through the body, as in a net of springs that
-are the stiffer the shorter they are.
+Nodes on the faces of the web stay on them and slide along them, edges stay edges. The journals and their
+fillets stand still; with free dimensions of the throw their faces are followed too. The move is spread over
+the surface, then through the body, as in a net of springs that are the stiffer the shorter they are.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from cranktopo.meshing.curving import EDGES, least_jacobian_ratio
 from cranktopo.meshing.solid_mesh import TetMesh
 from cranktopo.remodel.family import Layout
 from cranktopo.scene import Scene
-from cranktopo.shape.web_faces import Contact, WebFace, web_faces
+from cranktopo.shape.web_faces import Contact, FilletFace, WebFace, web_faces
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -69,10 +69,9 @@ class MovedMesh:
     def __init__(self, mesh: TetMesh, scene: Scene, layout: Layout, values: Array) -> None:
         self.mesh, self.values = numbered(mesh), np.asarray(values, dtype=np.float64)
         self._faces = web_faces(scene, layout, mirrored=mesh.mirrored)
-        self._surface, self._triangles, self._on, still = _surface_nodes(
-            self.mesh, self._faces, self.values, scene.web_z_mm
+        self._surface, self._triangles, self._on, self._still = _surface_nodes(
+            self.mesh, self._faces, self.values, (-np.inf, np.inf) if layout.dimensions else scene.web_z_mm
         )
-        self._still = still
         self._ends = _edge_ends(self.mesh.cells)
         self._corners = int(self.mesh.cells[:4].max()) + 1
         self._skin = _Net(self.mesh.points_mm, self._triangles)
@@ -99,7 +98,7 @@ class MovedMesh:
             contacts = self._contacts(start + moved, values)
             if max(np.abs(c.distance_mm).max(initial=0.0) for _, c in contacts) < _SETTLED_MM:
                 break
-            moved = self._spread(self._rules(contacts, moved))[:, :, 0]
+            moved = self._spread(self._rules(contacts, values, moved))[:, :, 0]
         mesh = replace(self.mesh, points_mm=start + moved)
         if self.quality(mesh) <= 0:
             raise CranktopoError(
@@ -119,7 +118,7 @@ class MovedMesh:
         Args:
             mesh: the mesh at these values.
         """
-        return self._spread(self._rules(self._contacts(mesh.points_mm, values), None))
+        return self._spread(self._rules(self._contacts(mesh.points_mm, values), values, None))
 
     def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, Contact]]:
         """For each face: its nodes as positions among the surface nodes, and the face there."""
@@ -127,7 +126,7 @@ class MovedMesh:
         nodes = [np.flatnonzero(on) for on in self._on]
         return [(n, face.contact(at[:, n], values)) for n, face in zip(nodes, self._faces, strict=True)]
 
-    def _rules(self, contacts: list[tuple[Index, Contact]], moved: Array | None) -> _Rules:
+    def _rules(self, contacts: list[tuple[Index, Contact]], values: Array, moved: Array | None) -> _Rules:
         """What the faces ask of the surface nodes: velocities by parameters, or to come onto the faces."""
         count = len(self._surface)
         columns = contacts[0][1].slopes.shape[1] if moved is None else 1
@@ -142,7 +141,26 @@ class MovedMesh:
             matrix[nodes] += normal[:, :, None] * normal[:, None, :]
             asked[nodes] += normal[:, :, None] * wanted[:, None, :]
         matrix[self._still], asked[self._still] = np.eye(3), 0.0
+        for nodes, face in self._fillets:
+            matrix[nodes], asked[nodes] = np.eye(3), self._led(face, nodes, values, columns)
         return _Rules(matrix, asked)
+
+    @property
+    def _fillets(self) -> list[tuple[Index, FilletFace]]:
+        """Nodes of each fillet as positions among the surface nodes."""
+        pairs = zip(self._on, self._faces, strict=True)
+        return [(np.flatnonzero(on), face) for on, face in pairs if isinstance(face, FilletFace)]
+
+    def _led(self, face: FilletFace, nodes: Index, values: Array, columns: int) -> Array:
+        """Velocities by the parameters, (n, 3, k), or for one column the way from where the mesh was made."""
+        start = self.mesh.points_mm[:, self._surface[nodes]]
+        if columns == 1:
+            return (face.moved(start, self.values, values) - start).T[:, :, None]
+        steps = np.eye(len(values))
+        ways = [
+            face.moved(start, self.values, values + s) - face.moved(start, self.values, values) for s in steps
+        ]
+        return np.stack(ways).transpose(2, 1, 0)
 
     def _spread(self, rules: _Rules) -> Array:
         """Motion of all nodes, (3, nodes, k), from what holds the surface nodes."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.evaluate.condense import RX, RY, RZ, plane_nodes, section_motions
 from cranktopo.evaluate.elasticity import LOAD_ORDER, STIFFNESS_ORDER, Elasticity, beyond
 from cranktopo.evaluate.stress import hooke, tensor_strain
 
@@ -38,6 +39,25 @@ def work_slopes(model: Elasticity, youngs_MPa: float, poisson: float, first: Arr
         flow -= np.einsum("eqik,eqij->eqkj", slopes[1], stresses[0])
         flow += density[:, :, None, None] * np.eye(3)
         gather(total, basis, np.einsum("eqkj,njeq,eq->nke", flow, shapes, basis.dx, optimize=True))
+    return total
+
+
+def section_slopes(model: Elasticity, forces: Array, field: Array) -> Array:
+    """Derivative of forces' field by the nodes of the rigid section z = 0, which move with their place.
+
+    Args:
+        forces: (unknowns,) N, held.
+        field: displacements with a rigid section, (unknowns,), mm.
+
+    Returns:
+        (3, nodes); 0 off the section.
+    """
+    section = plane_nodes(model.nodes_mm, 2, 0.0)
+    unknowns = (3 * section[:, None] + np.arange(3)).ravel()
+    rigid = section_motions(model.nodes_mm, section)[unknowns]
+    turn = np.linalg.lstsq(rigid, field[unknowns], rcond=None)[0][[RX, RY, RZ]]
+    total = np.zeros(model.nodes_mm.shape)
+    total[:, section] = np.cross(forces[unknowns].reshape(-1, 3), turn).T
     return total
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import FittedFeature
@@ -26,6 +27,8 @@ _COMPLEX = 1e-30
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""
 _NEWTON = 12
+_BESIDE_MM = 1e-3
+"""How far beyond its rims a point may lie that counts as on a fillet."""
 
 
 @dataclass(frozen=True)
@@ -54,16 +57,61 @@ class WebFace(ABC):
 
 
 @dataclass(frozen=True)
-class StillFace(WebFace):
-    """A face that no parameter moves: web faces, bores, the plane of symmetry."""
+class ThrowFace(WebFace):
+    """A face that only the dimensions of the throw move: web faces, bores, journals, planes of symmetry.
+
+    Attributes:
+        distance_mm: from the face, of a scene and points (3, n).
+    """
 
     name: str
-    distance_mm: Callable[[Array], Array]
+    scene: Scene
+    layout: Layout
+    distance_mm: Callable[[Scene, Array], Array]
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        gradient = _gradient(self.distance_mm, points_mm)
-        return Contact(self.distance_mm(points_mm), gradient, np.zeros((points_mm.shape[1], len(values))))
+        slopes = _by_values(lambda v: self._distance(points_mm, v), values, _size_places(self.layout, values))
+        gradient = _gradient(lambda at: self._distance(at, values), points_mm)
+        return Contact(self._distance(points_mm, values), gradient, slopes)
+
+    def _distance(self, points_mm: Array, values: Array) -> Array:
+        return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
+
+
+@dataclass(frozen=True)
+class FilletFace(ThrowFace):
+    """A fillet, whose nodes keep their angles around the journal and along its arc.
+
+    Attributes:
+        number: 0 at the main journal, 1 at the pin.
+    """
+
+    number: int
+
+    def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
+        """Where points (3, n) of the fillet come to from some values to others: linear in these."""
+        out, up, around = self._section(points_mm, start)
+        radius, distance, height = self._circle(values)
+        _, y = self.scene.throw.journals[self.number]
+        x_mm, y_mm = (distance + radius * out) * around
+        return np.stack([x_mm, y + y_mm, height + radius * up])
+
+    def _section(self, points_mm: Array, values: Array) -> tuple[Array, Array, Array]:
+        """Place in the section over the radius, outward and along z, and the direction outward, (2, n)."""
+        radius, distance, height = self._circle(values)
+        _, y = self.scene.throw.journals[self.number]
+        across = np.stack([points_mm[0], points_mm[1] - y])
+        far = np.hypot(*across)
+        return (far - distance) / radius, (points_mm[2] - height) / radius, across / far
+
+    def _circle(self, values: Array) -> tuple[float, float, float]:
+        """Radius of the fillet, distance of its centre circle from the journal's axis, height of that."""
+        scene = scene_at(self.scene, self.layout, values)
+        journal, _ = scene.throw.journals[self.number]
+        away = journal.fillet_mm if self.number else -journal.fillet_mm
+        height = scene.web_z_mm[self.number] + away
+        return journal.fillet_mm, journal.radius_mm + journal.fillet_mm, height
 
 
 @dataclass(frozen=True)
@@ -76,27 +124,25 @@ class FeatureFace(WebFace):
     """
 
     name: str
+    scene: Scene
+    layout: Layout
     part: FittedFeature
     number: int
     first: int
-    web_z_mm: tuple[float, float]
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
         own = list(range(self.first, self.first + len(self.part.names)))
-        moving = own + ([0, 1] if self.part.follows_ends else [])
-        slopes = np.zeros((points_mm.shape[1], len(values)))
-        for i in moving:
-            step = _STEP * np.eye(len(values))[i]
-            change = self._distance(points_mm, values + step) - self._distance(points_mm, values - step)
-            slopes[:, i] = change / (2 * _STEP)
+        moving = own + ([0, 1] if self.part.follows_ends else []) + _size_places(self.layout, values)
+        slopes = _by_values(lambda v: self._distance(points_mm, v), values, moving)
         gradient = _gradient(lambda at: self._distance(at, values), points_mm)
         return Contact(self._distance(points_mm, values), gradient, slopes)
 
     def _distance(self, points_mm: Array, values: Array) -> Array:
         named = dict(zip(self.part.names, values[self.first :], strict=False))
         x, y, z = points_mm
-        distance = self.part.faces_mm(named, values[:2], (np.abs(x), y, z), self.web_z_mm)[self.number]
+        web_z_mm = scene_at(self.scene, self.layout, values).web_z_mm
+        distance = self.part.faces_mm(named, values[:2], (np.abs(x), y, z), web_z_mm)[self.number]
         return np.asarray(np.broadcast_to(distance, x.shape))
 
 
@@ -125,32 +171,68 @@ class OutlineFace(WebFace):
 
 
 def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
-    """All faces of the web of a layout: still ones, its outline, those of its features.
+    """All faces of the web of a layout: those of the throw, its outline, those of its features.
+
+    With free dimensions of the throw those of the journals and their fillets as well.
 
     Args:
+        scene: with the bores and fillets of the mesh.
         mirrored: the model is the half x >= 0, so that the plane x = 0 bounds it as well.
     """
-    return [*_still_faces(scene, mirrored), OutlineFace(layout), *_feature_faces(scene, layout)]
+    found = _throw_faces(scene, layout, mirrored)
+    throw = [ThrowFace(name, scene, layout, distance) for name, distance in found]
+    fillets = fillet_faces(scene, layout) if layout.dimensions else []
+    return [*throw, *fillets, OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
-def _still_faces(scene: Scene, mirrored: bool) -> Iterator[WebFace]:
+def _throw_faces(
+    scene: Scene, layout: Layout, mirrored: bool
+) -> Iterator[tuple[str, Callable[[Scene, Array], Array]]]:
     if mirrored:
-        yield StillFace("plane of symmetry", lambda at: at[0])
-    for name, height in zip(("journal face", "pin face"), scene.web_z_mm, strict=True):
-        yield StillFace(name, partial(_above, height))
-    for journal, y in scene.throw.journals:
+        yield "plane of symmetry", lambda _, at: at[0]
+    for k, name in enumerate(("journal face", "pin face")):
+        yield name, partial(_above_web_face, k)
+    for k, (journal, _) in enumerate(scene.throw.journals):
         if journal.bore_radius_mm:
-            yield StillFace("bore", partial(_off_bore, y, journal.bore_radius_mm))
+            yield "bore", partial(_off_bore, k)
+    if layout.dimensions:
+        yield "journal section", lambda _, at: at[2]
+        yield "pin section", lambda scene, at: at[2] - scene.pitch_mm / 2
+        yield from (("cylinder", partial(_off_journal, k)) for k in range(2))
 
 
-def _above(height: float, at: Array) -> Array:
-    above: Array = at[2] - height
+def fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
+    """Both fillets of a scene; without one that is sharp."""
+    return [
+        FilletFace("fillet", scene, layout, partial(_off_fillet, k), k)
+        for k, (journal, _) in enumerate(scene.throw.journals)
+        if journal.fillet_mm
+    ]
+
+
+def _above_web_face(number: int, scene: Scene, at: Array) -> Array:
+    above: Array = at[2] - scene.web_z_mm[number]
     return above
 
 
-def _off_bore(y: float, radius: float, at: Array) -> Array:
-    off: Array = np.hypot(at[0], at[1] - y) - radius
-    return off
+def _off_bore(number: int, scene: Scene, at: Array) -> Array:
+    journal, y = scene.throw.journals[number]
+    return np.asarray(np.hypot(at[0], at[1] - y) - journal.bore_radius_mm)
+
+
+def _off_journal(number: int, scene: Scene, at: Array) -> Array:
+    journal, y = scene.throw.journals[number]
+    return np.asarray(np.hypot(at[0], at[1] - y) - journal.radius_mm)
+
+
+def _off_fillet(number: int, scene: Scene, at: Array) -> Array:
+    """Distance from the quarter of the torus that is the fillet; far from the rest of it."""
+    journal, y = scene.throw.journals[number]
+    radius, side = journal.fillet_mm, 1.0 if number else -1.0
+    across = np.hypot(at[0], at[1] - y) - journal.radius_mm - radius
+    height = side * (at[2] - scene.web_z_mm[number]) - radius
+    beyond = (across > _BESIDE_MM) | (height > _BESIDE_MM)
+    return np.asarray(np.hypot(across, height) - radius + np.where(beyond, radius, 0.0))
 
 
 def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
@@ -160,8 +242,22 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
         named = dict.fromkeys(part.names, 1.0)
         count = len(part.faces_mm(named, np.array([-1.0, 9.0]) + origin, one, scene.web_z_mm))
         for number in range(count):
-            yield FeatureFace(f"{part.label} {number}", part, number, first, scene.web_z_mm)
+            yield FeatureFace(f"{part.label} {number}", scene, layout, part, number, first)
         first += len(part.names)
+
+
+def _size_places(layout: Layout, values: Array) -> list[int]:
+    """Places of the dimensions of the throw among the values."""
+    return list(range(len(values) - len(layout.dimensions), len(values)))
+
+
+def _by_values(distance_mm: Callable[[Array], Array], values: Array, places: list[int]) -> Array:
+    """Derivatives by some of the parameters, (n, parameters); 0 by the others."""
+    result = np.zeros((len(distance_mm(values)), len(values)))
+    for i in places:
+        step = _STEP * np.eye(len(values))[i]
+        result[:, i] = (distance_mm(values + step) - distance_mm(values - step)) / (2 * _STEP)
+    return result
 
 
 def _gradient(distance_mm: Callable[[Array], Array], points_mm: Array) -> Array:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.dimensions import free_dimensions, with_free
 from cranktopo.remodel.family import Layout
-from cranktopo.scene import Scene, load_scene
+from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.box_pocket import FittedBox
 from cranktopo.scene.features.cylinder_pocket import FittedCylinder
@@ -34,3 +35,15 @@ def solid_web() -> tuple[Scene, Layout, Array]:
     outline = [-42.0, 84.0, 26.0, 43.0, 44.0, 40.0, 22.0]
     values = np.array([*outline, 52.0, 8.0, 1.5, -8.0, 6.0, 0.5, 24.0, 30.0, 4.0, 37.0, -0.5, 8.0])
     return load_scene("opposed-piston"), Layout(7, parts), values
+
+
+def free_throw() -> tuple[Scene, Layout, Array]:
+    """Every dimension of a throw with uneven fillets and bores, beside a web with every kind of feature."""
+    scene, layout, values = full_web()
+    data = scene.model_dump(mode="json", exclude_none=True)
+    data["throw"]["crankpin"] |= {"fillet_mm": 3.5, "bore_diameter_mm": 20.0}
+    fillets = {"pin_fillet_mm": [2.0, 5.0], "journal_fillet_mm": [2.0, 5.0]}
+    bores = {"pin_bore_mm": [0.0, 26.0], "journal_bore_mm": [10.0, 30.0]}
+    data["shape"] = {"free": {**fillets, **bores, "web_thickness_mm": [17.0, 24.0]}}
+    uneven = scene_from_dict(data)
+    return uneven, *with_free(layout, values, uneven, free_dimensions(uneven))
