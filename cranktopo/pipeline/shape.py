@@ -110,6 +110,9 @@ def shape_design(
     assumed = assumptions(scene, SHAPE_TABLES)
     if assumed:
         info(assumed_text(assumed))
+    left_out = scene_start(scene, settings.limits).left_out
+    if left_out:
+        info(f"left out of the start: {'; '.join(left_out)}")
     run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings)})
     return _worked(run, scene, settings, info)
 
@@ -151,8 +154,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, info: Info) ->
         info("writing the solid and the drawing")
         files = _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
-        layout, values = scene_start(scene, settings.limits)
-        start = dict(zip(layout.names, map(float, values), strict=True))
+        first = scene_start(scene, settings.limits)
+        start = dict(zip(first.layout.names, map(float, first.values), strict=True))
         data = {
             **shape_json(scene.name, optimum, start, seconds),
             "assumed": run.manifest().get("assumed", []),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -11,12 +12,12 @@ from numpy.typing import NDArray
 
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
-from cranktopo.scene.features.fitted import LEAST_MM, FittedFeature, Named
+from cranktopo.scene.features.fitted import LEAST_MM, FittedFeature, Frame, Named
 from cranktopo.scene.features.flank import Flank, flank_through, largest_half_width_mm
 from cranktopo.scene.free_dimensions import DimensionName
 
 Array = NDArray[np.float64]
-_DECIMALS = 2
+DECIMALS = 2
 """Of the dimensions in a scene, mm and degrees; the constraints keep as much clear."""
 
 
@@ -38,12 +39,19 @@ class Layout:
     def names(self) -> tuple[str, ...]:
         """Names of the parameters in the order of the vector."""
         outline = ("y_low", "y_high", *(f"half_width_{i}" for i in range(1, self.stations - 1)))
-        features = (f"{part.label}.{name}" for part in self.parts for name in part.names)
+        features = (f"{label}.{name}" for label, part in self._labelled() for name in part.names)
         return (*outline, *features, *self.dimensions)
 
     def sizes(self, values: Array) -> Array:
         """The values of the free dimensions out of a parameter vector, mm."""
         return values[len(values) - len(self.dimensions) :]
+
+    def _labelled(self) -> Iterator[tuple[str, FittedFeature]]:
+        """Each feature with a label of its own: the second box pocket of a face is `box-pin-2`."""
+        seen = Counter[str]()
+        for part in self.parts:
+            seen[part.label] += 1
+            yield part.label if seen[part.label] == 1 else f"{part.label}-{seen[part.label]}", part
 
 
 def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Array]]:
@@ -95,7 +103,7 @@ def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
 def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     """The `[web]` table of a parameter vector to the last digit, as plain data."""
     flank = flank_of(layout, np.asarray(values, dtype=np.float64))
-    frame = (float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank))
+    frame = frame_of(flank)
     features: dict[str, list[dict[str, Any]]] = {key: [] for key in scene.web.feature_keys}
     for part, named in named_parts(layout.parts, values[layout.stations :]):
         features[part.table] += part.tables(named, frame)
@@ -108,10 +116,15 @@ def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     }
 
 
+def frame_of(flank: Flank) -> Frame:
+    """What the features of an outline refer to."""
+    return float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank)
+
+
 def _rounded(table: Any) -> Any:
     """Plain data with every number rounded to 0.01."""
     if isinstance(table, dict):
         return {key: _rounded(value) for key, value in table.items()}
     if isinstance(table, list):
         return [_rounded(value) for value in table]
-    return round(float(table), _DECIMALS) + 0.0 if isinstance(table, float) else table
+    return round(float(table), DECIMALS) + 0.0 if isinstance(table, float) else table

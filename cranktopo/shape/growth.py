@@ -99,7 +99,7 @@ class Growth:
                     break
             if best is before:
                 break
-        for stations in _MORE_STATIONS:
+        for stations in (number for number in _MORE_STATIONS if number > best.layout.stations):
             layout = replace(best.layout, stations=stations)
             values = with_stations(best.layout, best.values, stations)
             best = self._tried(best, layout, values, f"{stations} stations")

@@ -129,7 +129,8 @@ def optimise_shape(
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases = cells.model.cases
     growth = Growth(cells, search_goal_of(goal, cells.original, original.values, cases), work)
-    grown = growth.grown(growth.first(*scene_start(scene, settings.limits)))
+    start = scene_start(scene, settings.limits)
+    grown = growth.grown(growth.first(start.layout, start.values))
     stated = search_goal_of(goal, original.values, original.values, cases)
     finish = _Finish(scene, stated, grown.layout, original, settings, work)
     rounds = finish.rounds(grown.values)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.remodel.constraints import reaches_mm
-from cranktopo.remodel.family import Layout, station_shares
+from cranktopo.remodel.family import station_shares
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.read_web import WebRead, read_web
 from cranktopo.scene import Scene
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
@@ -35,12 +34,6 @@ def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STA
     return np.concatenate([[low, high], wide])
 
 
-def own_features(scene: Scene) -> Iterator[tuple[FittedFeature, Array]]:
-    """The features of the scene's web that the family has, with their values: its end bevels."""
-    for bevel in scene.web.bevel:
-        yield FittedBevel(bevel.face), np.array([bevel.y_mm, bevel.depth_mm, bevel.crown_mm])
-
-
 def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
     """Start, depth and crown of a first bevel: just clear of the journal on its face, a third deep, plane."""
     on_journal_face = bevel.face == "journal"
@@ -56,8 +49,6 @@ def groove_start(scene: Scene) -> tuple[FittedFeature, Array]:
     return FittedSlot(through=True), np.array([thickness / 4, floor, 0.0, _GROOVE_DRAFT_DEG])
 
 
-def scene_start(scene: Scene, limits: ManufacturingLimits) -> tuple[Layout, Array]:
-    """The scene's own web in the family, features that the family lacks left out."""
-    parts = tuple(own_features(scene))
-    values = [outline_start(scene, limits), *(own for _, own in parts)]
-    return Layout(STATIONS, tuple(part for part, _ in parts)), np.concatenate(values)
+def scene_start(scene: Scene, limits: ManufacturingLimits) -> WebRead:
+    """The scene's own web in the family: exactly where it is one of the family, else its outline sampled."""
+    return read_web(scene, outline_start(scene, limits))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -30,6 +30,7 @@ from cranktopo.scene.features.fitted import (
     Axes,
     Cells,
     FittedToSections,
+    Frame,
     Limits,
     Named,
     Rule,
@@ -269,8 +270,15 @@ class FittedBevel(FittedToSections):
         yield f"the arc of the {self.title} does not turn back", 4 * arc.crown_mm - most
 
     @override
-    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
+    def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
         return [{"face": self.face, **{f"{name}_mm": value for name, value in named.items()}}]
+
+    @classmethod
+    @override
+    def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
+        if not isinstance(table, EndBevel):
+            return None
+        return cls(table.face), np.array([table.y_mm, table.depth_mm, table.crown_mm])
 
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array:
         """Start, depth and crown (0), mm, from how far the body reaches at each height."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from typing_extensions import override
 
@@ -18,7 +18,7 @@ class FacePocket(Feature):
     """Pocket with its axis parallel to the crank axis; a kind names its shapes, faces and sizes."""
 
     shape: str
-    face: str
+    face: Literal["journal", "pin", "through"]
     x_mm: Place = 0.0
     """Centre across the throw, from the crank axis."""
 

@@ -6,11 +6,11 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import numpy as np
 
-from cranktopo.scene.features.body import Array, Face, Mask
+from cranktopo.scene.features.body import Array, Face, Feature, Mask
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.bevel_arc import BevelArc
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 Named = dict[str, Any]
 """Values of a feature's parameters by name, mm or degrees."""
+Frame = tuple[float, float, float]
+"""Of an outline: least and largest y, largest half-width, mm."""
 Rule = tuple[str, Any]
 """A manufacturing rule: its name in plain English with its value, and what is kept where it is <= 0."""
 Axes = tuple[Array, Array, Array]
@@ -163,11 +165,16 @@ class FittedFeature(ABC):
         """Walls, shoulders and access of a tool, mm."""
 
     @abstractmethod
-    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
-        """Its tables in the scene.
+    def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
+        """Its tables in the scene."""
+
+    @classmethod
+    @abstractmethod
+    def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
+        """The kind and the values whose `tables` a table of the scene is; None for one of another kind.
 
         Args:
-            frame_mm: least and largest y of the outline, largest half-width.
+            pair: whether its mirror image is there as well; then it is the one at x > 0.
         """
 
     def box_mm(self, named: Named, around: Surroundings) -> Array | None:

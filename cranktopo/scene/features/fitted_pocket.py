@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.scene.features.body import Array, least_shoulder_mm
+from cranktopo.scene.features.body import Array, Feature, least_shoulder_mm
+from cranktopo.scene.features.face_pocket import FacePocket
 from cranktopo.scene.features.fitted import (
     JOURNALS,
     LEAST_MM,
     Axes,
     FittedFeature,
+    Frame,
     Limits,
     Named,
     Region,
@@ -117,12 +119,20 @@ class FittedPocket(FittedFeature):
         return np.array([[*(centre - half), low], [*(centre + half), low + depth]])
 
     @override
-    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
+    def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
         values = {f"{name}_mm": value for name, value in named.items()}
         table = {"shape": self.shape, "face": self.face, **values}
         if not self.pair:
             return [{**table, "x_mm": 0.0}]
         return [{**table, "x_mm": side * values["x_mm"]} for side in (1, -1)]
+
+    @classmethod
+    @override
+    def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
+        if not isinstance(table, FacePocket) or table.shape != cls.shape:
+            return None
+        part = cls(table.face, pair)
+        return part, np.array([getattr(table, f"{name}_mm") for name in part.names])
 
     def guess(self, region: Region, web_z_mm: tuple[float, float]) -> Array:
         """Initial values of a pocket that fills a region of the volume of its bounding box."""

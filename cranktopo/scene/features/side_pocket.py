@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -22,6 +22,7 @@ from cranktopo.scene.features.fitted import (
     Axes,
     Cells,
     FittedToSections,
+    Frame,
     Limits,
     Named,
     Rule,
@@ -254,7 +255,7 @@ class FittedSlot(FittedToSections):
         return np.array([[named["floor"], y - length, z - height], [_ENDLESS_MM, y + length, z + height]])
 
     @override
-    def tables(self, named: Named, frame_mm: tuple[float, float, float]) -> list[dict[str, Any]]:
+    def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
         low, high, widest = frame_mm
         values = dict(named)
         draft, depth = values.pop("draft"), widest - values.pop("floor")
@@ -262,6 +263,18 @@ class FittedSlot(FittedToSections):
             values |= {"y": (low + high) / 2, "length": high - low + 2 * BEYOND_MM}
         lengths = {f"{name}_mm": value for name, value in values.items()}
         return [{"shape": "side", **lengths, "depth_mm": depth, "draft_deg": draft}]
+
+    @classmethod
+    @override
+    def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
+        if not isinstance(table, SidePocket):
+            return None
+        low, high, widest = frame_mm
+        half = table.length_mm / 2
+        through = table.y_mm - half <= low and table.y_mm + half >= high
+        place = [] if through else [table.y_mm, table.length_mm]
+        own = [table.height_mm, widest - table.depth_mm, table.offset_mm, table.draft_deg]
+        return cls(through), np.array([*place, *own])
 
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values where the middle of the body is narrower than both faces; None where it is not."""

@@ -20,7 +20,7 @@ from cranktopo.scene.features.bevel import EndBevel, FittedBevel
 from cranktopo.scene.features.body import Array, Body, Feature, Mask, Span
 from cranktopo.scene.features.box_pocket import BoxPocket, FittedBox
 from cranktopo.scene.features.cylinder_pocket import CylinderPocket, FittedCylinder
-from cranktopo.scene.features.fitted import FittedToSections
+from cranktopo.scene.features.fitted import FittedFeature, FittedToSections
 from cranktopo.scene.features.fitted_pocket import FittedPocket
 from cranktopo.scene.features.hole import bore_holes
 from cranktopo.scene.features.primitives import Curve, Extrusion, Solid
@@ -38,6 +38,8 @@ FITTED_TO_SECTIONS: tuple[tuple[FittedToSections, ...], ...] = (
 """Features whose initial values the re-model reads from cross-sections; of each group the best is tried."""
 FITTED_TO_REGIONS: tuple[type[FittedPocket], ...] = (FittedCylinder, FittedBox)
 """Features that the re-model places where the body has a hole that the web lacks."""
+FITTED: tuple[type[FittedFeature], ...] = (FittedBevel, FittedSlot, *FITTED_TO_REGIONS)
+"""Kinds that a table of the web can be read back as."""
 
 
 class WebTable(SceneTable, ABC):
