@@ -17,7 +17,7 @@ from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared
 from cranktopo.optimise.state import State
 from cranktopo.optimise.statement import Requirement
-from cranktopo.pipeline.original import original_file
+from cranktopo.pipeline.original import original_file, without_its_fillets
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.scene.goal.moved import moved_bound
@@ -66,7 +66,8 @@ class CheckedLimit:
 class EvaluatedGoal:
     """A goal, and what the evaluation says of the designs of one optimisation.
 
-    The surface of a density has no fillets, so the original is evaluated without its own.
+    The surface of a density has no fillets, so the original is evaluated without its own, also where it is
+    a body from CAD.
 
     Attributes:
         scene: as the run has it.
@@ -80,9 +81,14 @@ class EvaluatedGoal:
     work: Work
 
     def original(self) -> Values:
-        """Quantities of the original web."""
-        scene = without(planned_scene(self.scene), "fillets")
-        return self._values(_ORIGINAL, lambda: Target("original web", scene, original_file(self.scene)))
+        """Quantities of the original web.
+
+        Raises:
+            CranktopoError: its file is no half throw, or a failed solve.
+        """
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "original.stl"
+            return self._values(_ORIGINAL, lambda: self._original(path))
 
     def reached(self, state: State) -> Values:
         """Quantities of the last design of a state.
@@ -101,6 +107,14 @@ class EvaluatedGoal:
         found = limit_outcomes(self.goal, self.reached(state), self.original())
         known = (outcome for outcome in found if outcome.limit.quantity in names)
         return tuple(CheckedLimit(*row) for row in zip(limits, state.last.limits, known, strict=True))
+
+    def _original(self, path: Path) -> Target:
+        file, name = original_file(self.scene), "original web"
+        if file is None:
+            return Target(name, without(planned_scene(self.scene), "fillets"))
+        body = planned_scene(self.scene, ("bores", "fillets"))
+        write_stl(path, without_its_fillets(file, body))
+        return Target(name, without(body, "fillets"), path)
 
     def _surface(self, state: State, path: Path) -> Target:
         design = loop.final_design(self.problem, state)

@@ -1,4 +1,4 @@
-"""The body that a scene names as the original: which file, and does it fit?"""
+"""The body that a scene names as the original: which file, does it fit, and what it is without fillets."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from cranktopo.domain.stl_envelope import mirror_difference
 from cranktopo.errors import invalid
 from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.scene import Scene
-from cranktopo.triangles.surface_mesh import solid_of
+from cranktopo.surface.solids import journal_halves, web_bores, web_region
+from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 _KEY = "original.file"
 _SIDES = 5e-4
@@ -38,3 +39,20 @@ def check_original(scene: Scene) -> None:
             f"its sides differ by {100 * share:.3g} % of its volume, and the model has the side x >= 0 only",
             'Set effects.lateral_symmetry = "off".',
         )
+
+
+def without_its_fillets(path: Path, scene: Scene) -> SurfaceMesh:
+    """The half throw of a body with sharp corners at its journals, as the surface of a density has them.
+
+    Its web, between the web's faces, stays; journals and bores are those of the scene.
+
+    Args:
+        scene: with the fillets and bores of the body.
+
+    Raises:
+        CranktopoError: it is no half throw where the journals are.
+    """
+    name = f"{_KEY} = '{path}'"
+    web = web_region(solid_of(half_throw_surface(path, scene), name), scene)
+    main, pin = journal_halves(scene)
+    return mesh_of(web + main + pin - web_bores(scene))

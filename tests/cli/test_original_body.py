@@ -9,24 +9,34 @@ from typing import Any
 import pytest
 
 from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.volume import web_volume_mm3
+from cranktopo.cad.volume import half_throw_volume_mm3, web_volume_mm3
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.evaluation import Evaluation, Stiffness
+from cranktopo.evaluate.targets import Target
+from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise.notices import baseline_notice
+from cranktopo.pipeline import evaluated_limits
+from cranktopo.pipeline.evaluated_limits import EvaluatedGoal
 from cranktopo.pipeline.iterate.step_solids import HALF, read_web, write_original
 from cranktopo.pipeline.original import check_original
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import input_files
+from cranktopo.store import Work
 from cranktopo.triangles.surface_files import read_stl
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 
 @pytest.fixture(scope="module")
 def body_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    written: dict[tuple[str, str], Path] = {}
+
     def write(scene: Scene, suffix: str = ".step") -> Path:
-        path = tmp_path_factory.mktemp("original") / f"body{suffix}"
-        export_solid(scene, "half", path, 1.0)
-        return path
+        key = scene.model_dump_json(), suffix
+        if key not in written:
+            written[key] = tmp_path_factory.mktemp("original") / f"body{suffix}"
+            export_solid(scene, "half", written[key], 1.0)
+        return written[key]
 
     return write
 
@@ -63,6 +73,28 @@ def test_the_first_step_of_a_loop_is_the_body(
     assert read_web(tmp_path).volume_mm3 == pytest.approx(web_volume_mm3(wider), rel=1e-3)
     half = read_stl(tmp_path / f"{HALF}.stl").vertices_mm
     assert (half[:, 2].min(), half[:, 2].max()) == (0.0, mikron.pitch_mm / 2)
+
+
+def test_a_goal_is_measured_against_the_body_without_its_fillets(
+    body_of: Callable[..., Path], mikron: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The oracle is the closed form of the volume; with fillets it is 0.36 % more."""
+    filleted, sharp = (mikron_with(fillet_mm, pocket=[LOPSIDED]) for fillet_mm in (2.5, 0.0))
+    seen = list[float]()
+
+    def evaluated(target: Target, **_: Any) -> Evaluation:
+        assert target.file is not None
+        assert target.scene.throw.crankpin.fillet_mm == 0
+        seen.append(read_half_throw(target.file, target.scene).volume_mm3)
+        fine = Stiffness({"free": 100e3}, {"pinned": 70e3}, 1234, 4.0, 1.0, 2.0)
+        return Evaluation(target.name, 1.5, 0.6, 5000, 50, fine, "free", "pinned", 0.3, 0.4, 3.0)
+
+    monkeypatch.setattr(evaluated_limits, "evaluate", evaluated)
+    unused: Any = None
+    case = EvaluatedGoal(unused, naming(mikron, body_of(filleted)), unused, unused, Work())
+    assert case.original()["torsion"] == 100e3
+    assert seen == [pytest.approx(half_throw_volume_mm3(sharp), rel=3e-4)]
+    assert half_throw_volume_mm3(filleted) > 1.003 * half_throw_volume_mm3(sharp)
 
 
 def test_a_body_elsewhere_is_refused(body_of: Callable[..., Path], mikron: Scene) -> None:
