@@ -26,54 +26,55 @@ from numpy.typing import NDArray
 
 SHARPNESS = 60.0
 NO_DRAFT = (0.0, 0.0)
+Parting = tuple[int, int]
+"""Cells along the axis up to which the negative half of a die reaches, and from which the positive one does:
+the same number, or one layer that belongs to both where the parting plane lies in the middle of it."""
 
 
 @dataclass(frozen=True)
 class Die:
-    """Two die halves that part in a grid plane.
+    """Two die halves that part in a plane.
 
     Attributes:
         free: designable cells (nx, ny, nw); the others are no obstacle.
-        kept: cells that are solid whatever the density, behind a journal; None where none is.
+        kept: least density, 1 behind a journal; None where there is none.
         axis: along which the halves leave, 0 or 2.
-        parting: cells on the negative side of the parting plane.
         fall: tan(draft) times the cell's edge along the axis over its edge along each other axis.
     """
 
     free: jax.Array
     kept: jax.Array | None
     axis: int
-    parting: int
+    parting: Parting
     fall: tuple[float, float] = NO_DRAFT
 
     def __call__(self, smooth: jax.Array) -> jax.Array:
         """The density that the die releases (nx, ny, nw), nowhere above the given one but where kept."""
-        raised = smooth if self.kept is None else jnp.where(self.kept, 1.0, smooth)
+        raised = smooth if self.kept is None else jnp.maximum(self.kept, smooth)
         density, free = jnp.moveaxis(raised, self.axis, 0), jnp.moveaxis(self.free, self.axis, 0)
         found = without_undercuts(density, free, self.parting, self.fall)
         found = jnp.moveaxis(found, 0, self.axis)
-        return found if self.kept is None else jnp.where(self.kept, 1.0, found)
+        return found if self.kept is None else jnp.maximum(self.kept, found)
 
 
-def reachable(open_to_die: NDArray[np.bool_], parting: int, axis: int = 0) -> NDArray[np.bool_]:
+def reachable(open_to_die: NDArray[np.bool_], parting: Parting, axis: int = 0) -> NDArray[np.bool_]:
     """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane along an axis."""
-    moved = np.moveaxis(open_to_die, axis, 0)
-    left, right = moved[:parting][::-1], moved[parting:]
-    sides = (np.logical_and.accumulate(left)[::-1], np.logical_and.accumulate(right))
-    return np.moveaxis(np.concatenate(sides), 0, axis)
+    moved, (end, start) = np.moveaxis(open_to_die, axis, 0), parting
+    left, right = (np.logical_and.accumulate(half) for half in (moved[:end][::-1], moved[start:]))
+    return np.moveaxis(np.concatenate([left[::-1], right[end - start :]]), 0, axis)
 
 
 def without_undercuts(
-    density: jax.Array, free: jax.Array, parting: int, fall: tuple[float, float] = NO_DRAFT
+    density: jax.Array, free: jax.Array, parting: Parting, fall: tuple[float, float] = NO_DRAFT
 ) -> jax.Array:
     """Density that never grows away from the parting plane, along the first axis.
 
     Returns:
         (nx, ny, nw) in [0, 1], at most `density` where that is designable.
     """
-    gaps = jnp.where(free, gap(density), 0.0)
-    left, right = smallest_so_far(gaps[:parting][::-1], fall)[::-1], smallest_so_far(gaps[parting:], fall)
-    return jnp.concatenate([left, right])
+    gaps, (end, start) = jnp.where(free, gap(density), 0.0), parting
+    left, right = smallest_so_far(gaps[:end][::-1], fall)[::-1], smallest_so_far(gaps[start:], fall)
+    return jnp.concatenate([left, right[end - start :]])
 
 
 def smallest_so_far(gaps: jax.Array, fall: tuple[float, float]) -> jax.Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cranktopo.domain.build import Domain
 from cranktopo.domain.through_holes import through_holes
 from cranktopo.frames import X, Z
-from cranktopo.optimise.forging_constraint import Die, reachable
+from cranktopo.optimise.forging_constraint import Die, Parting, reachable
 from cranktopo.optimise.material import web_cell_mm
 from cranktopo.optimise.tool_access import ONE_CELL, Direction, Offsets, ToolAccess
 from cranktopo.scene import Scene
@@ -24,6 +24,7 @@ from cranktopo.scene.polygons import polygons
 Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 _SOLID = 0.5
+_RAMP_CELLS, _RIM_CELLS = 3.0, 0.25
 
 
 def is_manufactured(scene: Scene) -> bool:
@@ -48,7 +49,7 @@ def designable(scene: Scene, domain: Domain) -> Array:
     if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
         return design
     axis = pull_axis(scene)
-    return design * reachable(open_cells(scene, domain), parting_index(domain, axis), axis)
+    return design * reachable(open_cells(scene, domain), parting_of(domain, axis), axis)
 
 
 def unreachable_share(scene: Scene, domain: Domain) -> float:
@@ -67,15 +68,13 @@ def process_block(scene: Scene, domain: Domain) -> Die | ToolAccess | None:
     return _mill(scene, domain) if scene.optimise.process == "milled" else _die(scene, domain)
 
 
-def parting_index(domain: Domain, axis: int = X) -> int:
-    """Cells on the negative side of the parting plane: x = 0, a grid plane, or the web's mid-plane.
-
-    The mid-plane of a web with an odd number of layers is half a cell away.
-    """
+def parting_of(domain: Domain, axis: int = X) -> Parting:
+    """Where the halves of a die meet: in x = 0, a grid plane, or in the web's mid-plane."""
     if axis == Z:
         first, last = domain.web_layers
-        return (last - first) // 2
-    return int(np.searchsorted(domain.grid.x_mm, -1e-6 * float(domain.grid.steps_mm[0][0])))
+        return (last - first + 1) // 2, (last - first) // 2
+    plane = int(np.searchsorted(domain.grid.x_mm, -1e-6 * float(domain.grid.steps_mm[0][0])))
+    return plane, plane
 
 
 def open_cells(scene: Scene, domain: Domain) -> Cells:
@@ -105,8 +104,8 @@ def centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
 def _die(scene: Scene, domain: Domain) -> Die:
     axis = pull_axis(scene)
     free = designable(scene, domain) > 0
-    kept = jnp.asarray(_behind_journals(scene, domain) & free) if axis == Z else None
-    return Die(jnp.asarray(free), kept, axis, parting_index(domain, axis), _fall(scene, domain, axis))
+    kept = jnp.asarray(_behind_journals(scene, domain) * free) if axis == Z else None
+    return Die(jnp.asarray(free), kept, axis, parting_of(domain, axis), _fall(scene, domain, axis))
 
 
 def _mould(scene: Scene, domain: Domain) -> ToolAccess:
@@ -167,17 +166,24 @@ def _air(scene: Scene, domain: Domain, free: Cells, margin: tuple[int, ...]) -> 
     return 1.0 - np.pad(standing, ((lead, mx), (my, my), (0, 0))).astype(np.float64)
 
 
-def _behind_journals(scene: Scene, domain: Domain) -> Cells:
-    """Cells (nx, ny, nw) between the mid-plane and a journal, its draft included."""
+def _behind_journals(scene: Scene, domain: Domain) -> Array:
+    """Least density (nx, ny, nw): 1 between the mid-plane and a journal, its draft included.
+
+    It falls over some cells around a cone, where it is one half, so that the surface is that cone and not
+    the steps of the cells in it. The cone begins just beyond the journal's rim, so that an iso-value a little
+    off one half leaves no gap behind it.
+    """
     x, y, z = centres_mm(domain)
     lateral, along, axial = np.meshgrid(x, y, z, indexing="ij")
     (main, main_y), (pin, pin_y) = scene.throw.journals
     start, end = scene.web_z_mm
-    slope = math.tan(math.radians(scene.optimise.draft_deg))
-    under_main = np.hypot(lateral, along - main_y) < main.radius_mm + slope * (axial - start)
-    under_pin = np.hypot(lateral, along - pin_y) < pin.radius_mm + slope * (end - axial)
-    layers = np.arange(len(z)) < parting_index(domain, Z)
-    return np.where(layers, under_main, under_pin)
+    slope, cell = math.tan(math.radians(scene.optimise.draft_deg)), max(web_cell_mm(domain)[:2])
+    rim, ramp = _RIM_CELLS * cell, _RAMP_CELLS * cell
+    main_mm = main.radius_mm + rim + slope * (axial - start) - np.hypot(lateral, along - main_y)
+    pin_mm = pin.radius_mm + rim + slope * (end - axial) - np.hypot(lateral, along - pin_y)
+    main_side, pin_side = (sign * ((start + end) / 2 - axial) > -1e-6 * (end - start) for sign in (1, -1))
+    inside_mm = np.maximum(np.where(main_side, main_mm, -ramp), np.where(pin_side, pin_mm, -ramp))
+    return np.asarray(np.clip(_SOLID + inside_mm / ramp, 0.0, 1.0))
 
 
 def _fall(scene: Scene, domain: Domain, axis: int) -> tuple[float, float]:

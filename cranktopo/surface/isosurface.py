@@ -17,7 +17,7 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
-from cranktopo.frames import X, Y, Z
+from cranktopo.frames import Y
 from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
@@ -63,11 +63,7 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], release: Release | No
     spacing = grid.cell_mm / REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
     if release is not None:
-        inner = slice(REFINE * _PAD_CELLS, -REFINE * _PAD_CELLS)
-        beside = np.pad(usable, ((0, 0), (_PAD_CELLS, _PAD_CELLS), (_PAD_CELLS, _PAD_CELLS)), mode="edge")
-        within = np.kron(beside, np.ones((REFINE,) * 3, dtype=bool))
-        corner = np.array([grid.origin_mm[X] + spacing[X] / 2, first[Y], first[Z]])
-        fine[inner] = release(fine[inner], corner, spacing, within)
+        fine = _released(fine, grid, usable, release)
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
 
 
@@ -127,6 +123,22 @@ def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:
     )
     filled: Array = density[tuple(nearest)]
     return filled
+
+
+def _released(fine: Array, grid: DensityGrid, usable: NDArray[np.bool_], release: Release) -> Array:
+    """The resampled field as its process makes it.
+
+    Its mirror image beyond faces and sides is no obstacle to tools: there it goes on straight, so that walls
+    keep their draft up to the faces and sides.
+    """
+    margin, spacing = REFINE * _PAD_CELLS, grid.cell_mm / REFINE
+    inner = slice(margin, -margin)
+    beside = np.pad(usable, ((0, 0), (_PAD_CELLS, _PAD_CELLS), (0, 0)), mode="edge")
+    within = np.kron(beside, np.ones((REFINE,) * 3, dtype=bool))
+    first = grid.origin_mm + spacing / 2 - np.array([0.0, margin * spacing[Y], 0.0])
+    made = release(fine[inner, :, inner], first, spacing, within)
+    beyond = ((margin, margin), (0, 0), (margin, margin))
+    return np.clip(np.pad(made, beyond, mode="reflect", reflect_type="odd"), 0.0, 1.0)
 
 
 def _smoothed_share(vertices: Array, rough_mm: Array, spacing_mm: Array) -> Array:

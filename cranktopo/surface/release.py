@@ -34,7 +34,8 @@ def released(
     solid = np.concatenate([main, np.where(usable, field, 0.0), pin], axis=2)
     axes = (X, Z) if way.axis is None else (way.axis,)
     left = np.min([_closed_along(solid, axis, spacing_mm, scene) for axis in axes], axis=0)
-    return np.where(usable, left[:, :, 1:-1], field)
+    # In a bore the solid on both sides goes on: what the drill leaves beside it has no gap.
+    return np.where(usable, left[:, :, 1:-1], np.maximum(field, left[:, :, 1:-1]))
 
 
 def _journal_sections(field: Array, first_mm: Array, spacing_mm: Array, scene: Scene) -> tuple[Array, Array]:
@@ -48,7 +49,11 @@ def _journal_sections(field: Array, first_mm: Array, spacing_mm: Array, scene: S
 
 
 def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Way, scene: Scene) -> Array:
-    """Each side raised to what lies further out."""
+    """Each side raised to what lies further out.
+
+    What ends at the parting plane goes on to the first points beyond it: its edge, which smoothing rounds,
+    would otherwise be caught in its own half.
+    """
     axis = X if way.axis is None else way.axis
     parted = way.parting_mm or 0.0
     moved = np.moveaxis(field, axis, 0).copy()
@@ -57,6 +62,7 @@ def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Way, scene: S
     fall = _fall(spacing_mm, axis, scene)
     moved[:count] = closed(moved[:count], fall)
     moved[count:] = closed(moved[count:][::-1], fall)[::-1]
+    moved[count - 1 : count + 1] = moved[count - 1 : count + 1].max(axis=0)
     return np.moveaxis(moved, 0, axis)
 
 

@@ -95,6 +95,33 @@ def drafts_deg(walls: Walls, way: Way) -> Array:
     return np.asarray(np.degrees(np.arcsin(np.clip(outward, -1.0, 1.0))))
 
 
+def from_parting_mm(walls: Walls, way: Way) -> Array:
+    """Distance of each wall from where the halves part, (n,), mm.
+
+    A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill.
+    """
+    if way.axis is None:
+        return np.full(len(walls.areas_mm2), np.inf)
+    if way.parting_mm is not None:
+        return np.asarray(np.abs(walls.points_mm[:, way.axis] - way.parting_mm))
+    upper = walls.normals[:, way.axis] > 0
+    found = np.full(len(walls.areas_mm2), np.inf)
+    for own in (upper, ~upper):
+        found[own] = _to_one_edge_mm(walls.where(own), walls.where(~own))
+    return found
+
+
+def _to_one_edge_mm(walls: Walls, others: Walls) -> Array:
+    """Distance to the nearest of other walls; infinite where that lies on another side of a member."""
+    from scipy.spatial import KDTree
+
+    if not len(others.areas_mm2):
+        return np.full(len(walls.areas_mm2), np.inf)
+    distance, nearest = KDTree(others.points_mm).query(walls.points_mm)
+    beside = np.einsum("ij,ij->i", walls.normals, others.normals[nearest]) > 0
+    return np.asarray(np.where(beside, distance, np.inf))
+
+
 def least(values: Array, areas_mm2: Array, share: float = LEAST_SHARE) -> float:
     """The value that all but a share of the area keeps; infinite without any area."""
     if not len(values):
@@ -109,17 +136,13 @@ def measure(
 ) -> dict[str, float | None]:
     """Least draft (deg), member and gap (mm) of the walls that were shaped; None where there is none.
 
-    Draft is that of a die's halves and leaves out the walls nearest to its parting plane, where the edge
-    between both halves is rounded; of a mould the smaller angle to its way on either side; of a mill or of a
-    free web none.
+    Draft is that of a die's or a mould's halves and leaves out the walls nearest to where they part, whose
+    edge is rounded; of a mill or of a free web there is none.
     """
     body = walls_of(half_throw, cell_mm)
     walls = shaped(body, envelope, scene)
     way = way_of(scene)
-    drafted = walls
-    if way.axis is not None and way.parting_mm is not None:
-        apart = np.abs(walls.points_mm[:, way.axis] - way.parting_mm)
-        drafted = walls.where(apart > PARTING_CELLS * cell_mm)
+    drafted = walls.where(from_parting_mm(walls, way) > PARTING_CELLS * cell_mm)
     leaves = _is_manufactured(scene) and way.axis is not None
     draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else None
     found = {

@@ -14,7 +14,7 @@ from cranktopo.domain.build import Domain, build_domain
 from cranktopo.effects import plan, simulated_scene
 from cranktopo.optimise.chain import build_chain
 from cranktopo.optimise.forging_constraint import SHARPNESS, Die, without_undercuts
-from cranktopo.optimise.manufacturing import open_cells, parting_index
+from cranktopo.optimise.manufacturing import open_cells, parting_of
 from cranktopo.optimise.material import Interpolation, physical_density, smooth_density
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import OutlineEnvelope
@@ -34,9 +34,10 @@ def chain(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> Inter
     return chain_of(forged(mikron), extent=request.param)[1]
 
 
-def parting_of(chain: Interpolation) -> int:
+def plane_of(chain: Interpolation) -> int:
     assert isinstance(chain.process, Die)
-    return chain.process.parting
+    assert len(set(chain.process.parting)) == 1
+    return chain.process.parting[0]
 
 
 def noise(chain: Interpolation, seed: int = 0) -> jax.Array:
@@ -47,7 +48,7 @@ def noise(chain: Interpolation, seed: int = 0) -> jax.Array:
 def test_density_never_grows_away_from_the_parting_plane(chain: Interpolation, beta: float) -> None:
     density = np.asarray(physical_density(chain, noise(chain), beta))
     free = np.asarray(chain.design) > 0
-    parting = parting_of(chain)
+    parting = plane_of(chain)
     right, left = slice(parting, None), slice(parting - 1, None, -1) if parting else None
     for side in (right, left):
         if side is None:
@@ -63,19 +64,19 @@ def test_density_never_grows_away_from_the_parting_plane(chain: Interpolation, b
 def test_smooth_minimum_is_between_its_bounds(float64: None) -> None:
     rng = np.random.default_rng(4)
     density, free = rng.random((12, 5, 3)), rng.random((12, 5, 3)) > 0.2
-    result = np.asarray(without_undercuts(jnp.asarray(density), jnp.asarray(free), 5))
+    result = np.asarray(without_undercuts(jnp.asarray(density), jnp.asarray(free), (5, 5)))
     hard = np.where(free, density, 1.0)
     hard = np.concatenate([np.minimum.accumulate(hard[:5][::-1])[::-1], np.minimum.accumulate(hard[5:])])
     assert np.all(result <= hard + 1e-12)
     assert np.all(result >= np.maximum(hard - np.log(12) / SHARPNESS, 0) - 1e-12)
     for constant in (0.0, 1.0):
-        uniform = without_undercuts(jnp.full((12, 5, 3), constant), jnp.ones((12, 5, 3), bool), 5)
+        uniform = without_undercuts(jnp.full((12, 5, 3), constant), jnp.ones((12, 5, 3), bool), (5, 5))
         np.testing.assert_allclose(uniform, constant, atol=1e-12)
 
 
 def test_quarter_is_the_half(float64: None, mikron: Scene) -> None:
     quarter, half = (chain_of(forged(mikron), extent=extent)[1] for extent in ("quarter", "half"))
-    assert (parting_of(quarter), parting_of(half)) == (
+    assert (plane_of(quarter), plane_of(half)) == (
         0,
         11,
     )  # 48 mm in cells of 4.36 mm, one cell of padding
@@ -104,7 +105,7 @@ def test_derivatives_on_both_sides(chain: Interpolation) -> None:
 def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> None:
     domain = build_domain(mikron, 4.5, extent="half")
     through = open_cells(mikron, domain)
-    middle = parting_index(domain)
+    middle, _ = parting_of(domain)
     row = int(np.searchsorted(domain.grid.y_mm, 0.0))
     assert not domain.design[middle, row].any()  # the bore of the main journal
     assert through[middle, row].all()

@@ -13,7 +13,7 @@ from manifold3d import Manifold
 from cranktopo.domain.build import build_domain
 from cranktopo.effects import plan, simulated_scene
 from cranktopo.optimise.forging_constraint import reachable
-from cranktopo.optimise.manufacturing import open_cells, parting_index, unreachable_share
+from cranktopo.optimise.manufacturing import open_cells, parting_of, unreachable_share
 from cranktopo.optimise.notices import notices
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.surface.undercuts import undercuts
@@ -62,7 +62,7 @@ def test_nothing_is_cut_away_behind_a_hole(name: str, mikron: Scene, tmp_path: P
     domain = build_domain(scene, 4.0)
     first, last = domain.web_layers
     design = domain.design[:, :, first:last] > 0
-    within = reachable(open_cells(scene, domain), parting_index(domain))
+    within = reachable(open_cells(scene, domain), parting_of(domain))
     # Cells that a boundary merely grazes may lie in the shadow of a corner of the holes' polygons.
     assert unreachable_share(scene, domain) < 1e-3
     assert np.count_nonzero(design & ~within) <= 0.01 * np.count_nonzero(design)
