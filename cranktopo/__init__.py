@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from cranktopo.pipeline.optimise import optimise_design, resume_optimisation, with_cells_for
     from cranktopo.pipeline.remodel import remodel_run
     from cranktopo.pipeline.run_report import report_run
+    from cranktopo.pipeline.run_webs import WebTarget, web_target
     from cranktopo.pipeline.runs import clean_runs, summarise_runs
     from cranktopo.pipeline.shape import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.remodel.fit import FittedWeb, fit_web
@@ -79,6 +80,8 @@ _HOMES = {
     "ShapedRun": "pipeline.shape",
     "shape_design": "pipeline.shape",
     "shape_settings": "pipeline.shape",
+    "WebTarget": "pipeline.run_webs",
+    "web_target": "pipeline.run_webs",
     "resume_shape": "pipeline.shape",
     "export_solid": "cad.solid_files",
     "Target": "evaluate.targets",
@@ -132,6 +135,7 @@ __all__ = [
     "Scene",
     "ShapedRun",
     "Target",
+    "WebTarget",
     "assess_fatigue",
     "check_machine",
     "checked_surface",
@@ -169,6 +173,7 @@ __all__ = [
     "study_accuracy",
     "summarise_runs",
     "wanted",
+    "web_target",
     "with_cells_for",
     "with_goal",
     "write_load_curves",

@@ -47,6 +47,13 @@ def designs(context: click.Context, parameter: click.Parameter, incomplete: str)
     return [*names, CompletionItem(incomplete, type="file")]
 
 
+def designs_and_runs(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Both, for an argument's `shell_complete`."""
+    return [*runs(context, parameter, incomplete)[:-1], *designs(context, parameter, incomplete)]
+
+
 def runs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Names of runs under runs/, and folders, for an argument's `shell_complete`."""
     from click.shell_completion import CompletionItem

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.completion import designs_and_runs, runs
 from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import DEFAULT_DESIGN, limit_options, refuse_beside_resume
 from cranktopo.cli.verbosity import info, verbosity_options
@@ -17,7 +17,7 @@ from cranktopo.errors import ExitCode
 
 
 @click.command("shape")
-@click.argument("target", required=False, shell_complete=designs)
+@click.argument("target", required=False, shell_complete=designs_and_runs)
 @goal_options
 @limit_options
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
@@ -41,6 +41,10 @@ def command(
 ) -> ExitCode:
     """Optimise the dimensions of the web of TARGET: outline, bevels, groove, pockets.
 
+    TARGET is a design, the scene of a parametric web, or a run. The search begins with the web of the design,
+    or of the run: its result, the best of its steps, or its re-model, which is made first where there is
+    none. Percent limits refer to the design's own web, of a run to that of its design.
+
     The web can be made: walls, radii and draft are kept. Limits hold by the body-fitted evaluation, fillets
     included, or the result says that they are not met. Without a goal the lightest web is sought that is no
     softer and no less safe. Writes the scene, STEP, STL, a drawing and shape.json.
@@ -56,14 +60,17 @@ def command(
     if resume:
         run = resume_shape(resume, info)
     else:
-        from cranktopo.scene.loading import design_text, load_scene
+        from cranktopo.pipeline.run_webs import web_target
+        from cranktopo.scene.loading import design_text
 
         name = target or DEFAULT_DESIGN
-        scene = load_scene(name)
+        found = web_target(name)
+        scene, text = found.design, design_text(name) if found.run is None else None
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"
         scene = with_goal_options(scene, minimise, maximise, limits)
         settings = shape_settings(scene, usual_limits(scene, **rules))
-        run = shape_design(scene, settings, out, design_text(name), ["cranktopo", *sys.argv[1:]], info)
+        line = ["cranktopo", *sys.argv[1:]]
+        run = shape_design(scene, settings, out, text, line, info, found.begun)
     click.echo(json.dumps(run.data) if as_json else shape_summary(run.data, run.folder))
     return ExitCode.DONE if run.held else ExitCode.CRITERION_NOT_MET

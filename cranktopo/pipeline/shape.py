@@ -15,13 +15,15 @@ from cranktopo.meshing.imported_body import half_throw_surface
 from cranktopo.pipeline.drawing_file import export_drawing
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original, original_file
+from cranktopo.pipeline.remodel import remodel_run
 from cranktopo.pipeline.run_status import working_in
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.remodel.read_web import WebRead
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.pages.shape_page import shape_page
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.scene import Scene
+from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.assumed import (
     ENVELOPE,
     FATIGUE,
@@ -58,6 +60,8 @@ from cranktopo.triangles.surface_files import read_stl
 SHAPE_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE)
 """What a shape optimisation uses of a scene."""
 _KEPT = "work.json"
+_BEGUN = "begun"
+"""Key of the scene whose web the search began with, among the manifest's options."""
 _FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing": "drawing.pdf"}
 
 
@@ -88,6 +92,7 @@ def shape_design(
     design_toml: str | None = None,
     command: Sequence[str] = (),
     info: Info = lambda _: None,
+    begun: Scene | RunStore | None = None,
 ) -> ShapedRun:
     """Optimise the dimensions of a scene's web in a new run; nothing is written before all is validated.
 
@@ -96,6 +101,8 @@ def shape_design(
         out: run directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
+        begun: scene whose web the search begins with, or a run whose re-model is made for it; by default the
+            design itself. Percent limits refer to the design's own web in any case.
 
     Raises:
         CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
@@ -110,11 +117,14 @@ def shape_design(
     assumed = assumptions(scene, SHAPE_TABLES)
     if assumed:
         info(assumed_text(assumed))
-    left_out = scene_start(scene, settings.limits).left_out
-    if left_out:
-        info(f"left out of the start: {'; '.join(left_out)}")
-    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings)})
-    return _worked(run, scene, settings, info)
+    if isinstance(begun, RunStore):
+        begun = _remodelled(begun, settings.limits, info)
+    start = scene_start(scene, settings.limits, begun)
+    if start.left_out:
+        info(f"left out of the start: {'; '.join(start.left_out)}")
+    begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
+    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings), **begin})
+    return _worked(run, scene, settings, start, info)
 
 
 def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
@@ -126,11 +136,20 @@ def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
     run = open_run(reference)
     require_kind(run, SHAPE)
     run.require_same_inputs()
-    data = run.manifest()["options"][SHAPE]
+    options = run.manifest()["options"]
+    data, begun = options[SHAPE], options.get(_BEGUN)
     settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
     scene = scene_of_run(run)
+    first = None if begun is None else scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()
-    return _worked(run, scene, settings, info)
+    return _worked(run, scene, settings, scene_start(scene, settings.limits, first), info)
+
+
+def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene:
+    """The parametric web fitted to a density optimisation that has none yet."""
+    info(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
+    made = remodel_run(str(run.path), given=vars(limits), evaluated=False, info=info)
+    return load_scene(str(Path(made["folder"]) / made["files"]["design"]))
 
 
 def _goal(scene: Scene) -> Goal:
@@ -145,19 +164,18 @@ def _goal(scene: Scene) -> Goal:
     return goal
 
 
-def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, info: Info) -> ShapedRun:
+def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead, info: Info) -> ShapedRun:
     began, goal = time.perf_counter(), _goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
         work = Work(info, KeptWork(run.path / _KEPT), check)
-        optimum = optimise_shape(scene, goal, settings, work)
+        optimum = optimise_shape(scene, goal, settings, work, start)
         seconds = {"search": time.perf_counter() - began}
         info("writing the solid and the drawing")
         files = _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
-        first = scene_start(scene, settings.limits)
-        start = dict(zip(first.layout.names, map(float, first.values), strict=True))
+        begin = dict(zip(start.layout.names, map(float, start.values), strict=True))
         data = {
-            **shape_json(scene.name, optimum, start, seconds),
+            **shape_json(scene.name, optimum, begin, seconds),
             "assumed": run.manifest().get("assumed", []),
             "files": {**files, "report": REPORT},
         }

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.parametric_web import ParametricWeb
+from cranktopo.remodel.read_web import WebRead
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
@@ -116,8 +117,12 @@ def optimise_shape(
     goal: Goal,
     settings: ShapeSettings | None = None,
     work: Work | None = None,
+    start: WebRead | None = None,
 ) -> ShapeOptimum:
     """The best web of the family for a goal; call inside `double_precision()`.
+
+    Args:
+        start: web to begin with; by default the scene's own, `scene_start`.
 
     Raises:
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
@@ -129,7 +134,7 @@ def optimise_shape(
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases = cells.model.cases
     growth = Growth(cells, search_goal_of(goal, cells.original, original.values, cases), work)
-    start = scene_start(scene, settings.limits)
+    start = start or scene_start(scene, settings.limits)
     grown = growth.grown(growth.first(start.layout, start.values))
     stated = search_goal_of(goal, original.values, original.values, cases)
     finish = _Finish(scene, stated, grown.layout, original, settings, work)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,11 +15,13 @@ from cranktopo.scene import Scene
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.side_pocket import FittedSlot
+from cranktopo.scene.free_dimensions import DIMENSIONS, own_dimension_mm
 
 Array = NDArray[np.float64]
 STATIONS = 7
 _GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
 """Of a first groove: its floor over the half-width, and its draft."""
+_SAME_MM = 1e-6
 _BEVEL_SHARE = 1 / 3
 """Depth of a first bevel over the web's thickness."""
 
@@ -49,6 +53,18 @@ def groove_start(scene: Scene) -> tuple[FittedFeature, Array]:
     return FittedSlot(through=True), np.array([thickness / 4, floor, 0.0, _GROOVE_DRAFT_DEG])
 
 
-def scene_start(scene: Scene, limits: ManufacturingLimits) -> WebRead:
-    """The scene's own web in the family: exactly where it is one of the family, else its outline sampled."""
-    return read_web(scene, outline_start(scene, limits))
+def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None = None) -> WebRead:
+    """A web in the family: exactly where it is one of the family, else its outline sampled.
+
+    Args:
+        begun: scene of the web to begin with, by default the scene itself; its throw is not taken over.
+    """
+    found = read_web(begun or scene, outline_start(begun or scene, limits))
+    if begun is None:
+        return found
+    other = [
+        f"{name} = {own_dimension_mm(begun, name):g} mm, {own_dimension_mm(scene, name):g} mm in the design"
+        for name in DIMENSIONS
+        if abs(own_dimension_mm(begun, name) - own_dimension_mm(scene, name)) > _SAME_MM
+    ]
+    return replace(found, left_out=(*found.left_out, *other))

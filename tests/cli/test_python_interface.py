@@ -31,7 +31,7 @@ BEHIND = {
     "shaft": ["evaluate_shaft"],
     "extract": ["extract_surface"],
     "remodel": ["remodel_run"],
-    "shape": ["shape_design", "resume_shape", "shape_settings"],
+    "shape": ["web_target", "shape_design", "resume_shape", "shape_settings"],
     "iterate": ["loop_scene", "loop_settings", "start_loop", "continue_loop"],
     "export": ["export_solid"],
     "runs": ["summarise_runs", "clean_runs"],

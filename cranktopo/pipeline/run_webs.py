@@ -1,0 +1,129 @@
+"""The parametric web that a run left, and the design whose own web is its original."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from cranktopo.errors import CranktopoError
+from cranktopo.scene import Scene, load_scene
+from cranktopo.scene.loading import builtin_designs
+from cranktopo.scene.of_run import scene_of_run
+from cranktopo.store import (
+    LOOP,
+    RESULT_FILES,
+    RUNS,
+    SHAPE,
+    RunStore,
+    kind_of,
+    open_run,
+    read_json,
+    resume_command,
+    runs_named,
+    shown_results,
+)
+
+REMODEL = "remodel.json"
+_WEB = "web.toml"
+
+
+@dataclass(frozen=True)
+class WebTarget:
+    """What a target means to a command that works with dimensions.
+
+    Attributes:
+        design: the scene whose own web is the original.
+        file: scene of the web to begin with, a TOML file; None where that is the design's own web.
+        run: where the web comes from; without a file its re-model is still to be made.
+    """
+
+    design: Scene
+    file: Path | None = None
+    run: RunStore | None = None
+
+    @property
+    def begun(self) -> Scene | RunStore | None:
+        """What a shape optimisation begins with, as it takes it."""
+        return self.run if self.file is None else load_scene(str(self.file))
+
+
+def web_target(text: str) -> WebTarget:
+    """What a target is: a design, a scene file, a run, or the folder of a re-model.
+
+    Raises:
+        CranktopoError: none of these, or a run that is not finished.
+    """
+    path = Path(text)
+    if (path / REMODEL).is_file():
+        return _of_remodel(path)
+    named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
+    if not (path.is_dir() or named):
+        return WebTarget(load_scene(text))
+    run = open_run(text)
+    return WebTarget(scene_of_run(run), run_web(run), run)
+
+
+def run_web(run: RunStore) -> Path | None:
+    """Scene file of the parametric web of a run: result, best step, newest re-model; None without a re-model.
+
+    Raises:
+        CranktopoError: the run is not finished, or found no web.
+    """
+    kind = kind_of(run)
+    if not (run.path / RESULT_FILES[kind]).is_file():
+        raise CranktopoError(
+            f"run '{run.path}': is not finished and has no web yet.",
+            hint=f"Continue it: {resume_command(run)}",
+        )
+    if kind == SHAPE:
+        return run.path / _WEB
+    if kind != LOOP:
+        return newest_remodel(run)
+    with shown_results(run):
+        best = read_json(run.path / RESULT_FILES[LOOP])["best_step"]
+        if best is None:
+            raise CranktopoError(
+                f"run '{run.path}': its loop found no better web.", hint="Begin with its design instead."
+            )
+        return run.path / f"step-{best:02d}" / _WEB
+
+
+def newest_remodel(run: RunStore) -> Path | None:
+    """Scene file of the newest re-model of a run, in it or beside it or under runs/."""
+    found = {file.resolve() for file in _remodels(run)}
+    made = [file for file in found if read_json(file).get("run") == run.name]
+    if not made:
+        return None
+    return _design_of(max(made, key=lambda file: (file.stat().st_mtime_ns, str(file))).parent)
+
+
+def _remodels(run: RunStore) -> Iterator[Path]:
+    for folder, depth in ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2)):
+        yield from folder.glob("*/" * depth + REMODEL)
+
+
+def _design_of(folder: Path) -> Path:
+    files = read_json(folder / REMODEL).get("files")
+    name = files.get("design") if isinstance(files, dict) else None
+    if not isinstance(name, str):
+        raise CranktopoError(
+            f"re-model '{folder}': its {REMODEL} names no design.", hint="Make it anew: cranktopo remodel RUN"
+        )
+    return folder / name
+
+
+def _of_remodel(folder: Path) -> WebTarget:
+    """The folder of a re-model; its original is that of the run that it was made of."""
+    name = read_json(folder / REMODEL).get("run")
+    beside = folder.resolve().parent
+    for place in (beside, beside / str(name), RUNS / str(name)):
+        if place.name == name and (place / "manifest.json").is_file():
+            run = open_run(str(place))
+            return WebTarget(scene_of_run(run), _design_of(folder), run)
+    file = shlex.quote(str(_design_of(folder)))
+    raise CranktopoError(
+        f"re-model '{folder}': the run '{name}' that it was made of is gone, so its original is not known.",
+        hint=f"Give its scene, which then is its own original: {file}",
+    )
