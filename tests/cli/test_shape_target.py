@@ -18,7 +18,7 @@ from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.goal.changing import with_goal
 from cranktopo.scene.writing import toml_text
 from cranktopo.shape.stage import ShapeSettings
-from cranktopo.store import RESULT_FILES, RunStore, create_run
+from cranktopo.store import RESULT_FILES, RunKind, RunStore, create_run
 from tests.physics.shape_cases import full_web
 
 COARSE = ShapeSettings(cell_mm=9.0, rounds=1, element_size_mm=14.0)
@@ -32,7 +32,7 @@ def web() -> Scene:
     return scene_from_dict({**data, "web": web_of(layout, values, scene), "name": "fitted"})
 
 
-def run_of(kind: str, folder: Path, web: Scene, result: dict[str, Any] | None = None) -> RunStore:
+def run_of(kind: RunKind, folder: Path, web: Scene, result: dict[str, Any] | None = None) -> RunStore:
     """A run of a kind as it lies on the disk when it is done."""
     scene = load_scene("mikron-iiic")
     run = create_run(
@@ -43,7 +43,11 @@ def run_of(kind: str, folder: Path, web: Scene, result: dict[str, Any] | None = 
         command=["cranktopo", kind],
         out=folder,
     )
-    places = {"shape": ["web.toml"], "iterate": ["step-01/web.toml", "step-02/web.toml"], "optimise": []}
+    places: dict[RunKind, list[str]] = {
+        "shape": ["web.toml"],
+        "iterate": ["step-01/web.toml", "step-02/web.toml"],
+        "optimise": [],
+    }
     for place in places[kind]:
         (folder / place).parent.mkdir(exist_ok=True)
         (folder / place).write_text(toml_text(web, "web"))
