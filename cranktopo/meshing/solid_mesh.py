@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,9 @@ from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
 _TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-_DELAUNAY_2D, _FRONTAL_2D, _DELAUNAY_3D = 5, 6, 1
-"""Frontal Delaunay, gmsh's default, makes more regular triangles and cuts across a bore that has a seam."""
+_DELAUNAY_2D, _FRONTAL_2D, _MESH_ADAPT_2D, _DELAUNAY_3D = 5, 6, 1, 1
+"""Frontal Delaunay, gmsh's default, makes more regular triangles and cuts across a bore that has a seam.
+MeshAdapt is slower and takes long narrow faces on which the others fold triangles."""
 _GROWTH = 0.5
 """Growth of the element size per mm of distance from a refined ring."""
 _FINEST = 1 / 12
@@ -64,6 +66,10 @@ class MeshedThrow:
     note: str = ""
 
 
+class _NoMeshError(CranktopoError):
+    """Elements on the surface cut across each other."""
+
+
 def mesh_throw(
     scene: Scene,
     element_size_mm: float,
@@ -83,6 +89,22 @@ def mesh_throw(
     Raises:
         CranktopoError: impossible dimensions, or no valid mesh.
     """
+    make = partial(_mesh_throw, scene, element_size_mm, full, quarter, graded, fillet_fraction)
+    try:
+        return make(adapt=False)
+    except _NoMeshError:
+        return make(adapt=True)  # in a new session, as gmsh stays locked after an error
+
+
+def _mesh_throw(
+    scene: Scene,
+    element_size_mm: float,
+    full: bool,
+    quarter: bool,
+    graded: bool,
+    fillet_fraction: float | None,
+    adapt: bool,
+) -> MeshedThrow:
     with cad_session(f"solid of {scene.name}") as gmsh:
         occ = gmsh.model.occ
         web = add_web(occ, scene)
@@ -97,7 +119,8 @@ def mesh_throw(
         if mirrored:
             body = positive_x(occ, body, scene.pitch_mm)
         _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full, fillet_fraction=fillet_fraction)
-        mesh = _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
+        smooth = fillet_fraction is not None
+        mesh = _generate(gmsh, element_size_mm, mirrored, smooth=smooth, adapt=adapt)
     return MeshedThrow(mesh, half, web_volume)
 
 
@@ -114,20 +137,23 @@ def mesh_body(
     return _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
 
 
-def _generate(gmsh: Any, size: float, mirrored: bool, *, smooth: bool = False) -> TetMesh:
+def _generate(
+    gmsh: Any, size: float, mirrored: bool, *, smooth: bool = False, adapt: bool = False
+) -> TetMesh:
     """The mesh, smooth where stresses are wanted.
 
     Regular triangles on the surface and Netgen's optimiser each take a quarter to a third off the noise of
     the stresses. Bores of a quarter model have no seam.
     """
-    gmsh.option.setNumber("Mesh.Algorithm", _FRONTAL_2D if smooth and mirrored else _DELAUNAY_2D)
+    usual = _FRONTAL_2D if smooth and mirrored else _DELAUNAY_2D
+    gmsh.option.setNumber("Mesh.Algorithm", _MESH_ADAPT_2D if adapt else usual)
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D)
     try:
         gmsh.model.mesh.generate(3)
     except Exception as error:  # gmsh raises the bare class, for elements that cut across a thin part
         if type(error) is not Exception:
             raise
-        raise CranktopoError(
+        raise _NoMeshError(
             f"{gmsh.model.getCurrent()}: no mesh with elements of {size:.3g} mm: they are too large for its "
             "thinnest parts.",
             hint="Choose a smaller element size; an error estimate takes one 1.5 times as large, too.",

@@ -13,6 +13,7 @@ from cranktopo.remodel.family import Layout
 from cranktopo.remodel.initial_guess import with_stations
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
+from cranktopo.shape.cell_errors import CellErrors
 from cranktopo.shape.pocket_places import pocket_starts
 from cranktopo.shape.prices import Prices
 from cranktopo.shape.search import EVALUATIONS, Found, prices_of, search
@@ -26,6 +27,8 @@ LEAST_GAIN = 2e-3
 """Least gain in the goal, relative to the original, that a feature or a station must bring."""
 _MOST_POCKETS, _TRIED_POCKETS = 4, 2
 _MORE_STATIONS = (9,)
+_AGAIN = 20
+"""Most webs solved after the goal was corrected."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +74,14 @@ def no_web() -> CranktopoError:
 class Growth:
     """A web that grows by features; the trials in their order."""
 
-    def __init__(self, model: WebModel, goal: SearchGoal, work: Work) -> None:
+    def __init__(self, model: WebModel, goal: SearchGoal, errors: CellErrors, work: Work) -> None:
+        """Say what is wanted of webs on cells.
+
+        Args:
+            goal: as the cells state it; it is corrected by their errors as the web grows.
+        """
         self.model, self.goal, self.trials = model, goal, list[Trial]()
-        self._work = work
+        self._plain, self._errors, self._work = goal, errors, work
 
     def first(self, layout: Layout, start: Array) -> Found:
         """The best web of the start's layout.
@@ -82,6 +90,9 @@ class Growth:
             CranktopoError: no web keeps limits and rules (exit code 6).
         """
         found, solved = self._searched(layout, start, 2 * EVALUATIONS)
+        if found is not None:
+            self.goal, found, again = self._corrected(found)
+            solved += again
         self._note("outline", layout, found, None, found is not None, solved)
         if found is None:
             raise no_web()
@@ -124,13 +135,29 @@ class Growth:
 
     def _tried(self, best: Found, layout: Layout, start: Array, step: str) -> Found:
         found, solved = self._searched(layout, start, EVALUATIONS)
+        goal = self.goal
+        if found is not None and best.objective - found.objective >= LEAST_GAIN:
+            goal, found, again = self._corrected(found)
+            solved += again
         kept = found is not None and best.objective - found.objective >= LEAST_GAIN
         self._note(step, layout, found, best, kept, solved)
-        return found if kept and found is not None else best
+        if not kept or found is None:
+            return best
+        self.goal = goal
+        return found
+
+    def _corrected(self, found: Found) -> tuple[SearchGoal, Found | None, int]:
+        """The goal with the errors of the cells for a web, the best web near it, how many were solved."""
+        goal = self._plain.corrected(self._errors.of(found, f"{self._name}-coarse"))
+        start = found.layout, found.values
+        return goal, *search(self.model, *start, goal, f"{self._name}-again", self._work, _AGAIN)
 
     def _searched(self, layout: Layout, start: Array, evaluations: int) -> tuple[Found | None, int]:
-        name = f"trial-{len(self.trials) + 1:02d}"
-        return search(self.model, layout, start, self.goal, name, self._work, evaluations)
+        return search(self.model, layout, start, self.goal, self._name, self._work, evaluations)
+
+    @property
+    def _name(self) -> str:
+        return f"trial-{len(self.trials) + 1:02d}"
 
     def _note(
         self, step: str, layout: Layout, found: Found | None, before: Found | None, kept: bool, solved: int

@@ -22,7 +22,7 @@ from cranktopo.shape.web_model import Responses, WebModel
 from cranktopo.store import Json, Work
 
 Array = NDArray[np.float64]
-EVALUATIONS = 40
+EVALUATIONS = 25
 _REACH = 15.0
 """How far a parameter may move in one search, mm or degrees."""
 _RULES = 0.05
@@ -31,7 +31,10 @@ _KEPT_MM = 5e-3
 """Violation of a rule that rounding of the dimensions absorbs."""
 _HELD = 1e-3
 """Relative excess of a limit with which a web still counts as keeping it."""
-_FEASIBLE, _STEP_MM, _FLAT = 1e-6, 1e-3, 1e-8
+_FEASIBLE, _STEP_MM, _FLAT = 1e-6, 2e-3, 1e-6
+_STEEP = 2000.0
+"""Factor on the goal. The method takes a curvature of 1 to begin with, while a millimetre changes the goal by
+a thousandth: without the factor the first steps would be of micrometres."""
 _ATTEMPTS = 4
 
 
@@ -119,8 +122,8 @@ class _Search:
     def objective(self, values: Array, gradient: Array) -> float:
         found = self.responses(values)
         if gradient.size:
-            gradient[:] = self.goal.objective_slope(found.slopes)
-        return float(self.goal.objective(found.values))
+            gradient[:] = _STEEP * self.goal.objective_slope(found.slopes)
+        return float(_STEEP * self.goal.objective(found.values))
 
     def rules(self, values: Array) -> tuple[Array, Array]:
         return rules_of(self.web, self._room, values)

@@ -79,7 +79,12 @@ class SearchGoal:
         """Every quantity that it speaks of."""
         return (self.quantity, *(r.quantity for r in self.limits))
 
-    def shifted(self, factors: Mapping[str, float]) -> SearchGoal:
-        """The same with limits multiplied: a model that errs by a known factor then keeps the true ones."""
+    def corrected(self, factors: Mapping[str, float]) -> SearchGoal:
+        """The same for a model that overrates each quantity by a known factor."""
         moved = tuple(replace(r, value=r.value * factors.get(r.quantity, 1.0)) for r in self.limits)
+        return replace(self, scale=self.scale * factors.get(self.quantity, 1.0), limits=moved)
+
+    def reserved(self, share: float) -> SearchGoal:
+        """The same with limits that are tighter by a share of their values."""
+        moved = tuple(replace(r, value=r.value * (1 - r.sign * share)) for r in self.limits)
         return replace(self, limits=moved)

@@ -21,6 +21,7 @@ from cranktopo.remodel.read_web import WebRead
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
+from cranktopo.shape.cell_errors import CellErrors
 from cranktopo.shape.goal_in_model import search_goal_of
 from cranktopo.shape.growth import Growth, Trial
 from cranktopo.shape.mesh_model import MeshResponses
@@ -37,7 +38,7 @@ HELD = 5e-4
 """Relative excess with which a limit still counts as kept by the evaluation."""
 _SETTLED = 1e-3
 """Relative gain in the goal below which a round that keeps the limits is the last."""
-_FINISH = Effort(25, 5.0), Effort(12, 2.0)
+_FINISH = Effort(18, 8.0), Effort(10, 4.0)
 """Effort of the first finish and of those after it."""
 _FILLET_FRACTION = 1.0
 """Elements of the finish on a fillet over its radius: coarse, as its safety is brought to the truth."""
@@ -56,7 +57,7 @@ class ShapeSettings:
         element_size_mm: of the evaluation; by default that of `evaluate`.
     """
 
-    cell_mm: float = 4.0
+    cell_mm: float = 3.0
     mesh_mm: float = 12.0
     rounds: int = 4
     element_size_mm: float | None = None
@@ -133,7 +134,8 @@ def optimise_shape(
     original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases = cells.model.cases
-    growth = Growth(cells, search_goal_of(goal, cells.original, original.values, cases), work)
+    wanted = search_goal_of(goal, cells.original, original.values, cases)
+    growth = Growth(cells, wanted, CellErrors(cells, work), work)
     start = start or scene_start(scene, settings.limits)
     grown = growth.grown(growth.first(start.layout, start.values))
     stated = search_goal_of(goal, original.values, original.values, cases)
@@ -189,7 +191,7 @@ class _Finish:
             made.anchored(made.web(self._layout), before.values, before.web.values)
             return made
 
-        goal = self._goal.shifted({r.quantity: 1 - r.sign * _SAFE for r in self._goal.limits})
+        goal = self._goal.reserved(_SAFE)
         effort = _FINISH[min(number, len(_FINISH)) - 1]
         values, solved = best_values(
             webs, self._layout, before.values, goal, f"finish-{number}", self._work, effort

@@ -62,7 +62,7 @@ def test_excesses_and_slopes_are_relative() -> None:
     slopes = {"torsion": np.array([1.0, 2.0]), "mass": np.array([0.0, 4.0]), "bending": np.array([5.0, 0.0])}
     assert goal.excess_slopes(slopes, 2) == pytest.approx(np.array([[-0.01, -0.02], [0.0, 2.0]]))
     assert goal.objective_slope(slopes) == pytest.approx([-0.1, 0.0])
-    assert goal.shifted({"torsion": 1.02}).limits[0].value == pytest.approx(102.0)
+    assert goal.corrected({"torsion": 1.02}).limits[0].value == pytest.approx(102.0)
 
 
 @pytest.mark.parametrize(
