@@ -17,6 +17,7 @@ from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original, original_file
 from cranktopo.pipeline.remodel import remodel_run
 from cranktopo.pipeline.run_status import working_in
+from cranktopo.remodel.dimensions import free_dimensions, with_free
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.read_web import WebRead
 from cranktopo.remodel.usual_size import usual_limits
@@ -173,7 +174,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         info("writing the solid and the drawing")
         files = _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
-        begin = dict(zip(start.layout.names, map(float, start.values), strict=True))
+        layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene))
+        begin = dict(zip(layout.names, map(float, values), strict=True))
         data = {
             **shape_json(scene.name, optimum, begin, seconds),
             "assumed": run.manifest().get("assumed", []),

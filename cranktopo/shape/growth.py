@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.remodel.dimensions import with_free, with_part
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.initial_guess import with_stations
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.shape.cell_errors import CellErrors
+from cranktopo.shape.free_bores import free_bores
 from cranktopo.shape.pocket_places import pocket_starts
 from cranktopo.shape.prices import Prices
 from cranktopo.shape.search import EVALUATIONS, Found, prices_of, search
@@ -102,6 +104,9 @@ class Growth:
         """The web with every feature that pays: bevels and a groove, then pockets, then more stations."""
         for part, guess in self._ends(best):
             best = self._with(best, part, guess)
+        for bore in [name for name in free_bores(self.model.scene) if name not in best.layout.dimensions]:
+            layout, start = with_free(best.layout, best.values, self.model.scene, (bore,))
+            best = self._tried(best, layout, start, bore)
         for _ in range(_MOST_POCKETS):
             before, paid = best, self._prices(best)
             for part, guess in list(pocket_starts(self.model, best, self.goal, paid))[:_TRIED_POCKETS]:
@@ -130,8 +135,8 @@ class Growth:
             yield groove, guess
 
     def _with(self, best: Found, part: FittedFeature, guess: Array) -> Found:
-        layout = replace(best.layout, parts=(*best.layout.parts, part))
-        return self._tried(best, layout, np.concatenate([best.values, guess]), part.label)
+        layout, start = with_part(best.layout, best.values, part, guess)
+        return self._tried(best, layout, start, part.label)
 
     def _tried(self, best: Found, layout: Layout, start: Array, step: str) -> Found:
         found, solved = self._searched(layout, start, EVALUATIONS)

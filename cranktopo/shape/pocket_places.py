@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.dimensions import with_part
 from cranktopo.scene.features.box_pocket import FittedBox
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.fitted_pocket import FittedPocket
@@ -50,7 +51,7 @@ def _places(model: WebModel, best: Found, kind: FittedPocket, worth: Array) -> I
     for x in across:
         for y in np.arange(low, high, step):
             own = [*([] if x is None else [x]), y, edge, edge, depth]
-            values = np.concatenate([best.values, own])
+            _, values = with_part(best.layout, best.values, kind, np.array(own))
             if web.constraints(values).max() < _KEPT_MM:
                 taken = best.responses.fill - model.fill(web, values)
                 yield float((worth * taken).sum()), np.array(own)

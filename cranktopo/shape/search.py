@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError
+from cranktopo.remodel.dimensions import rounded, scene_at
 from cranktopo.remodel.family import Layout, web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.remodel.parametric_web import ParametricWeb
@@ -220,14 +221,17 @@ def prices_of(scene: Scene, web: ParametricWeb, at: Array, found: Quantities, go
 
 
 def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
-    """The scene with a web of the family; what only concerns the original web is left out.
+    """The scene with a web of the family and its dimensions of the throw, rounded to 0.01 mm.
+
+    What only concerns the original web is left out.
 
     Raises:
         CranktopoError: the web does not fit the throw.
     """
-    web = scene_with_web(scene, web_of(layout, values, scene)).web
+    sized = scene_at(scene, layout, rounded(scene, layout, values))
+    web = scene_with_web(sized, web_of(layout, values, sized)).web
     changes = {"web": web, "name": f"{scene.name}-shape", "published": None, "original": None}
-    return scene.model_copy(update=changes)
+    return sized.model_copy(update=changes)
 
 
 def _sound(scene: Scene, layout: Layout, values: Array, work: Work) -> bool:

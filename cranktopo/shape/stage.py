@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.dimensions import with_free
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.parametric_web import ParametricWeb
@@ -22,6 +23,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.shape.cell_errors import CellErrors
+from cranktopo.shape.free_bores import bored, not_on_cells
 from cranktopo.shape.goal_in_model import search_goal_of
 from cranktopo.shape.growth import Growth, Trial
 from cranktopo.shape.mesh_model import MeshResponses
@@ -137,13 +139,14 @@ def optimise_shape(
     wanted = search_goal_of(goal, cells.original, original.values, cases)
     growth = Growth(cells, wanted, CellErrors(cells, work), work)
     start = start or scene_start(scene, settings.limits)
-    grown = growth.grown(growth.first(start.layout, start.values))
+    grown = growth.grown(growth.first(*with_free(start.layout, start.values, scene, bored(scene))))
     stated = search_goal_of(goal, original.values, original.values, cases)
-    finish = _Finish(scene, stated, grown.layout, original, settings, work)
-    rounds = finish.rounds(grown.values)
+    layout, first = with_free(grown.layout, grown.values, scene, not_on_cells(scene))
+    finish = _Finish(scene, stated, layout, original, settings, work)
+    rounds = finish.rounds(first)
     best = _best(rounds, stated)
     found = finish.anchored(rounds[best])
-    web = finish.webs().web(grown.layout)
+    web = finish.webs().web(layout)
     paid = prices_of(scene, web, rounds[best].values, found, stated)
     return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(growth.trials), found, paid)
 

@@ -26,6 +26,7 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.model_fill import smooth_step
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
+from cranktopo.shape.free_bores import FreeBores, domain_without_free_bores
 
 Array = NDArray[np.float64]
 _TOLERANCE = 1e-5
@@ -59,6 +60,7 @@ class WebModel:
     Attributes:
         known: every quantity that its load cases allow.
         original: those of the scene's own web on the same cells.
+        bores: the free ones; fillets and another thickness are not on the cells, their slopes are 0.
     """
 
     scene: Scene
@@ -67,6 +69,7 @@ class WebModel:
     model: ThrowModel
     known: Mapping[str, Response]
     original: dict[str, float]
+    bores: FreeBores
 
     def web(self, layout: Layout) -> ParametricWeb:
         """A web of the layout on the cells between the web faces."""
@@ -105,14 +108,20 @@ class WebModel:
         moduli, solid = self.domain.fixed.copy(), self.domain.fixed.copy()
         moduli[:, :, layers] += design * (CONTRAST + (1 - CONTRAST) * fill)
         solid[:, :, layers] += design * fill
-        solved = _solved(self.model, moduli, solid, _TOLERANCE, guess)
+        left, by_bores = self.bores.left(web.layout, values)
+        stiff = 1 - (1 - CONTRAST) * (1 - left)
+        solved = _solved(self.model, moduli * stiff, solid * left, _TOLERANCE, guess)
         found, by_moduli, by_solid = map(np.asarray, slopes(self.model, self._functions, solved, {}))
-        by_fill = ((1 - CONTRAST) * by_moduli + by_solid)[..., layers] * design
+        by_fill = ((1 - CONTRAST) * stiff * by_moduli + left * by_solid)[..., layers] * design
         by_cell = dict(zip(self.known, by_fill, strict=True))
         pulled = {
             name: web.pulled_back(values, which, by_cell[name] * slope)
             for name in sorted(set(quantities) & set(by_cell))
         }
+        by_left = (1 - CONTRAST) * moduli * by_moduli + solid * by_solid
+        for name, rest in zip(self.known, by_left, strict=True):
+            for bore, thinner in by_bores.items() if name in pulled else ():
+                pulled[name][web.layout.names.index(bore)] += (rest * thinner).sum()
         named = dict(zip(self.known, map(float, found), strict=True))
         return Responses(named, pulled, by_cell, fill, solved.displacements)
 
@@ -150,14 +159,14 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     Raises:
         CranktopoError: no envelope, or a failed solve.
     """
-    domain = build_domain(scene, resolution_mm)
+    domain = domain_without_free_bores(scene, resolution_mm)
     effects = plan(scene).enabled - {"tangential", "centrifugal"} | {"bending", "torsion"}
     model = build_model(scene, domain, load_cases(scene, effects))
     known = quantities(model, scene.material.density_kg_m3)
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).fixed
     solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}
-    return WebModel(scene, limits, domain, model, known, original)
+    return WebModel(scene, limits, domain, model, known, original, FreeBores(scene, domain))
 
 
 def _solved(

@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from cranktopo.fem.precision import double_precision
+from cranktopo.remodel.dimensions import with_free
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene, load_scene, scene_from_dict
@@ -61,6 +62,33 @@ def test_gradients_of_every_quantity_are_those_of_differences(model: WebModel, m
             assert_allclose(
                 found.slopes[quantity][index], slope, rtol=1e-4, atol=1e-4 * scale, err_msg=message
             )
+
+
+def test_gradients_by_free_bores_are_those_of_differences(mikron: Scene) -> None:
+    """Uneven bores, the pin's in a journal that is solid in the design."""
+    data = mikron.model_dump(mode="json", exclude_none=True)
+    data["throw"]["crankpin"]["bore_diameter_mm"] = 0.0
+    data["shape"] = {"free": {"pin_bore_mm": [0.0, 30.0], "journal_bore_mm": [10.0, 30.0]}}
+    scene = scene_from_dict(data)
+    layout, values = with_free(Layout(7, PARTS), values_of(mikron), scene, ("pin_bore", "journal_bore"))
+    assert list(layout.sizes(values)) == [pytest.approx(0.3 * 42), 24.0]
+    values += np.random.default_rng(4).normal(0, 0.3, len(values))
+    values[-2] = 19.0
+    with double_precision():
+        bored = web_model(scene, usual_limits(scene), 8.0)
+        web = bored.web(layout)
+        found, step = bored.responses(web, values, QUANTITIES), 1e-4
+        for index in (8, len(values) - 2, len(values) - 1):
+            move = step * np.eye(len(values))[index]
+            ahead, back = (bored.responses(web, values + s * move, ()).values for s in (1, -1))
+            for name in QUANTITIES:
+                slope = (ahead[name] - back[name]) / (2 * step)
+                told = f"{name} by {layout.names[index]}"
+                scale = np.abs(found.slopes[name]).max()
+                assert_allclose(found.slopes[name][index], slope, rtol=1e-4, atol=1e-4 * scale, err_msg=told)
+        solid = bored.responses(bored.web(Layout(7, PARTS)), values[:-2], ()).values["mass"]
+    gone = np.pi / 4 * 19.0**2 * (19 + 18) * 2 * scene.material.density_kg_m3 * 1e-9
+    assert solid - found.values["mass"] == pytest.approx(gone, rel=0.04)
 
 
 @pytest.mark.slow
