@@ -12,12 +12,11 @@ from cranktopo.evaluate.evaluation import evaluate
 from cranktopo.evaluate.goal_values import goal_values
 from cranktopo.evaluate.safety_field import fatigue_field
 from cranktopo.evaluate.targets import Target
-from cranktopo.remodel.dimensions import free_dimensions
 from cranktopo.scene import Scene
+from cranktopo.shape.free_bores import kept_features
 from cranktopo.store import Json, Work
 
-_FILLETS: tuple[Feature, ...] = ("fillets",)
-_WITH_BORES: tuple[Feature, ...] = ("bores", "fillets")
+_WITH_BODY: tuple[Feature, ...] = ("bores", "fillets")
 
 
 @dataclass(frozen=True)
@@ -61,8 +60,7 @@ def evaluated_web(
     Raises:
         CranktopoError: impossible geometry, or a failed solve.
     """
-    bores = file or any(name.endswith("bore") for name in free_dimensions(scene))
-    kept = _WITH_BORES if bores else _FILLETS
+    kept = _WITH_BODY if file else kept_features(scene)
     target = Target(scene.name, planned_scene(scene, kept), file)
 
     def make() -> Json:

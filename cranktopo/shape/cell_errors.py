@@ -6,7 +6,6 @@ Cells overrate bending beside pockets by several percent, so that a pocket seems
 from __future__ import annotations
 
 from cranktopo.effects import planned_scene
-from cranktopo.effects.simulated import Feature
 from cranktopo.evaluate.evaluation import (
     RATIO,
     default_element_size_mm,
@@ -15,11 +14,10 @@ from cranktopo.evaluate.evaluation import (
 )
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import Scene
+from cranktopo.shape.free_bores import kept_features
 from cranktopo.shape.search import Found, shaped_scene
 from cranktopo.shape.web_model import WebModel
 from cranktopo.store import Json, Work
-
-_FILLETS: tuple[Feature, ...] = ("fillets",)
 
 
 class CellErrors:
@@ -49,7 +47,7 @@ class CellErrors:
         """Mass and stiffnesses with fillets on the coarser mesh of a default evaluation."""
 
         def make() -> Json:
-            target = Target(scene.name, planned_scene(scene, _FILLETS))
+            target = Target(scene.name, planned_scene(scene, kept_features(scene)))
             found = evaluate_on_mesh(target, RATIO * default_element_size_mm(scene))
             supports, mass = scene.supports, meshed_throw_kg(found.meshed, scene)
             torsion = found.stiffness.torsion[supports.torsion]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain, build_domain
+from cranktopo.effects.simulated import Feature
 from cranktopo.remodel.dimensions import free_dimensions, scene_at
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.model_fill import smooth_step
@@ -30,6 +31,11 @@ def bored(scene: Scene) -> tuple[DimensionName, ...]:
 def not_on_cells(scene: Scene) -> tuple[DimensionName, ...]:
     """Free dimensions that cells cannot tell: fillets, which they lack, and the thickness, their grid's."""
     return tuple(name for name in free_dimensions(scene) if name not in free_bores(scene))
+
+
+def kept_features(scene: Scene) -> tuple[Feature, ...]:
+    """Features of the journals that the evaluation keeps, whatever the plan says: fillets, and free bores."""
+    return ("bores", "fillets") if free_bores(scene) else ("fillets",)
 
 
 def domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
