@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.family import Layout
+from cranktopo.evaluate.elasticity import assemble
+from cranktopo.meshing.solid_mesh import mesh_throw
+from cranktopo.remodel.family import Layout, web_of
+from cranktopo.remodel.fit import scene_with_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene, load_scene
@@ -94,3 +97,13 @@ def test_the_fatigue_limit_holds_and_its_price_predicts_the_next_optimum(scene: 
     _, tighter, _ = least_mass(scene, 1.02, found)
     change = goal.objective(tighter.values) - goal.objective(at.values)
     assert change == pytest.approx(0.01 / 1.01 * paid.limits[2], rel=0.2)
+
+
+def test_a_web_on_which_the_usual_meshes_fold_is_meshed() -> None:
+    """A deep crowned bevel over a narrow end: gmsh's Delaunay algorithms fold triangles on its long face."""
+    found = np.array([-23.72, 71.82, 16.06, 26.05, 32.39, 28.58, 16.3, 25.91, 16.0, 3.27])
+    scene = load_scene("mikron-iiic")
+    shaped = scene_with_web(scene, web_of(Layout(7, (FittedBevel("journal"),)), found, scene))
+    meshed = mesh_throw(shaped, 8.0)
+    volume = assemble(meshed.mesh, 1.0, 0.3).volume_mm3
+    assert 2 * volume == pytest.approx(meshed.half.volume_mm3, rel=5e-3)

@@ -13,18 +13,39 @@ from cranktopo.report.pages.sections import (
     pairs,
     versions_section,
 )
-from cranktopo.report.quantities import BENDING, MASS, SAFETY, TORSION, Quantity
+from cranktopo.report.quantities import (
+    BENDING,
+    BENDING_PER_MASS,
+    INERTIA,
+    MASS,
+    SAFETY,
+    TORSION,
+    TORSION_PER_MASS,
+    UNBALANCE,
+    Quantity,
+)
 from cranktopo.report.tables.goal_table import limits_table
 from cranktopo.report.tables.shape_tables import (
     changes_table,
     dimensions_table,
+    named_first,
     prices_table,
+    rounds_table,
     shape_headline,
     trials_table,
 )
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 
-_FACTS = ((MASS, "mass"), (TORSION, "torsion"), (BENDING, "bending"), (SAFETY, "fatigue_safety"))
+_QUANTITIES = {
+    "mass": MASS,
+    "torsion": TORSION,
+    "bending": BENDING,
+    "torsion_per_mass": TORSION_PER_MASS,
+    "bending_per_mass": BENDING_PER_MASS,
+    "inertia": INERTIA,
+    "unbalance": UNBALANCE,
+    "fatigue_safety": SAFETY,
+}
 
 
 def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
@@ -37,7 +58,7 @@ def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tup
         title=f"Best dimensions of the crank web of {data['design']}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
         headline=shape_headline(data),
-        facts=tuple(_fact(data, quantity, key) for quantity, key in _FACTS if key in data["change_percent"]),
+        facts=tuple(_fact(data, _QUANTITIES[key], key) for key in named_first(data)),
         sections=(
             _wanted(data),
             _dimensions(data),
@@ -83,9 +104,9 @@ def _dimensions(data: Mapping[str, Any]) -> Section:
     return Section(
         "dimensions",
         "What a millimetre is worth",
-        f"Change of each quantity per millimetre or degree of each dimension, in percent of the original, on "
-        f"the cells of the search. With every dimension off by {worst['tolerance']:g} mm in the worst way: "
-        f"{spread}.",
+        f"Change of each quantity per millimetre or degree of each dimension, in percent of the original, by "
+        f"exact gradients on body-fitted elements. With every dimension off by {worst['tolerance']:g} mm in "
+        f"the worst way: {spread}.",
         (("Dimensions at the optimum", dimensions_table(data)),),
     )
 
@@ -94,10 +115,10 @@ def _search(data: Mapping[str, Any]) -> Section:
     return Section(
         "search",
         "How it was found",
-        f"{data['evaluations']} webs were solved on cells; each feature was tried for what it gains in the "
-        "goal and kept only if it pays. The body-fitted evaluation then moved the limits by the error of the "
-        "cells until they held.",
-        (("What was tried", trials_table(data)),),
+        f"{data['evaluations']} webs were solved. Features were tried on cells for what they gain in the "
+        "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
+        "limits, and each result was evaluated on the default mesh.",
+        (("What was tried", trials_table(data)), ("Webs evaluated on the way", rounds_table(data))),
     )
 
 

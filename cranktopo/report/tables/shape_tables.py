@@ -41,6 +41,9 @@ _UNITS = {
     "": "",
 }
 
+_KEPT_PERCENT = 0.05
+"""Excess with which a limit still counts as kept, as in the search."""
+
 
 def changes_table(data: Mapping[str, Any]) -> ResultTable:
     """Every quantity of the original and of the result, and its change."""
@@ -104,11 +107,38 @@ def trials_table(data: Mapping[str, Any]) -> ResultTable:
     return ResultTable(columns, rows)
 
 
+def rounds_table(data: Mapping[str, Any]) -> ResultTable:
+    """Every web that was evaluated on the way, against the original, and by how much it missed its limits."""
+    before, names = data["values"]["original"], named_first(data)
+    columns = {"web": 0, **{f"{name}_percent": 2 for name in names}, "limits missed by": 0}
+    rows = tuple(
+        {
+            "web": f"finish {number}" if number else "of the cells",
+            **{f"{name}_percent": 100 * (found["values"][name] / before[name] - 1) for name in names},
+            "limits missed by": _missed(found["excess_percent"]),
+        }
+        for number, found in enumerate(data["rounds"])
+    )
+    return ResultTable(columns, rows)
+
+
+def _missed(excess_percent: list[float]) -> str:
+    worst = max(excess_percent, default=0.0)
+    return "-" if worst <= _KEPT_PERCENT else f"{worst:.2f} %"
+
+
+def named_first(data: Mapping[str, Any]) -> tuple[str, ...]:
+    """The quantities that a result is told by, that of the goal first."""
+    goal, told = data["goal"], data["change_percent"]
+    names = (goal.get("minimise") or goal["maximise"], "mass", "torsion", "bending", "fatigue_safety")
+    return tuple(name for name in dict.fromkeys(names) if name in told)
+
+
 def shape_headline(data: Mapping[str, Any]) -> str:
-    """The result in one sentence; limits that are missed and what got worse come first."""
+    """The result in one sentence; limits that are missed come first, then the goal."""
     change, missed = data["change_percent"], broken_limits(data["goal"])
-    names = ("mass", "torsion", "bending", "fatigue_safety")
-    said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names if name in change)
+    names = named_first(data)
+    said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names)
     if not missed:
         return f"Every limit holds: {said} against the original web."
     return f"NOT MET: {'; '.join(missed)}; {said} against the original web."
@@ -130,7 +160,7 @@ def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
         terminal(dimensions_table(data)),
         f"worst case with every dimension off by {data['worst_case_percent']['tolerance']:g} mm: {spread}",
         "",
-        f"{data['seconds']['total']:.1f} s, {data['evaluations']} webs solved on cells",
+        f"{data['seconds']['total']:.1f} s, {data['evaluations']} webs solved",
         *(str(folder / name) for name in data["files"].values()),
     ]
     return "\n".join(lines)
