@@ -1,0 +1,101 @@
+"""The best dimensions against the re-model of a density, for the same goal and limits, on four engines.
+
+    python -m tests.benchmarks.shape_webs [ENGINE:GOAL...]
+
+ENGINE is a built-in design, `wide` (a wide web between solid journals) or `overlapping` (journals that
+overlap deeply), GOAL is `mass` or `torsion_per_mass`. Every web is evaluated with its fillets on the
+default mesh against the original web; one line per web as Markdown.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from cranktopo.pipeline.evaluate import evaluate_target
+from cranktopo.pipeline.optimise import optimise_design
+from cranktopo.pipeline.remodel import remodel_run
+from cranktopo.pipeline.shape import shape_design
+from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene.goal.changing import with_goal
+
+OWN: dict[str, dict[str, Any]] = {
+    "wide": {
+        "throw": {
+            "radius_mm": 55.0,
+            "main_journal": {"outer_diameter_mm": 56.0, "length_mm": 40.0, "fillet_mm": 3.0},
+            "crankpin": {"outer_diameter_mm": 50.0, "length_mm": 38.0, "fillet_mm": 3.0},
+        },
+        "web": {"thickness_mm": 20.0, "outline": "obround", "width_mm": 96.0},
+        "envelope": {"shape": "box", "half_width_mm": 58.0, "y_min_mm": -58.0, "y_max_mm": 112.0},
+    },
+    "overlapping": {
+        "throw": {
+            "radius_mm": 40.0,
+            "main_journal": {"outer_diameter_mm": 72.0, "length_mm": 36.0, "fillet_mm": 3.5},
+            "crankpin": {"outer_diameter_mm": 62.0, "length_mm": 34.0, "fillet_mm": 3.5},
+        },
+        "web": {"thickness_mm": 17.0, "outline": "obround", "width_mm": 88.0},
+        "envelope": {"shape": "box", "half_width_mm": 52.0, "y_min_mm": -54.0, "y_max_mm": 94.0},
+    },
+}
+HEAD = ("engine", "goal", "web", "mass %", "torsion %", "bending %", "torsion per mass %", "safety %")
+MORE = ("limits missed by %", "webs solved", "s")
+TASKS = [
+    f"{name}:{goal}"
+    for name in ("mikron-iiic", "opposed-piston", *OWN)
+    for goal in ("mass", "torsion_per_mass")
+]
+
+
+def scene_of(name: str) -> Scene:
+    """A built-in design, or one of our own with the engine of the opposed-piston diesel."""
+    if name not in OWN:
+        return load_scene(name)
+    data = load_scene("opposed-piston").model_dump(mode="json", exclude_none=True)
+    changes: dict[str, Any] = {"name": name, **OWN[name]}
+    return scene_from_dict({key: value for key, value in (data | changes).items() if key != "published"})
+
+
+def webs(name: str, goal: str) -> Iterator[tuple[str, dict[str, float], str]]:
+    """The web by its dimensions, then the re-model of the density: changes in %, what else is told."""
+    asked = {"minimise": goal, "maximise": None} if goal == "mass" else {"minimise": None, "maximise": goal}
+    scene = with_goal(scene_of(name), limits=(), **asked)
+    with tempfile.TemporaryDirectory() as folder:
+        shaped = shape_design(scene, out=Path(folder) / "shape").data
+        missed = max(max(row["excess_percent"]) for row in shaped["rounds"][-1:])
+        told = f"{max(missed, 0.0):.2f} | {shaped['evaluations']} | {shaped['seconds']['total']:.0f}"
+        yield "dimensions", shaped["change_percent"], told
+        began = time.perf_counter()
+        run = optimise_design(scene, Path(folder) / "density")
+        remodel_run(str(run.folder), evaluated=False)
+        seconds = time.perf_counter() - began
+        found = evaluate_target(str(run.folder / "remodel" / f"{scene.name}-remodel.toml"))
+        before = shaped["values"]["original"]
+        values = {
+            "mass": found.throw_kg,
+            "torsion": found.torsion_Nm_per_rad,
+            "bending": found.bending_N_per_mm,
+            "torsion_per_mass": found.torsion_Nm_per_rad / found.throw_kg,
+        }
+        change = {key: 100 * (value / before[key] - 1) for key, value in values.items()}
+        yield "re-model of a density", change, f"- | - | {seconds:.0f}"
+
+
+def main() -> None:
+    """Print the table as Markdown."""
+    print(f"| {' | '.join((*HEAD, *MORE))} |\n|{'---|' * len((*HEAD, *MORE))}", flush=True)
+    for task in sys.argv[1:] or TASKS:
+        name, goal = task.split(":")
+        for web, change, told in webs(name, goal):
+            names = ("mass", "torsion", "bending", "torsion_per_mass", "fatigue_safety")
+            cells = [f"{change[key]:+.2f}" if key in change else "-" for key in names]
+            print(f"| {name} | {goal} | {web} | {' | '.join(cells)} | {told} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
