@@ -1,6 +1,6 @@
 """Sparse symmetric solves: direct for small systems, two-level p-multigrid CG for large ones.
 
-SuperLU is the quickest to about 15 000 unknowns and then grows fast in time and memory; conjugate gradients
+SuperLU is the quickest to about 25 000 unknowns and then grows fast in time and memory; conjugate gradients
 with linear tetrahedra as the coarse level grow about linearly ("Evaluation solvers", docs/pages/archive.md).
 Both need nothing but SciPy.
 """
@@ -19,7 +19,7 @@ from cranktopo.store.manifest import SEED
 
 Array = NDArray[np.float64]
 
-DIRECT_LIMIT = 15_000
+DIRECT_LIMIT = 25_000
 """Most unknowns for the direct solver."""
 RESIDUAL_LIMIT = 1e-8
 """Largest accepted relative residual of any solve."""

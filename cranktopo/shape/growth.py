@@ -29,7 +29,7 @@ LEAST_GAIN = 2e-3
 """Least gain in the goal, relative to the original, that a feature or a station must bring."""
 _MOST_POCKETS, _TRIED_POCKETS = 4, 2
 _MORE_STATIONS = (9,)
-_AGAIN = 20
+_AGAIN = 12
 """Most webs solved after the goal was corrected."""
 
 

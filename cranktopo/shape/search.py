@@ -23,7 +23,7 @@ from cranktopo.shape.web_model import Responses, WebModel
 from cranktopo.store import Json, Work
 
 Array = NDArray[np.float64]
-EVALUATIONS = 25
+EVALUATIONS = 20
 _REACH = 15.0
 """How far a parameter may move in one search, mm or degrees."""
 _RULES = 0.05
