@@ -174,7 +174,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         info("writing the solid and the drawing")
         files = _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
-        layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene))
+        layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
         data = {
             **shape_json(scene.name, optimum, begin, seconds),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -43,12 +43,21 @@ def scene_at(scene: Scene, layout: Layout, values: Array) -> Scene:
 
 
 def with_free(
-    layout: Layout, values: Array, scene: Scene, names: tuple[DimensionName, ...]
+    layout: Layout,
+    values: Array,
+    scene: Scene,
+    names: tuple[DimensionName, ...],
+    begun: Mapping[DimensionName, float] | None = None,
 ) -> tuple[Layout, Array]:
-    """The same web with further free dimensions, which start as they are; a solid journal gets a bore."""
+    """The same web with further free dimensions, which start as they are; a solid journal gets a bore.
+
+    Args:
+        begun: other starts, mm.
+    """
     new = tuple(name for name in names if name not in layout.dimensions)
     free = replace(layout, dimensions=(*layout.dimensions, *new))
-    return free, np.concatenate([values, [_start(scene, name) for name in new]])
+    starts = [_start(scene, name, (begun or {}).get(name)) for name in new]
+    return free, np.concatenate([values, starts])
 
 
 def with_part(layout: Layout, values: Array, part: FittedFeature, guess: Array) -> tuple[Layout, Array]:
@@ -120,8 +129,8 @@ def _range(scene: Scene, name: DimensionName) -> tuple[float, float]:
     return max(found[0], _LEAST_BORE * journal_of(scene, name).outer_diameter_mm), found[1]
 
 
-def _start(scene: Scene, name: DimensionName) -> float:
+def _start(scene: Scene, name: DimensionName, begun: float | None) -> float:
     """The dimension as it is; of a solid journal a first bore."""
-    own = own_dimension_mm(scene, name)
+    own = begun or own_dimension_mm(scene, name)
     first = own or _FIRST_BORE * journal_of(scene, name).outer_diameter_mm
     return float(np.clip(first, *_range(scene, name)))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from cranktopo.scene.features import ProfileWeb
 from cranktopo.scene.features.body import Feature
 from cranktopo.scene.features.fitted import FittedFeature, Frame
 from cranktopo.scene.features.web import FITTED
+from cranktopo.scene.free_dimensions import DimensionName
 from cranktopo.scene.scale import usual_scale
 
 Array = NDArray[np.float64]
@@ -28,11 +29,13 @@ class WebRead:
     Attributes:
         values: parameters of the layout, mm or degrees.
         left_out: what of the web the family lacks, in words, by its key in the scene.
+        sizes: dimensions of its throw that are free and not those of the design, mm.
     """
 
     layout: Layout
     values: Array
     left_out: tuple[str, ...] = ()
+    sizes: Mapping[DimensionName, float] = field(default_factory=dict)
 
 
 def read_web(scene: Scene, sampled: Array) -> WebRead:

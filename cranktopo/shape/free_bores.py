@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -23,9 +24,13 @@ def free_bores(scene: Scene) -> tuple[DimensionName, ...]:
     return tuple(name for name in free_dimensions(scene) if name.endswith("bore"))
 
 
-def bored(scene: Scene) -> tuple[DimensionName, ...]:
-    """Free bores that are there; that of a solid journal is tried as a feature is."""
-    return tuple(name for name in free_bores(scene) if own_dimension_mm(scene, name))
+def bored(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[DimensionName, ...]:
+    """Free bores of the web to begin with; that of a solid journal is tried as a feature is.
+
+    Args:
+        begun: dimensions that are not those of the scene, mm.
+    """
+    return tuple(name for name in free_bores(scene) if begun.get(name, own_dimension_mm(scene, name)))
 
 
 def not_on_cells(scene: Scene) -> tuple[DimensionName, ...]:

@@ -15,7 +15,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.scene.free_dimensions import DIMENSIONS, own_dimension_mm
+from cranktopo.scene.free_dimensions import DIMENSIONS, free_range_mm, own_dimension_mm
 
 Array = NDArray[np.float64]
 STATIONS = 7
@@ -57,14 +57,21 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
     """A web in the family: exactly where it is one of the family, else its outline sampled.
 
     Args:
-        begun: scene of the web to begin with, by default the scene itself; its throw is not taken over.
+        begun: scene of the web to begin with, by default the scene itself; of its throw only the free
+            dimensions are taken over.
     """
     found = read_web(begun or scene, outline_start(begun or scene, limits))
     if begun is None:
         return found
-    other = [
-        f"{name} = {own_dimension_mm(begun, name):g} mm, {own_dimension_mm(scene, name):g} mm in the design"
+    other = {
+        name: (own_dimension_mm(begun, name), own_dimension_mm(scene, name))
         for name in DIMENSIONS
         if abs(own_dimension_mm(begun, name) - own_dimension_mm(scene, name)) > _SAME_MM
+    }
+    free = {name: there for name, (there, _) in other.items() if free_range_mm(scene, name)}
+    lost = [
+        f"{name} = {there:g} mm, {own:g} mm in the design"
+        for name, (there, own) in other.items()
+        if name not in free
     ]
-    return replace(found, left_out=(*found.left_out, *other))
+    return replace(found, left_out=(*found.left_out, *lost), sizes=free)

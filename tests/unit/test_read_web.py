@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cranktopo.remodel.dimensions import with_free
 from cranktopo.remodel.family import Layout, web_of
 from cranktopo.remodel.read_web import read_web
 from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene
+from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.box_pocket import FittedBox
 from cranktopo.scene.features.cylinder_pocket import FittedCylinder
@@ -109,3 +110,17 @@ def test_parts_of_one_kind_have_names_of_their_own() -> None:
     assert names[5:] == tuple(
         f"{label}.{name}" for label in ("box-pin", "box-pin-2") for name in ("y", "size_x", "size_y", "depth")
     )
+
+
+def test_of_another_throw_only_the_free_dimensions_are_taken_over() -> None:
+    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data["shape"] = {"free": {"pin_fillet_mm": [2.0, 5.0], "pin_bore_mm": [0.0, 30.0]}}
+    scene = scene_from_dict(data)
+    data["throw"]["crankpin"] |= {"fillet_mm": 3.0, "bore_diameter_mm": 0.0}
+    data["throw"]["main_journal"]["fillet_mm"] = 3.5
+    found = scene_start(scene, usual_limits(scene), scene_from_dict(data))
+    assert found.sizes == {"pin_fillet": 3.0, "pin_bore": 0.0}
+    assert found.left_out[-1] == "journal_fillet = 3.5 mm, 2.5 mm in the design"
+    layout, values = with_free(found.layout, found.values, scene, ("pin_fillet", "pin_bore"), found.sizes)
+    assert layout.names[-2:] == ("pin_fillet", "pin_bore")
+    assert list(values[-2:]) == [3.0, 24.0]
