@@ -24,6 +24,7 @@ from cranktopo.surface.solids import (
     snapped_to_mirror_plane,
     web_bores,
 )
+from cranktopo.surface.undercuts import way_of
 
 Array = NDArray[np.float64]
 SIMPLIFY_MM = 0.02
@@ -98,7 +99,8 @@ def fine_field(
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
     made = scene.effects.manufacturing_constraint == "on"
     release = partial(released, scene=scene) if made else None
-    return resample(grid if smooth is None else replace(grid, density=smooth), usable, release)
+    ways = way_of(scene).axes if made else ()
+    return resample(grid if smooth is None else replace(grid, density=smooth), usable, release, ways)
 
 
 def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:

@@ -10,14 +10,13 @@ the other they stay as marching cubes found them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
-from cranktopo.frames import Y
 from cranktopo.surface.density_grid import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 
@@ -48,12 +47,15 @@ Release = Callable[[Array, Array, Array, NDArray[np.bool_]], Array]
 """From a field, the place of its first point, its spacing (mm) and its usable points to what can be made."""
 
 
-def resample(grid: DensityGrid, usable: NDArray[np.bool_], release: Release | None = None) -> FineField:
+def resample(
+    grid: DensityGrid, usable: NDArray[np.bool_], release: Release | None = None, ways: Sequence[int] = ()
+) -> FineField:
     """Density on a lattice twice as fine as the cells, continued beyond what can hold material.
 
     Args:
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
         release: keeps between the cells what the process needs.
+        ways: axes along which the process leaves the web.
     """
     from scipy import ndimage
 
@@ -63,7 +65,7 @@ def resample(grid: DensityGrid, usable: NDArray[np.bool_], release: Release | No
     spacing = grid.cell_mm / REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
     if release is not None:
-        fine = _released(fine, grid, usable, release)
+        fine = _released(fine, grid, usable, release, ways)
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
 
 
@@ -125,19 +127,21 @@ def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:
     return filled
 
 
-def _released(fine: Array, grid: DensityGrid, usable: NDArray[np.bool_], release: Release) -> Array:
+def _released(
+    fine: Array, grid: DensityGrid, usable: NDArray[np.bool_], release: Release, ways: Sequence[int]
+) -> Array:
     """The resampled field as its process makes it.
 
-    Its mirror image beyond faces and sides is no obstacle to tools: there it goes on straight, so that walls
-    keep their draft up to the faces and sides.
+    Along its ways the mirror image beyond the grid's faces is no obstacle to tools: there the field goes on
+    straight, so that walls keep their draft up to the faces. Beside them it is made like the field itself.
     """
-    margin, spacing = REFINE * _PAD_CELLS, grid.cell_mm / REFINE
-    inner = slice(margin, -margin)
-    beside = np.pad(usable, ((0, 0), (_PAD_CELLS, _PAD_CELLS), (0, 0)), mode="edge")
-    within = np.kron(beside, np.ones((REFINE,) * 3, dtype=bool))
-    first = grid.origin_mm + spacing / 2 - np.array([0.0, margin * spacing[Y], 0.0])
-    made = release(fine[inner, :, inner], first, spacing, within)
-    beyond = ((margin, margin), (0, 0), (margin, margin))
+    spacing, along = grid.cell_mm / REFINE, np.isin(np.arange(3), ways)
+    cells = np.where(along, 0, _PAD_CELLS)
+    within = np.kron(np.pad(usable, [(n, n) for n in cells], mode="edge"), np.ones((REFINE,) * 3, dtype=bool))
+    beyond = [(n, n) for n in np.where(along, REFINE * _PAD_CELLS, 0)]
+    inner = tuple(slice(n, size - n) for (n, _), size in zip(beyond, fine.shape, strict=True))
+    first = grid.origin_mm + spacing / 2 - cells * grid.cell_mm
+    made = release(fine[inner], first, spacing, within)
     return np.clip(np.pad(made, beyond, mode="reflect", reflect_type="odd"), 0.0, 1.0)
 
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.frames import X, Y, Z
+from cranktopo.frames import X, Y
 from cranktopo.scene import Scene
 from cranktopo.surface.undercuts import Way, way_of
 
@@ -32,8 +32,7 @@ def released(
         return _by_die(field, first_mm, spacing_mm, way, scene)
     main, pin = _journal_sections(field, first_mm, spacing_mm, scene)
     solid = np.concatenate([main, np.where(usable, field, 0.0), pin], axis=2)
-    axes = (X, Z) if way.axis is None else (way.axis,)
-    left = np.min([_closed_along(solid, axis, spacing_mm, scene) for axis in axes], axis=0)
+    left = np.min([_closed_along(solid, axis, spacing_mm, scene) for axis in way.axes], axis=0)
     # In a bore the solid on both sides goes on: what the drill leaves beside it has no gap.
     return np.where(usable, left[:, :, 1:-1], np.maximum(field, left[:, :, 1:-1]))
 

@@ -70,6 +70,11 @@ class Way:
     axis: int | None
     parting_mm: float | None
 
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """Axes along which it is left."""
+        return (X, Z) if self.axis is None else (self.axis,)
+
 
 LATERAL_DIE = Way("a die that parts in x = 0", X, 0.0)
 

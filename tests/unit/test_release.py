@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from cranktopo.surface import DensityGrid, WebSurface, extract_half_throw
+from cranktopo.surface.cutter import build_cutter, fine_field
 from cranktopo.surface.solids import envelope_solid
 from cranktopo.surface.undercuts import Way, undercuts
 from cranktopo.surface.walls import Walls, from_parting_mm, measure
@@ -70,6 +72,21 @@ def test_walls_keep_their_draft_up_to_the_sides() -> None:
     grid, web = made(lambda x, y, z: 38.0 - SLOPE * np.abs(x) - np.abs(y - 24.0), settings)
     found = measure(web.half_throw, envelope_solid(scene, grid), scene, CELL_MM)
     assert found["least_draft_deg"] == pytest.approx(DRAFT_DEG, abs=0.5)
+
+
+@pytest.mark.parametrize("settings", [{"process": "forged", "draft_deg": DRAFT_DEG}, FACES])
+def test_the_field_is_released_beside_the_grid_too(settings: dict[str, Any]) -> None:
+    """Whatever the density: what goes on beyond a face would else grow into a spur at it."""
+    scene = scene_of(settings)
+    grid = grid_of(scene, obround(30.0), CELL_MM)
+    random = np.random.default_rng(1).random(grid.density.shape)
+    grid = replace(grid, density=random)
+    field = fine_field(build_cutter(grid, scene, None, None), grid, scene, None, None)
+    axis, parted = (2, MIDDLE_MM) if "parting" in settings else (0, 0.0)
+    places = field.origin_mm[axis] + field.spacing_mm[axis] * np.arange(field.values.shape[axis])
+    values = np.moveaxis(field.values, axis, 0)
+    far, near = values[places > parted], values[places < parted][::-1]
+    assert max(np.diff(half[:-1], axis=0).max() for half in (far, near)) <= 0.0
 
 
 def test_nothing_is_caught_where_one_half_ends() -> None:
