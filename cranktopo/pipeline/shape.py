@@ -204,5 +204,9 @@ def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBo
     """The result and the original, the half throw of each."""
     file = original_file(scene)
     before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
-    shown = (("result", read_stl(run.path / _FILES["stl"])), ("original web", before))
-    return tuple(ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2) for name, mesh in shown)
+    result = optimum.result.web.scene
+    shown = (
+        ("result", read_stl(run.path / _FILES["stl"]), result),
+        ("original web", before, scene),
+    )
+    return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)

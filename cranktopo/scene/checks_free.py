@@ -8,6 +8,7 @@ from cranktopo.scene.free_dimensions import (
     DIMENSIONS,
     DimensionName,
     free_range_mm,
+    journal_of,
     key_of,
     own_dimension_mm,
     with_dimensions,
@@ -29,12 +30,14 @@ def check_free_dimensions(scene: Scene) -> None:
         if found is None:
             continue
         _check_own(scene, name, found)
+        if name == "web_thickness":
+            _check_thickness(scene, found[0])
+            continue
         if name.endswith("fillet"):
             _check_fillet(scene, name, found)
-        elif name.endswith("bore"):
-            _check_bore(scene, name, found[1])
         else:
-            _check_thickness(scene, found[0])
+            _check_bore(scene, name, found)
+        _check_clear(scene, name, found)
 
 
 def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
@@ -80,15 +83,34 @@ def _shortest_journal(scene: Scene, name: DimensionName) -> tuple[str, float]:
     return "main_journal", thickest.throw.main_journal.length_mm
 
 
-def _check_bore(scene: Scene, name: DimensionName, greatest: float) -> None:
-    journal = "crankpin" if name == "pin_bore" else "main_journal"
-    outer = getattr(scene.throw, journal).outer_diameter_mm
-    if greatest >= outer:
+def _check_bore(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    outer = journal_of(scene, name).outer_diameter_mm
+    if found[1] >= outer:
+        key = key_of(name).replace("bore_diameter_mm", "outer_diameter_mm")
         raise invalid(
             f"shape.free.{name}_mm",
-            list(free_range_mm(scene, name) or ()),
-            f"the greatest must be smaller than throw.{journal}.outer_diameter_mm = {outer:g} mm",
+            list(found),
+            f"the greatest must be smaller than {key} = {outer:g} mm",
             "Narrow the range.",
+        )
+
+
+def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """A bore that cuts the other journal's fillet leaves neither of them a shape that can change."""
+    bore: DimensionName
+    fillet: DimensionName
+    bore, fillet = ("pin_bore", "journal_fillet")
+    if name not in (bore, fillet):
+        bore, fillet = ("journal_bore", "pin_fillet")
+    bored, other = journal_of(scene, bore), journal_of(scene, fillet)
+    reach = bored.bore_radius_mm + other.radius_mm + other.fillet_mm
+    if bored.bore_radius_mm and reach >= scene.throw.radius_mm:
+        raise invalid(
+            f"shape.free.{name}_mm",
+            list(found),
+            f"{key_of(bore)} cuts {key_of(fillet)}: with the journal they reach {reach:g} mm, and "
+            f"throw.radius_mm = {scene.throw.radius_mm:g} mm",
+            "Leave it out, or change the design.",
         )
 
 

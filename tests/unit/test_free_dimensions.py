@@ -37,6 +37,16 @@ def test_a_range_that_cannot_be_is_refused_with_what_would_do(free: str, message
         scene(free)
 
 
+def test_a_bore_that_cuts_the_other_fillet_cannot_be_freed() -> None:
+    short = MIKRON.replace("radius_mm = 48.0", "radius_mm = 35.0").replace(
+        "rod_length_mm = 166", "rod_length_mm = 160"
+    )
+    for free in ("pin_bore_mm = [20, 30]", "journal_fillet_mm = [2, 3]"):
+        with pytest.raises(CranktopoError, match=r"bore_diameter_mm cuts throw\.main_journal.fillet_mm"):
+            parse_scene(f"{short}\n[shape.free]\n{free}\n")
+    parse_scene(f"{short}\n[shape.free]\nweb_thickness_mm = [18, 20]\n")
+
+
 def test_each_dimension_goes_to_its_place_and_the_pitch_stays() -> None:
     before = scene("pin_fillet_mm = [2, 5]\nweb_thickness_mm = [18, 24]")
     values = {name: 3.0 + k for k, name in enumerate(DIMENSIONS)}
