@@ -36,6 +36,7 @@ from cranktopo.errors import ExitCode
     help="End when the web beside a journal is thinner; default: 40 % of the web's thickness.",
 )
 @limit_options
+@click.option("--no-shape", is_flag=True, help="End with the loop: leave the shape optimisation out.")
 @click.option("--element-size-mm", type=CELL_MM, help="Of the evaluation.")
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
@@ -49,6 +50,7 @@ def command(
     process: str | None,
     least_transition_mm: float | None,
     element_size_mm: float | None,
+    no_shape: bool,
     out: Path | None,
     resume: str | None,
     as_json: bool,
@@ -58,6 +60,10 @@ def command(
 
     Every step leaves a parametric web (TOML, STEP, STL). The loop ends when a step no longer improves the
     torsional stiffness per mass, or when the web beside a journal becomes too thin.
+
+    What topology says is then handed over: the dimensions of the best step's web are optimised for the
+    design's goal, else for the most torsional stiffness per mass of a web that is no heavier, no softer in
+    bending and no less safe, as by `cranktopo shape`; that web is the last row, "shape".
 
     Example: cranktopo iterate mikron-iiic --steps 6
     """
@@ -77,7 +83,12 @@ def command(
         scene = loop_scene(scene) if process is None else scene.with_optimise(process=process)
         scene = scene.with_optimise(volume_fraction=volume_fraction, resolution_mm=resolution_mm)
         settings = loop_settings(
-            scene, steps, least_transition_mm, element_size_mm, usual_limits(scene, **limits)
+            scene,
+            steps,
+            least_transition_mm,
+            element_size_mm,
+            usual_limits(scene, **limits),
+            shape=not no_shape,
         )
         command_line = ["cranktopo", *sys.argv[1:]]
         outcome = start_loop(scene, settings, out, design_text(name), command_line, info)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cranktopo.errors import CranktopoError
+from cranktopo.report.tables.steps_table import best_row, row_folder
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
 from cranktopo.scene.of_run import scene_of_run
@@ -66,7 +67,7 @@ def web_target(text: str) -> WebTarget:
 
 
 def run_web(run: RunStore) -> Path | None:
-    """Scene file of the parametric web of a run: result, best step, newest re-model; None without a re-model.
+    """Scene file of a run's parametric web: its result, its best web, its newest re-model; None without one.
 
     Raises:
         CranktopoError: the run is not finished, or found no web.
@@ -82,12 +83,12 @@ def run_web(run: RunStore) -> Path | None:
     if kind != LOOP:
         return newest_remodel(run)
     with shown_results(run):
-        best = read_json(run.path / RESULT_FILES[LOOP])["best_step"]
+        best = best_row(read_json(run.path / RESULT_FILES[LOOP]))
         if best is None:
             raise CranktopoError(
                 f"run '{run.path}': its loop found no better web.", hint="Begin with its design instead."
             )
-        return run.path / f"step-{best:02d}" / _WEB
+        return run.path / row_folder(best) / _WEB
 
 
 def newest_remodel(run: RunStore) -> Path | None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError
 from cranktopo.report.quantities import PER_MASS, STIFFNESS
+from cranktopo.report.tables.steps_table import best_row, row_words
 from cranktopo.store import (
     LOOP,
     RUNS,
@@ -72,13 +73,13 @@ def _run_result(metrics: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _loop_result(loop: Mapping[str, Any]) -> dict[str, Any]:
-    """The best step of a loop, if it has one."""
-    if loop["best_step"] is None:
+    """The best web of a loop, if it has one."""
+    best = best_row(loop)
+    if best is None:
         return {"result": "no better web"}
-    best = loop["steps"][loop["best_step"]]
     share = best["percent_of_original"]
     return {
-        "result": f"best: step {best['number']}",
+        "result": f"best: {row_words(best)}",
         "mass_of_throw_kg": best["throw_kg"],
         "gain_of_stiffness_per_mass_percent": {
             stiffness.key: share[ratio.key] - 100

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 
 from cranktopo.cli.main import main
-from cranktopo.scene.loading import resolve_design
 
 
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:
@@ -67,16 +65,6 @@ def test_a_resumed_run_keeps_its_goal(capsys: pytest.CaptureFixture[str]) -> Non
     code, _, err = run(capsys, "optimise", "--resume", "x", "--minimise", "mass")
     assert code == 2
     assert "leave out --minimise" in err
-
-
-def test_the_loop_refuses_a_goal(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    text = resolve_design("mikron-iiic").read_text(encoding="utf-8")
-    design = tmp_path / "x.toml"
-    design.write_text(f'{text}\n[goal]\nminimise = "mass"\n', encoding="utf-8")
-    code, _, err = run(capsys, "iterate", str(design), "--out", str(tmp_path / "loop"))
-    assert code == 3
-    assert "the loop takes volume away step by step and knows no goal" in err
-    assert not (tmp_path / "loop").exists()
 
 
 def test_a_volume_fraction_beside_a_goal_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -109,7 +109,7 @@ def _web_inside(scene: Scene) -> ObroundWeb:
     return ObroundWeb(**step_file["scene"]["web"])
 
 
-ARGUMENTS = ["iterate", "--steps", "3", "--resolution-mm", "4.5", "--volume-fraction", "0.45"]
+ARGUMENTS = ["iterate", "--steps", "3", "--resolution-mm", "4.5", "--volume-fraction", "0.45", "--no-shape"]
 
 
 @dataclass(frozen=True)
@@ -262,7 +262,10 @@ def test_a_loop_is_shown_and_listed_as_one(
     quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["iterate", "--steps", "1", "--resolution-mm", "4.5", "--volume-fraction", "0.6"]) == 0
+    assert (
+        main(["iterate", "--steps", "1", "--resolution-mm", "4.5", "--volume-fraction", "0.6", "--no-shape"])
+        == 0
+    )
     ended = capsys.readouterr().out
     (path,) = (tmp_path / "runs").iterdir()
     assert main(["runs", "show", path.name]) == 0

@@ -1,4 +1,4 @@
-"""`cranktopo iterate` as a user runs it, every stage real: two steps on coarse cells."""
+"""`cranktopo iterate` as a user runs it, every stage real: two steps on coarse cells, then the shape."""
 
 from __future__ import annotations
 
@@ -27,18 +27,22 @@ def test_two_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads((out / "iterate.json").read_text(encoding="utf-8"))["steps"] == data["steps"]
     with (out / "steps.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [row["step"] for row in rows] == ["original", "1", "2"]
-    for row, name in zip(rows, ("original", "step-01", "step-02"), strict=True):
+    assert [row["step"] for row in rows] == ["original", "1", "2", "shape"]
+    for row, name in zip(rows[:3], ("original", "step-01", "step-02"), strict=True):
         check_mass(row, out / name)
-    original, first, last = (float(row["throw_kg"]) for row in rows)
+    original, first, last, _ = (float(row["throw_kg"]) for row in rows)
     assert last < first
     assert original < first, "the envelope is larger than the original web"
-    assert main(["evaluate", str(out / "step-02" / "web.toml"), "--json"]) == 0
-    (alone,) = json.loads(capsys.readouterr().out)["evaluations"]
-    step = data["steps"][2]
-    for case, unit in (("torsion", "Nm_per_rad"), ("bending", "N_per_mm")):
-        stiffness = alone[case][f"{alone['supports'][case]}_{unit}"]
-        assert stiffness == pytest.approx(step[f"{case}_{unit}"], rel=1e-6)
+    for folder, step in (("step-02", data["steps"][2]), ("shape", data["steps"][3])):
+        assert main(["evaluate", str(out / folder / "web.toml"), "--json"]) == 0
+        (alone,) = json.loads(capsys.readouterr().out)["evaluations"]
+        for case, unit in (("torsion", "Nm_per_rad"), ("bending", "N_per_mm")):
+            stiffness = alone[case][f"{alone['supports'][case]}_{unit}"]
+            assert stiffness == pytest.approx(step[f"{case}_{unit}"], rel=1e-6)
+    shape = json.loads((out / "shape" / "shape.json").read_text(encoding="utf-8"))
+    assert shape["values"]["original"]["torsion"] == pytest.approx(data["steps"][0]["torsion_Nm_per_rad"])
+    assert data["shape"]["better_than_best_step"]
+    assert data["steps"][3]["percent_of_original"]["torsion_per_mass"] > 115.0
     assert main(["runs", "show", str(out)]) == 0
     assert f"ended: {data['stop_reason']}" in capsys.readouterr().out
 

@@ -81,7 +81,8 @@ def test_a_shape_run_begins_with_its_result_and_refers_to_its_design(tmp_path: P
 
 
 def test_a_loop_begins_with_its_best_step(tmp_path: Path, web: Scene) -> None:
-    run = run_of("iterate", tmp_path / "run", web, {"best_step": 2})
+    steps = [{"number": number} for number in range(3)]
+    run = run_of("iterate", tmp_path / "run", web, {"best_step": 2, "steps": steps})
     assert web_target(str(run.path)).file == tmp_path / "run" / "step-02" / "web.toml"
     (run.path / "iterate.json").write_text(json.dumps({"best_step": None}))
     with pytest.raises(CranktopoError, match="found no better web"):

@@ -116,4 +116,4 @@ def fatigue(walk: Walk) -> None:
 
 def a_loop(walk: Walk) -> None:
     cells = ("--resolution-mm", walk.cell_mm, "--cell-mm", f"{walk.fit['cell_mm']:.4g}", *walk.size)
-    walk.run("iterate", walk.design, "--steps", "1", *cells, "--out", "loop", "--quiet")
+    walk.run("iterate", walk.design, "--steps", "1", "--no-shape", *cells, "--out", "loop", "--quiet")

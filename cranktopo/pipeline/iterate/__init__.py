@@ -1,11 +1,14 @@
-"""The loop: remove a little, extract, re-model, evaluate; the re-modelled solid bounds the next step."""
+"""The loop: remove a little, extract, re-model, evaluate; the re-modelled solid bounds the next step.
+
+Its best web is the start of a shape optimisation.
+"""
 
 from cranktopo.pipeline.iterate.loop import (
-    Outcome,
     continue_loop,
     loop_scene,
     start_loop,
 )
+from cranktopo.pipeline.iterate.outcome import Outcome
 from cranktopo.pipeline.iterate.settings import Settings, loop_settings
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.effects import planned_scene
@@ -17,7 +16,9 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
 from cranktopo.optimise.notices import baseline_notice
+from cranktopo.pipeline.iterate.outcome import Outcome
 from cranktopo.pipeline.iterate.settings import Settings, loop_settings
+from cranktopo.pipeline.iterate.shape_step import shape_scene, shape_step
 from cranktopo.pipeline.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
 from cranktopo.pipeline.iterate.step_solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.pipeline.iterate.transition import transition_mm
@@ -33,16 +34,17 @@ from cranktopo.report.pages.iterate_page import iterate_page
 from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.tables.result_table import comma_separated
 from cranktopo.report.tables.run_text import LOOP_FILES
-from cranktopo.report.tables.steps_table import steps_table
+from cranktopo.report.tables.steps_table import shape_line, steps_table
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.assumed import Assumption, assumed_json, assumptions, stored_assumptions
+from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene.assumed import assumptions, stored_assumptions
 from cranktopo.scene.geometry import StlEnvelope
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import (
     LOOP,
     RESULT_FILES,
+    SHAPE,
     RunStore,
     check_destination,
     open_run,
@@ -57,45 +59,6 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh
 STEP_FILE = "step.json"
 MOST_KEPT = 0.98
 """Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What the loop reached.
-
-    Attributes:
-        steps: the original web and every step done.
-        stop_reason: why it ended.
-        best: the step that gains most and beats the original web, if one does.
-        notices: what a user may not expect, in sentences.
-        lost: why the last step has no result; empty where every step has.
-        assumed: what the design does not say and is assumed.
-    """
-
-    folder: Path
-    design: str
-    steps: tuple[LoopStep, ...]
-    stop_reason: str
-    best: LoopStep | None
-    settings: Settings
-    notices: tuple[str, ...] = ()
-    lost: str = ""
-    assumed: tuple[Assumption, ...] = ()
-
-    def as_json(self) -> dict[str, Any]:
-        """The content of iterate.json."""
-        original = self.steps[0]
-        return {
-            "schema_version": 1,
-            "design": self.design,
-            "stop_reason": self.stop_reason,
-            "least_transition_mm": self.settings.least_transition_mm,
-            "best_step": None if self.best is None else self.best.number,
-            "notices": list(self.notices),
-            "lost_step": self.lost or None,
-            "assumed": assumed_json(self.assumed),
-            "steps": [step.as_json(original) for step in self.steps],
-        }
 
 
 def loop_scene(scene: Scene) -> Scene:
@@ -124,15 +87,11 @@ def start_loop(
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
     check_destination(out)
-    if scene.goal is not None:
-        raise CranktopoError(
-            "goal: the loop takes volume away step by step and knows no goal.",
-            hint="Take [goal] out of the design, or use `cranktopo optimise`.",
-        )
+    settings = settings or loop_settings(scene)
+    _check_goal(scene, settings)
     check_original(scene)
     assumed = assumptions(scene, RUN_TABLES)
-    announce(stage.prepare(scene), assumed, info)
-    settings = settings or loop_settings(scene)
+    announce(stage.prepare(_without_goal(scene)), assumed, info)
     run = new_run(scene, assumed, out, design_toml, command, {LOOP: settings.as_json()})
     return _worked(run, scene, settings, info)
 
@@ -150,16 +109,47 @@ def continue_loop(reference: str, info: Info = lambda _: None) -> Outcome:
     return _worked(run, scene, settings, info, resume=True)
 
 
+def _check_goal(scene: Scene, settings: Settings) -> None:
+    """A goal is for the shape optimiser, and one that it can search for."""
+    if settings.shape:
+        shape_scene(scene)
+    elif scene.goal is not None:
+        raise CranktopoError(
+            "goal: the loop takes volume away step by step; only its shape step knows a goal.",
+            hint="Leave out --no-shape, or take [goal] out of the design.",
+        )
+
+
+def _without_goal(scene: Scene) -> Scene:
+    """The design as the steps take it."""
+    return scene.model_copy(update={"goal": None})
+
+
 def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume: bool = False) -> Outcome:
     with working_in(run, "finished steps are kept") as check:
         if resume:
             run.resume()
-        outcome = _loop(run, scene, settings, info, check)
+        outcome = _loop(run, _without_goal(scene), settings, info, check)
+        if settings.shape:
+            check()
+            outcome = _handed_over(run, scene, outcome, info)
         data = outcome.as_json()
         write_json(run.path / RESULT_FILES[LOOP], data)
         write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(data["steps"])) + "\n")
         save_steps_plot(run.path / LOOP_FILES["plot"], data)
     run.log(outcome.stop_reason)
+    return outcome
+
+
+def _handed_over(run: RunStore, scene: Scene, outcome: Outcome, info: Info) -> Outcome:
+    """The outcome with that of the shape optimisation, and its page."""
+    best = outcome.best
+    info(f"shape: begins with {'the original web' if best is None else f'the web of step {best.number}'}")
+    begun = None if best is None else _scene_of(run.path, best.number)
+    number = len(outcome.steps)
+    outcome = replace(outcome, shaped=shape_step(run, scene, best, number, begun, outcome.settings, info))
+    info(shape_line(outcome.as_json()))
+    _write_page(run, outcome)
     return outcome
 
 
@@ -211,16 +201,30 @@ def _outcome(
 
 def _write_page(run: RunStore, outcome: Outcome) -> None:
     """The report of what is done so far."""
-    bodies = tuple(_body(run.path, step.number) for step in outcome.steps)
-    write_report(iterate_page(outcome.as_json(), run.manifest(), bodies), run.path / REPORT)
+    bodies = [_body(run.path, step.number) for step in outcome.steps]
+    if len(outcome.rows) > len(bodies):
+        bodies.append(_shaped_body(run.path / SHAPE))
+    write_report(iterate_page(outcome.as_json(), run.manifest(), tuple(bodies)), run.path / REPORT)
 
 
 def _body(folder: Path, number: int) -> ShownBody:
     name = "original web" if number == 0 else f"step {number}"
-    place = folder / ("original" if number == 0 else f"step-{number:02d}")
-    path = place / STEP_FILE
-    scene = scene_from_dict(read_json(path)["scene"], str(path))
+    scene, place = _scene_of(folder, number), _place(folder, number)
     return ShownBody(name, read_stl(place / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
+
+
+def _shaped_body(folder: Path) -> ShownBody:
+    scene = load_scene(str(folder / "web.toml"))
+    return ShownBody(SHAPE, read_stl(folder / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
+
+
+def _place(folder: Path, number: int) -> Path:
+    return folder / ("original" if number == 0 else f"step-{number:02d}")
+
+
+def _scene_of(folder: Path, number: int) -> Scene:
+    path = _place(folder, number) / STEP_FILE
+    return scene_from_dict(read_json(path)["scene"], str(path))
 
 
 def _original(run: RunStore, scene: Scene, settings: Settings, info: Info) -> LoopStep:

@@ -25,12 +25,14 @@ class Settings:
         least_transition_mm: thickness of the web around its journals below which the loop ends.
         element_size_mm: of the body-fitted mesh; None for its default.
         limits: of the re-modelled webs.
+        shape: whether the dimensions of the best web are optimised in the end.
     """
 
     steps: int
     least_transition_mm: float
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
+    shape: bool = True
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Settings:
@@ -60,7 +62,8 @@ def loop_settings(
     least_transition_mm: float | None = None,
     element_size_mm: float | None = None,
     limits: ManufacturingLimits | None = None,
+    shape: bool = True,
 ) -> Settings:
     """Settings of a loop over a design; the least thickness is 40 % of the web's by default."""
     least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
-    return Settings(steps, least_mm, element_size_mm, limits or usual_limits(scene))
+    return Settings(steps, least_mm, element_size_mm, limits or usual_limits(scene), shape)

@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 
 from cranktopo.report.figures.png import png
 from cranktopo.report.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
+from cranktopo.report.tables.steps_table import best_row
+from cranktopo.store import SHAPE
 from cranktopo.store.files import write_bytes
 
 _LINES = (
@@ -33,13 +35,19 @@ def steps_figure(data: Mapping[str, Any]) -> Figure:
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     numbers = [step["number"] for step in data["steps"]]
+    names = [step.get("name", str(step["number"])) for step in data["steps"]]
+    done = len(numbers) - (names[-1] == SHAPE)
     for quantity, style, colour in _LINES:
         values = [step["percent_of_original"][quantity.key] for step in data["steps"]]
-        axes.plot(numbers, values, style, color=colour, label=f"{quantity.label}: {values[-1]:.1f} %")
+        label = f"{quantity.label}: {values[-1]:.1f} %"
+        axes.plot(numbers[:done], values[:done], style, color=colour, label=label)
+        axes.plot(numbers[done:], values[done:], style[0], color=colour)
     axes.axhline(100.0, color="0.7", linewidth=1, zorder=0)
-    if data["best_step"] is not None:
-        axes.axvline(data["best_step"], color="0.7", linestyle=":", zorder=0)
-    axes.set(xlabel="step (0: original web)", ylabel="percent of the original web", xticks=numbers)
+    best = best_row(data)
+    if best is not None:
+        axes.axvline(best["number"], color="0.7", linestyle=":", zorder=0)
+    axes.set(xlabel="step", ylabel="percent of the original web")
+    axes.set_xticks(numbers, names)
     axes.set_title(f"{data['design']}: {data['stop_reason']}", fontsize=9)
     axes.legend(fontsize=8)
     return figure

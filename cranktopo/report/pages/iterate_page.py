@@ -23,9 +23,17 @@ from cranktopo.report.quantities import (
     TORSION_PER_MASS,
     Quantity,
 )
-from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_tables
+from cranktopo.report.tables.steps_table import (
+    best_line,
+    best_row,
+    row_words,
+    shape_line,
+    steps_estimate,
+    steps_tables,
+)
 from cranktopo.report.verdict_sentence import comparison_sentence
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.store import SHAPE
 
 _FACTS = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
 
@@ -40,7 +48,7 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: t
         title=f"Loop over the crank web of {data['design']}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
         headline=_headline(data),
-        facts=(*_facts(data), Fact("Ended", f"{len(bodies) - 1} steps", data["stop_reason"], "neutral")),
+        facts=(*_facts(data), Fact("Ended", f"{_done(data)} steps", data["stop_reason"], "neutral")),
         sections=(_steps(data), _provenance(data, manifest), versions_section(manifest["versions"])),
         scene3d=Scene3D(bodies, first=_shown_step(data)),
         picture=gallery_picture(bodies),
@@ -49,21 +57,27 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: t
 
 def _headline(data: Mapping[str, Any]) -> str:
     """Which step is best, and all that it changes; what got worse is said first."""
-    number = data["best_step"]
-    if number is None:
+    best = best_row(data)
+    if best is None:
         line = best_line(data)
         return f"{line[0].upper()}{line[1:]}."
-    share = data["steps"][number]["percent_of_original"]
+    share = best["percent_of_original"]
     changes = {quantity: share[quantity.key] - 100 for quantity in (MASS, TORSION, BENDING)}
     gain = share[TORSION_PER_MASS.key] - 100
-    return f"Step {number} is the best: {gain:+.1f} % torsional stiffness per mass. " + comparison_sentence(
-        "It", changes, "the original web"
+    return (
+        f"{row_words(best).capitalize()} is the best: {gain:+.1f} % torsional stiffness per mass. "
+        + comparison_sentence("It", changes, "the original web")
     )
 
 
 def _shown_step(data: Mapping[str, Any]) -> int:
-    """The best step, or the last where none beats the original."""
-    return int(data["best_step"] or data["steps"][-1]["number"])
+    """Row of the best web, or the last where none beats the original."""
+    return int((best_row(data) or data["steps"][-1])["number"])
+
+
+def _done(data: Mapping[str, Any]) -> int:
+    """Steps of the loop itself."""
+    return sum(row_words(row) != SHAPE for row in data["steps"]) - 1
 
 
 def _facts(data: Mapping[str, Any]) -> tuple[Fact, ...]:
@@ -77,7 +91,7 @@ def _fact(step: Mapping[str, Any], original: Mapping[str, Any], quantity: Quanti
     change = step["percent_of_original"][quantity.key] - 100
     error = f"{quantity.error}_error_percent"
     estimate = max(step[error], original[error]) if quantity.error else 0.0
-    note = f"step {step['number']} against the original web"
+    note = f"{row_words(step)} against the original web"
     if abs(change) < estimate:
         return Fact(label, f"{change:+.1f} %", f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
@@ -93,10 +107,16 @@ def _steps(data: Mapping[str, Any]) -> Section:
         "Steps",
         f"Evaluated with fillets on body-fitted meshes; {steps_estimate(data['steps'])}. Every step keeps "
         "its web as TOML, STEP and STL in a folder beside this page."
-        + "".join(f" Note: {notice}." for notice in data.get("notices", ())),
+        + "".join(f" Note: {notice}." for notice in data.get("notices", ()))
+        + _handed_over(data),
         steps_tables(data["steps"]),
         (Picture("steps", figure, alt),),
     )
+
+
+def _handed_over(data: Mapping[str, Any]) -> str:
+    line = shape_line(data)
+    return f" {line[0].upper()}{line[1:]}; see shape/report.html." if line else ""
 
 
 def _provenance(data: Mapping[str, Any], manifest: Mapping[str, Any]) -> Section:

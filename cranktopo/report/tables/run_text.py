@@ -9,7 +9,14 @@ from typing import Any
 from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table, unjudged_line
 from cranktopo.report.tables.length_text import length_lines
 from cranktopo.report.tables.result_table import terminal
-from cranktopo.report.tables.steps_table import best_line, steps_estimate, steps_tables
+from cranktopo.report.tables.steps_table import (
+    best_line,
+    best_row,
+    row_folder,
+    shape_line,
+    steps_estimate,
+    steps_tables,
+)
 from cranktopo.report.tables.undercut_table import obstacles
 from cranktopo.report.verdict_sentence import percent_change, run_changes_percent, worse_line
 
@@ -56,10 +63,11 @@ def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
     for caption, table in steps_tables(data["steps"]):
         lines += [caption, terminal(table), ""]
     lines.append(steps_estimate(data["steps"]))
-    lines += [f"ended: {data['stop_reason']}", best_line(data)]
+    lines += [f"ended: {data['stop_reason']}", *filter(None, [shape_line(data)]), best_line(data)]
     lines += [f"note: {notice}" for notice in data.get("notices", ())]
-    if data["best_step"] is not None:
-        lines.append(str(folder / f"step-{data['best_step']:02d}" / "web.toml"))
+    best = best_row(data)
+    if best is not None:
+        lines.append(str(folder / row_folder(best) / "web.toml"))
     files = (folder / file for file in LOOP_FILES.values())
     return "\n".join([*lines, *(str(file) for file in files if file.is_file())])
 

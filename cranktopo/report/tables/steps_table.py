@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, cast
 
 from cranktopo.report.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.report.tables.evaluation_table import estimate_line
+from cranktopo.report.tables.goal_table import goal_words
 from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
+from cranktopo.scene.goal import QUANTITIES
+from cranktopo.store import SHAPE
 
 Step = Mapping[str, Any]
 IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
@@ -18,9 +21,7 @@ def _in_percent(key: str) -> Callable[[Step], float]:
     return lambda step: step["percent_of_original"][key]
 
 
-_STEP: Column[Step] = Column(
-    "step", 0, lambda step: "original" if step["number"] == 0 else str(step["number"])
-)
+_STEP: Column[Step] = Column("step", 0, lambda step: step.get("name", str(step["number"])))
 _VALUES: tuple[Column[Step], ...] = (
     Column("throw_kg", MASS.digits, lambda step: step["throw_kg"]),
     Column("web_kg", MASS.digits, lambda step: step["web_kg"]),
@@ -66,13 +67,59 @@ def steps_estimate(steps: Sequence[Step]) -> str:
     )
 
 
+def best_row(data: Mapping[str, Any]) -> Step | None:
+    """The best web: that of the shape optimisation where it is better than the best step, else that step."""
+    shape = data.get("shape")
+    if shape is not None and shape["better_than_best_step"]:
+        return cast(Step, data["steps"][-1])
+    return None if data["best_step"] is None else cast(Step, data["steps"][data["best_step"]])
+
+
+def row_words(row: Step) -> str:
+    """A row in a sentence: `step 6`, or `shape`."""
+    return SHAPE if row.get("name") == SHAPE else f"step {row['number']}"
+
+
+def row_folder(row: Step) -> str:
+    """Name of the folder of a row's web in the loop's directory."""
+    return SHAPE if row.get("name") == SHAPE else f"step-{row['number']:02d}"
+
+
 def best_line(data: Mapping[str, Any]) -> str:
-    """Which step is best and what it gains on the original web."""
-    if data["best_step"] is None:
+    """Which web is best and what it gains on the original web."""
+    row = best_row(data)
+    if row is None:
         return "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
-    share = data["steps"][data["best_step"]]["percent_of_original"]
+    share = row["percent_of_original"]
     return (
-        f"best: step {data['best_step']}, "
+        f"best: {row_words(row)}, "
         f"torsional stiffness per mass {share[TORSION_PER_MASS.key] - 100:+.1f} %, "
         f"mass {share[MASS.key] - 100:+.1f} %, bending stiffness {share[BENDING.key] - 100:+.1f} %"
+    )
+
+
+def shape_line(data: Mapping[str, Any]) -> str:
+    """What the shape optimisation reached beside the best step; empty for a loop without one."""
+    shape = data.get("shape")
+    if shape is None:
+        return ""
+    step = "the loop" if data["best_step"] is None else f"step {data['best_step']}"
+    if not shape["found"]:
+        return f"shape: no web that keeps the limits, the result of {step} stands: {shape['reason']}"
+    goal = shape["goal"]
+    reached = (
+        f"shape: {goal_words(goal)} {goal['reached_percent']:.1f} % of the original web, every limit holds"
+    )
+    if data["best_step"] is None:
+        return f"{reached}; no step beats the original web"
+    verdict = f"better than {step}" if shape["better_than_best_step"] else f"{step} is better"
+    return f"{reached}; {verdict}{_step_words(shape)}"
+
+
+def _step_words(shape: Mapping[str, Any]) -> str:
+    """What the loop tells of its best step for the goal: ` with 116.6 %, whose fatigue safety ...`."""
+    percent, unknown = shape["best_step_percent"], shape["not_judged_of_steps"]
+    labels = " and ".join(QUANTITIES[name].label for name in unknown)
+    return (" with" + f" {percent:.1f} %" if percent is not None else "") + (
+        f", whose {labels} nobody judged" if labels else ""
     )

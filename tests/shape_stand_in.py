@@ -1,0 +1,100 @@
+"""A shape optimisation that takes no time: the run directory of a real one, with a web that is known."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cranktopo.cad.solid_files import export_solid
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.pipeline.shape import ShapedRun
+from cranktopo.scene import Scene
+from cranktopo.scene.goal.outcome import goal_json
+from cranktopo.scene.goal.wanted import wanted
+from cranktopo.scene.writing import toml_text
+from cranktopo.shape.stage import ShapeSettings
+from cranktopo.store import RunStore, create_run, open_run
+
+ORIGINAL = {
+    "mass": 1.6,
+    "torsion": 1600.0,
+    "bending": 230.0,
+    "torsion_per_mass": 1000.0,
+    "bending_per_mass": 230 / 1.6,
+    "fatigue_safety": 2.0,
+}
+
+
+@dataclass
+class ShapeStandIn:
+    """What stands for `shape_design` and `resume_shape`; it ends in the web of the scene that it was given.
+
+    Attributes:
+        percent: of the original what the result has of mass, torsion, bending and fatigue safety.
+        error: raised in place of a result while it is set.
+        asked: scene and start of every optimisation that was begun, and the folder of every continued one.
+    """
+
+    percent: dict[str, float] = field(default_factory=dict)
+    error: CranktopoError | None = None
+    asked: list[Any] = field(default_factory=list)
+
+    def design(
+        self,
+        scene: Scene,
+        settings: ShapeSettings,
+        out: Path,
+        design_toml: str | None,
+        command: list[str],
+        info: Callable[[str], None],
+        begun: Scene | None,
+    ) -> ShapedRun:
+        self.asked.append((scene, settings, begun))
+        run = create_run(
+            design=scene.name,
+            design_toml=toml_text(scene, "design"),
+            scene=scene.model_dump(mode="json"),
+            options={"shape": {}},
+            command=command,
+            out=out,
+        )
+        return self._ended(run, scene)
+
+    def resume(self, reference: str, info: Callable[[str], None]) -> ShapedRun:
+        run = open_run(reference)
+        self.asked.append(run.path)
+        return self._ended(run, self.asked[0][0])
+
+    def _ended(self, run: RunStore, scene: Scene) -> ShapedRun:
+        if self.error is not None:
+            run.set_status("interrupted" if self.error.code == ExitCode.INTERRUPTED else "failed")
+            raise self.error
+        (run.path / "web.toml").write_text(toml_text(scene.model_copy(update={"goal": None}), "result"))
+        export_solid(scene, "half", run.path / "web.stl", 6.0)
+        data = self._data(scene)
+        (run.path / "shape.json").write_text(json.dumps(data))
+        run.set_status("done")
+        return ShapedRun(run.path, data)
+
+    def _data(self, scene: Scene) -> dict[str, Any]:
+        goal = wanted(scene)
+        assert goal is not None
+        now = {name: ORIGINAL[name] * self.percent.get(name, 100.0) / 100 for name in ORIGINAL}
+        now |= {f"{name}_per_mass": now[name] / now["mass"] for name in ("torsion", "bending")}
+        return {
+            "stop_reason": "as it was told",
+            "goal": goal_json(goal, now, ORIGINAL, 5e-4),
+            "values": {"original": ORIGINAL, "result": now},
+            "result": {
+                "supports": {"torsion": "free", "bending": "pinned"},
+                "mass_kg": {"throw": now["mass"], "web": now["mass"] / 3},
+                "torsion": {"free_Nm_per_rad": now["torsion"]},
+                "bending": {"pinned_N_per_mm": now["bending"]},
+                "error_estimate_percent": {"torsion": 0.3, "bending": 0.4},
+            },
+            "seconds": {"total": 1.0},
+            "files": {"design": "web.toml"},
+        }

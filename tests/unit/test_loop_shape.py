@@ -1,0 +1,133 @@
+"""The loop's last step: what it asks the shape optimiser, and which of both webs is better."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.pipeline.iterate import loop_settings, shape_step
+from cranktopo.pipeline.iterate.shape_step import ShapeStep, shape_scene
+from cranktopo.pipeline.iterate.step import LoopStep
+from cranktopo.scene import Scene
+from cranktopo.scene.goal.changing import with_goal
+from cranktopo.scene.writing import toml_text
+from cranktopo.store import RunStore, create_run
+from tests.shape_stand_in import ORIGINAL, ShapeStandIn
+
+
+@pytest.fixture
+def stand_in(monkeypatch: pytest.MonkeyPatch) -> ShapeStandIn:
+    found = ShapeStandIn()
+    monkeypatch.setattr(shape_step, "shape_design", found.design)
+    monkeypatch.setattr(shape_step, "resume_shape", found.resume)
+    monkeypatch.setattr(shape_step, "surface_of", lambda *_: None)
+    monkeypatch.setattr(shape_step, "transition_mm", lambda *_: 12.0)
+    return found
+
+
+def loop_run(folder: Path, scene: Scene) -> RunStore:
+    return create_run(
+        design=scene.name,
+        design_toml=toml_text(scene, "design"),
+        scene=scene.model_dump(mode="json"),
+        options={"iterate": {}},
+        command=["cranktopo"],
+        out=folder,
+    )
+
+
+def step(mass: float, torsion: float, bending: float) -> LoopStep:
+    """A step by its percent of the original."""
+    values = (
+        ORIGINAL[name] * share / 100
+        for name, share in (("mass", mass), ("torsion", torsion), ("bending", bending))
+    )
+    kg, Nm_per_rad, N_per_mm = values
+    return LoopStep(2, kg, kg / 3, Nm_per_rad, N_per_mm, 0.4, 0.6, 12.0, 95.0, 10.0, 1.0)
+
+
+def ended(run: RunStore, scene: Scene, best: LoopStep | None, begun: Scene | None = None) -> ShapeStep:
+    settings = loop_settings(scene, element_size_mm=11.0)
+    return shape_step.shape_step(run, scene, best, 4, begun, settings, lambda _: None)
+
+
+def test_the_goal_is_the_designs_or_torsion_per_mass(
+    tmp_path: Path, mikron: Scene, stand_in: ShapeStandIn
+) -> None:
+    light = with_goal(mikron, minimise="mass")
+    for number, (scene, begun) in enumerate([(mikron, None), (light, mikron)]):
+        ended(loop_run(tmp_path / str(number), scene), scene, None, begun)
+    goals = [(scene.goal.quantity, given) for scene, _, given in stand_in.asked]
+    assert goals == [("torsion_per_mass", None), ("mass", mikron)]
+    assert {settings.element_size_mm for _, settings, _ in stand_in.asked} == {11.0}
+
+
+def test_a_goal_that_no_search_knows_is_refused(mikron: Scene) -> None:
+    with pytest.raises(CranktopoError, match=r"goal\.maximise"):
+        shape_scene(with_goal(mikron, maximise="fatigue_safety"))
+
+
+@pytest.mark.parametrize(
+    ("best", "better"),
+    [
+        (step(100, 115, 101), True),  # 115 % per mass against 118 %
+        (step(100, 118.05, 101), True),  # a near-tie is no loss
+        (step(100, 119, 101), False),
+        (step(100, 119, 99), True),  # a softer web does not keep the limits of the goal
+    ],
+)
+def test_the_better_web_has_clearly_more_and_keeps_the_limits(
+    best: LoopStep, better: bool, tmp_path: Path, mikron: Scene, stand_in: ShapeStandIn
+) -> None:
+    stand_in.percent = {"torsion": 118.0, "bending": 102.0}
+    found = ended(loop_run(tmp_path / "loop", mikron), mikron, best)
+    assert found.better is better
+    assert found.step_percent == pytest.approx(100 * best.torsion_per_kg / 1000)
+    assert found.not_judged == ("fatigue_safety",)
+    assert found.row is not None
+    assert (found.row.number, found.row.throw_kg, found.row.transition_mm) == (4, 1.6, 12.0)
+    assert found.row.torsion_Nm_per_rad == pytest.approx(1.18 * 1600)
+
+
+def test_a_lighter_web_is_better_where_mass_is_the_goal(
+    tmp_path: Path, mikron: Scene, stand_in: ShapeStandIn
+) -> None:
+    scene = with_goal(mikron, minimise="mass")
+    stand_in.percent = {"mass": 88.0}
+    for number, (mass, better) in enumerate([(95, True), (87, False)]):
+        found = ended(loop_run(tmp_path / str(number), scene), scene, step(mass, 110, 101))
+        assert found.better is better
+        assert found.step_percent == pytest.approx(mass)
+
+
+def test_missed_limits_and_failures_do_not_lose_the_loop(
+    tmp_path: Path, mikron: Scene, stand_in: ShapeStandIn
+) -> None:
+    stand_in.percent = {"bending": 99.0}
+    missed = ended(loop_run(tmp_path / "missed", mikron), mikron, step(96, 110, 101))
+    assert (missed.row, missed.reason, missed.better) == (None, "as it was told", False)
+    stand_in.error = CranktopoError("no web of this family keeps the limits.")
+    run = loop_run(tmp_path / "failed", mikron)
+    failed = ended(run, mikron, step(96, 110, 101))
+    assert (failed.row, failed.better) == (None, False)
+    assert "keeps the limits" in failed.reason
+    assert failed.goal == {"maximise": "torsion_per_mass"}
+    stand_in.error, stand_in.percent = None, {}
+    assert ended(run, mikron, None).row is not None, "a failed one is tried again"
+    assert stand_in.asked[-1] == run.path / "shape"
+
+
+def test_an_interrupted_one_is_continued_and_a_done_one_is_read(
+    tmp_path: Path, mikron: Scene, stand_in: ShapeStandIn
+) -> None:
+    run = loop_run(tmp_path / "loop", mikron)
+    stand_in.error = CranktopoError("interrupted", code=ExitCode.INTERRUPTED)
+    with pytest.raises(CranktopoError, match="interrupted"):
+        ended(run, mikron, None)
+    stand_in.error = None
+    first = ended(run, mikron, None)
+    assert stand_in.asked[1:] == [run.path / "shape"]
+    assert ended(run, mikron, None) == first
+    assert len(stand_in.asked) == 2
