@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
+import numpy as np
+
 from cranktopo.domain.build import Domain
+from cranktopo.optimise.density_filter import ConeFilter, share_within
 from cranktopo.optimise.length_scale import filter_radius_mm, projection_for
 from cranktopo.optimise.manufacturing import designable, process_block
-from cranktopo.optimise.material import Interpolation, build_interpolation
+from cranktopo.optimise.material import Block, Interpolation, build_interpolation
 from cranktopo.scene.schema import Scene
 
 
@@ -20,4 +24,14 @@ def build_chain(scene: Scene, domain: Domain) -> Interpolation:
         process=process_block(scene, domain),
         projection=projection_for(scene, radius),
         penalty=scene.optimise.penalty,
+        within=_within(chain.density_filter, scene, domain),
     )
+
+
+def _within(density_filter: Block, scene: Scene, domain: Domain) -> jax.Array | None:
+    """What keeps a member as thick as asked where it lies along a wall of the design space."""
+    if scene.optimise.min_member_mm is None or not isinstance(density_filter, ConeFilter):
+        return None
+    (first, last), reach = domain.web_layers, density_filter.kernel.shape[2] // 2
+    main, pin = (np.repeat(domain.fixed[:, :, layer, None], reach, axis=2) for layer in (first - 1, last))
+    return share_within(density_filter, np.concatenate([main, domain.fixed[:, :, first:last], pin], axis=2))

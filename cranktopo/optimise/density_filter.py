@@ -55,4 +55,23 @@ def convolved(values: jax.Array, kernel: jax.Array, mirrored_x: bool) -> jax.Arr
     return jax.lax.conv_general_dilated(padded[None, None], kernel[None, None], (1, 1, 1), "VALID")[0, 0]
 
 
+def share_within(plain: ConeFilter, solid: Array) -> jax.Array:
+    """Share of a filter's weight around each cell that is designable and not void, (nx, ny, nw).
+
+    Times the filtered density it is the mean over void beyond the design space as well.
+
+    Args:
+        solid: fraction of the cells that is solid in any case and does not count, as far as the kernel goes
+            beyond both ends of the last axis (nx, ny, nw + kernel - 1).
+
+    Source: A. Clausen, E. Andreassen, On filter boundary conditions in topology optimization, SMO 56, 2017.
+    """
+    reach = plain.kernel.shape[2] // 2
+    inner = slice(reach, solid.shape[2] - reach)
+    weight = convolved(plain.design, plain.kernel, plain.mirrored_x)
+    around = convolved(jnp.asarray(solid), plain.kernel, plain.mirrored_x)[:, :, inner]
+    counted = jnp.sum(plain.kernel) - around
+    return jnp.where(counted > 0, weight / jnp.where(counted > 0, counted, 1.0), 1.0)
+
+
 jax.tree_util.register_dataclass(ConeFilter, data_fields=["design", "kernel"], meta_fields=["mirrored_x"])

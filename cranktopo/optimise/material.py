@@ -38,6 +38,8 @@ class Interpolation:
         density_filter: from design variables to a smooth density.
         process: from a smooth density to the nearest one that can be made; None where anything can.
         penalty: exponent of SIMP.
+        within: share of the smooth density that the eroded design has, below 1 at walls of the design space
+            (nx, ny, nw); None where walls do not erode it.
     """
 
     fixed: jax.Array
@@ -47,6 +49,7 @@ class Interpolation:
     process: Block | None = None
     projection: Projection = PLAIN
     penalty: float = PENALTY
+    within: jax.Array | None = None
 
     @property
     def total(self) -> jax.Array:
@@ -90,21 +93,25 @@ def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
 
 def physical_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
     """Physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
-    return _projected(data, x, beta, data.projection.made)
+    return _projected(data, smooth_density(data, x), beta, data.projection.made)
 
 
 def eroded_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
     """The thinner design whose stiffness counts: the physical density unless members have a least size."""
-    return _projected(data, x, beta, data.projection.eroded)
+    smooth = smooth_density(data, x)
+    seen = smooth if data.within is None else smooth * data.within
+    return _projected(data, seen, beta, data.projection.eroded)
 
 
 def dilated_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
     """The thicker design whose volume grows: the physical density unless gaps have a least size."""
-    return _projected(data, x, beta, data.projection.dilated)
+    return _projected(data, smooth_density(data, x), beta, data.projection.dilated)
 
 
-def _projected(data: Interpolation, x: jax.Array, beta: float | jax.Array, threshold: float) -> jax.Array:
-    return projected(smooth_density(data, x), beta, threshold) * (data.design > 0)
+def _projected(
+    data: Interpolation, smooth: jax.Array, beta: float | jax.Array, threshold: float
+) -> jax.Array:
+    return projected(smooth, beta, threshold) * (data.design > 0)
 
 
 def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
@@ -136,6 +143,6 @@ def greyness(data: Interpolation, density: jax.Array) -> jax.Array:
 
 jax.tree_util.register_dataclass(
     Interpolation,
-    data_fields=["fixed", "design", "density_filter", "process"],
+    data_fields=["fixed", "design", "density_filter", "process", "within"],
     meta_fields=["web_layers", "projection", "penalty"],
 )

@@ -36,7 +36,6 @@ HEAD = (
     "surface: kN m/rad",
     "kN/mm",
     "mass kg",
-    "undercuts mm3",
 )
 WALLS = ("undercuts mm3", "draft deg", "member mm", "gap mm", "closed hollows")
 

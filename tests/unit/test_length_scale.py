@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import jax.numpy as jnp
@@ -13,7 +14,7 @@ from scipy.optimize import brentq
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.density_filter import cone_kernel
+from cranktopo.optimise.density_filter import ConeFilter, cone_kernel, share_within
 from cranktopo.optimise.length_scale import (
     check_lengths,
     eroded_threshold,
@@ -21,7 +22,7 @@ from cranktopo.optimise.length_scale import (
     least_width,
     projection_for,
 )
-from cranktopo.optimise.material import dilated_density, eroded_density
+from cranktopo.optimise.material import dilated_density, eroded_density, physical_density
 from cranktopo.optimise.notices import notices
 from cranktopo.optimise.projection import Projection
 from cranktopo.scene import Scene
@@ -58,6 +59,60 @@ def test_rods_vanish_before_plates() -> None:
     assert rod > 1.05 * least_width(0.7)
 
 
+WALL_STEP = 1 / 8
+
+
+def along_a_wall(cells: float) -> tuple[Array, Array]:
+    """Filtered density off the wall x = 0 of a plate so many cells thick that lies along it; share within."""
+    kernel = jnp.asarray(cone_kernel((WALL_STEP,) * 3, 1.0))
+    n = kernel.shape[0]
+    plain = ConeFilter(jnp.ones((2 * n, n, n)), kernel, False)
+    plate = np.clip(cells - np.arange(2 * n), 0.0, 1.0)[:, None, None] * np.ones((2 * n, n, n))
+    fields = plain(jnp.asarray(plate)), share_within(plain, np.zeros((2 * n, n, 2 * n - 1)))
+    filtered, within = (np.asarray(field)[:n, n // 2, n // 2] for field in fields)
+    return filtered, within
+
+
+@pytest.mark.parametrize("eroded", [0.6, 0.75])
+def test_a_wall_thins_no_member_that_lies_along_it(float64: None, eroded: float) -> None:
+    """A plate on the wall whose eroded design just vanishes; without the void beyond it is half as thick."""
+
+    def width(power: int) -> float:
+        def thickest(cells: float) -> float:
+            filtered, within = along_a_wall(cells)
+            return float((filtered * within**power).max() - eroded)
+
+        made, _ = along_a_wall(brentq(thickest, 1.0, 12.0, xtol=1e-2))
+        return WALL_STEP * float(np.interp(-0.5, -made, np.arange(len(made)) + 0.5))
+
+    assert width(1) > 0.95 * least_width(eroded)
+    assert width(0) < 0.65 * least_width(eroded)
+
+
+def test_only_void_beyond_the_design_space_erodes(float64: None, mikron: Scene) -> None:
+    scene = mikron.with_optimise(min_member_mm=10.0)
+    domain = build_domain(scene, 4.5)
+    chain = build_chain(scene, domain)
+    assert chain.within is not None
+    assert isinstance(chain.density_filter, ConeFilter)
+    free, within = np.asarray(chain.design) > 0, np.asarray(chain.within)
+    assert 0 < within[free].min() < 0.6 < within[free].max() < 1 + 1e-12
+    x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
+    below = (np.hypot(x[:, None], y) < 18) & (np.hypot(x[:, None], y) > 15)  # the main journal
+    assert np.all(within[below][:, 0] > within[below][:, -1])
+    full = jnp.ones(chain.design.shape)
+    made, thin = (np.asarray(of(chain, full, 16.0)) for of in (physical_density, eroded_density))
+    assert made[free].min() > 0.999
+    assert 0.2 < thin[free].mean() < 0.9
+    beyond = chain.density_filter.kernel.shape[2] - 1
+    solid = np.ones((*free.shape[:2], free.shape[2] + beyond))
+    solid[:, :, beyond // 2 : -(beyond // 2)] -= chain.design
+    reach = np.asarray(chain.density_filter.kernel.shape) // 2
+    inner = np.asarray(share_within(chain.density_filter, solid))[: -reach[0], reach[1] : -reach[1]]
+    np.testing.assert_allclose(inner[free[: -reach[0], reach[1] : -reach[1]]], 1.0, rtol=1e-12)
+    assert build_chain(mikron.with_optimise(min_gap_mm=10.0), domain).within is None
+
+
 def test_threshold_is_the_inverse_of_the_width() -> None:
     for width in (0.05, 0.4, 0.8):
         assert least_width(eroded_threshold(width)) == pytest.approx(width, rel=1e-9)
@@ -71,7 +126,8 @@ def test_gaps_are_members_of_the_void(float64: None, mikron: Scene) -> None:
     chain = build_chain(scene, build_domain(scene, 4.5))
     x = jnp.asarray(np.random.default_rng(4).random(chain.design.shape))
     free = np.asarray(chain.design) > 0
-    thick, thin = dilated_density(chain, x, 8.0), eroded_density(chain, 1 - x, 8.0)
+    alike = replace(chain, within=None)
+    thick, thin = dilated_density(chain, x, 8.0), eroded_density(alike, 1 - x, 8.0)
     np.testing.assert_allclose(np.asarray(thick)[free], 1 - np.asarray(thin)[free], atol=1e-12)
 
 
