@@ -148,7 +148,9 @@ def _handed_over(run: RunStore, scene: Scene, outcome: Outcome, info: Info) -> O
     begun = None if best is None else _scene_of(run.path, best.number)
     number = len(outcome.steps)
     outcome = replace(outcome, shaped=shape_step(run, scene, best, number, begun, outcome.settings, info))
-    info(shape_line(outcome.as_json()))
+    line = shape_line(outcome.as_json())
+    info(line)
+    run.log(line)
     _write_page(run, outcome)
     return outcome
 
