@@ -12,7 +12,7 @@ all layers outward, says so (Kreisselmeier-Steinhauser, DFVLR report, 1979); the
 centres is cut, a true maximum over them, as over the directions. So what is cut is an exact union of
 cross-sections swept from outside, at every threshold. Draft as in the die, on the void.
 
-Source of the idea: M. Langelaar, Topology optimization for multi-axis machining, CMAME 351, 2019.
+Source of the idea: M. Langelaar, Topology optimization for multi-axis machining, CMAME 351, 2019, 226-252.
 """
 
 from __future__ import annotations
