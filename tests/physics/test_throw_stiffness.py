@@ -70,9 +70,9 @@ def test_half_and_full_agree_on_an_asymmetric_web(float64: None, mikron: Scene) 
     data = mikron.model_dump()
     data["web"]["pocket"] = [{"shape": "cylinder", "x_mm": 15.0, "y_mm": 20.0, "diameter_mm": 14.0}]
     lopsided = Scene.model_validate(data)
-    half, full = (stiffnesses(lopsided, CELL_MM, extent) for extent in ("half", "full"))
+    half, full = (stiffnesses(lopsided, CELL_MM, extent, **SPRINGS) for extent in ("half", "full"))
     assert full == pytest.approx(half, rel=1e-6)
-    assert half["torsion"] < 0.99 * stiffnesses(mikron, CELL_MM, "half")["torsion"]
+    assert half["torsion"] < 0.99 * stiffnesses(mikron, CELL_MM, "half", **SPRINGS)["torsion"]
 
 
 def test_supports_order_the_stiffnesses(float64: None, mikron: Scene) -> None:
