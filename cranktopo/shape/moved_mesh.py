@@ -84,7 +84,7 @@ class MovedMesh:
 
     def distances_mm(self, points_mm: Array, values: Array) -> Array:
         """Largest distance of the surface nodes from the faces that they belong to, mm, (faces,)."""
-        found = [contact.distance_mm for _, contact in self._contacts(points_mm, values)]
+        found = [contact.distance_mm for _, _, contact in self._contacts(points_mm, values)]
         return np.array([np.abs(d).max() if len(d) else 0.0 for d in found])
 
     def at(self, values: Array) -> TetMesh:
@@ -96,9 +96,15 @@ class MovedMesh:
         start, moved = self.mesh.points_mm, np.zeros_like(self.mesh.points_mm)
         for _ in range(_ROUNDS):
             contacts = self._contacts(start + moved, values)
-            if max(np.abs(c.distance_mm).max(initial=0.0) for _, c in contacts) < _SETTLED_MM:
+            if max(np.abs(c.distance_mm).max(initial=0.0) for _, _, c in contacts) < _SETTLED_MM:
                 break
-            moved = self._spread(self._rules(contacts, values, moved))[:, :, 0]
+            here = moved[:, self._surface].T
+            wanted = [
+                (c.normal * here[nodes]).sum(axis=1)[:, None] - c.distance_mm[:, None] / c.steepness
+                for nodes, _, c in contacts
+            ]
+            led = [way[:, :, None] for way in self._led(values)]
+            moved = self._spread(self._rules(contacts, wanted, led))[:, :, 0]
         mesh = replace(self.mesh, points_mm=start + moved)
         if self.quality(mesh) <= 0:
             raise CranktopoError(
@@ -118,49 +124,46 @@ class MovedMesh:
         Args:
             mesh: the mesh at these values.
         """
-        return self._spread(self._rules(self._contacts(mesh.points_mm, values), values, None))
+        contacts, at = self._contacts(mesh.points_mm, values), mesh.points_mm[:, self._surface]
+        wanted = [-face.slopes(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
+        here, there = self._led(values), [self._led(values + unit) for unit in np.eye(len(values))]
+        led = [np.stack([w[k] - here[k] for w in there], axis=-1) for k in range(len(here))]
+        return self._spread(self._rules(contacts, wanted, led))
 
-    def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, Contact]]:
-        """For each face: its nodes as positions among the surface nodes, and the face there."""
+    def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, WebFace, Contact]]:
+        """Each face with its nodes as positions among the surface nodes."""
         at = points_mm[:, self._surface]
-        nodes = [np.flatnonzero(on) for on in self._on]
-        return [(n, face.contact(at[:, n], values)) for n, face in zip(nodes, self._faces, strict=True)]
+        pairs = [(np.flatnonzero(on), face) for on, face in zip(self._on, self._faces, strict=True)]
+        return [(nodes, face, face.contact(at[:, nodes], values)) for nodes, face in pairs]
 
-    def _rules(self, contacts: list[tuple[Index, Contact]], values: Array, moved: Array | None) -> _Rules:
-        """What the faces ask of the surface nodes: velocities by parameters, or to come onto the faces."""
+    def _led(self, values: Array) -> list[Array]:
+        """Ways of the nodes of each fillet from where the mesh was made, (n, 3), linear in the values."""
+        ways = []
+        for on, face in zip(self._on, self._faces, strict=True):
+            if isinstance(face, FilletFace):
+                start = self.mesh.points_mm[:, self._surface[on]]
+                ways.append((face.moved(start, self.values, values) - start).T)
+        return ways
+
+    def _rules(
+        self, contacts: list[tuple[Index, WebFace, Contact]], wanted: list[Array], led: list[Array]
+    ) -> _Rules:
+        """What the faces ask of the surface nodes.
+
+        Args:
+            wanted: motion along the normal of each face, (n, k).
+            led: motion of the nodes of each fillet, (n, 3, k).
+        """
         count = len(self._surface)
-        columns = contacts[0][1].slopes.shape[1] if moved is None else 1
-        matrix, asked = np.zeros((count, 3, 3)), np.zeros((count, 3, columns))
-        for nodes, contact in contacts:
-            length = np.linalg.norm(contact.gradient, axis=1)[:, None]
-            normal = contact.gradient / length
-            wanted = -contact.slopes / length
-            if moved is not None:
-                here = moved[:, self._surface[nodes]].T
-                wanted = (normal * here).sum(axis=1)[:, None] - contact.distance_mm[:, None] / length
-            matrix[nodes] += normal[:, :, None] * normal[:, None, :]
-            asked[nodes] += normal[:, :, None] * wanted[:, None, :]
+        matrix, asked = np.zeros((count, 3, 3)), np.zeros((count, 3, wanted[0].shape[1]))
+        for (nodes, _, contact), motion in zip(contacts, wanted, strict=True):
+            matrix[nodes] += contact.normal[:, :, None] * contact.normal[:, None, :]
+            asked[nodes] += contact.normal[:, :, None] * motion[:, None, :]
         matrix[self._still], asked[self._still] = np.eye(3), 0.0
-        for nodes, face in self._fillets:
-            matrix[nodes], asked[nodes] = np.eye(3), self._led(face, nodes, values, columns)
+        fillets = [nodes for nodes, face, _ in contacts if isinstance(face, FilletFace)]
+        for nodes, way in zip(fillets, led, strict=True):
+            matrix[nodes], asked[nodes] = np.eye(3), way
         return _Rules(matrix, asked)
-
-    @property
-    def _fillets(self) -> list[tuple[Index, FilletFace]]:
-        """Nodes of each fillet as positions among the surface nodes."""
-        pairs = zip(self._on, self._faces, strict=True)
-        return [(np.flatnonzero(on), face) for on, face in pairs if isinstance(face, FilletFace)]
-
-    def _led(self, face: FilletFace, nodes: Index, values: Array, columns: int) -> Array:
-        """Velocities by the parameters, (n, 3, k), or for one column the way from where the mesh was made."""
-        start = self.mesh.points_mm[:, self._surface[nodes]]
-        if columns == 1:
-            return (face.moved(start, self.values, values) - start).T[:, :, None]
-        steps = np.eye(len(values))
-        ways = [
-            face.moved(start, self.values, values + s) - face.moved(start, self.values, values) for s in steps
-        ]
-        return np.stack(ways).transpose(2, 1, 0)
 
     def _spread(self, rules: _Rules) -> Array:
         """Motion of all nodes, (3, nodes, k), from what holds the surface nodes."""

@@ -6,7 +6,7 @@ A point that stays on a face while a parameter p changes moves by V with gradien
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -19,6 +19,7 @@ from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.flank import Flank
+from cranktopo.scene.free_dimensions import DimensionName
 
 Array = NDArray[np.float64]
 _STEP = 1e-6
@@ -27,6 +28,7 @@ _COMPLEX = 1e-30
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""
 _NEWTON = 12
+_THICKNESS: DimensionName = "web_thickness"
 _BESIDE_MM = 1e-3
 """How far beyond its rims a point may lie that counts as on a fillet."""
 
@@ -38,12 +40,20 @@ class Contact:
     Attributes:
         distance_mm: (n,) zero on the face.
         gradient: (n, 3) by the place.
-        slopes: (n, parameters) derivatives by the parameters, per mm or degree.
     """
 
     distance_mm: Array
     gradient: Array
-    slopes: Array
+
+    @property
+    def steepness(self) -> Array:
+        """Length of the gradient, (n, 1)."""
+        return np.asarray(np.linalg.norm(self.gradient, axis=1)[:, None])
+
+    @property
+    def normal(self) -> Array:
+        """Unit normal, (n, 3)."""
+        return self.gradient / self.steepness
 
 
 class WebFace(ABC):
@@ -54,6 +64,10 @@ class WebFace(ABC):
     @abstractmethod
     def contact(self, points_mm: Array, values: Array) -> Contact:
         """The face at points (3, n) for some values of the parameters."""
+
+    @abstractmethod
+    def slopes(self, points_mm: Array, values: Array) -> Array:
+        """Derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +85,14 @@ class ThrowFace(WebFace):
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        slopes = _by_values(lambda v: self._distance(points_mm, v), values, _size_places(self.layout, values))
-        gradient = _gradient(lambda at: self._distance(at, values), points_mm)
-        return Contact(self._distance(points_mm, values), gradient, slopes)
+        return _contact(partial(self.distance_mm, scene_at(self.scene, self.layout, values)), points_mm)
 
-    def _distance(self, points_mm: Array, values: Array) -> Array:
-        return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
+    @override
+    def slopes(self, points_mm: Array, values: Array) -> Array:
+        def distance(values: Array) -> Array:
+            return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
+
+        return _by_values(distance, values, range(len(values) - len(self.layout.dimensions), len(values)))
 
 
 @dataclass(frozen=True)
@@ -132,16 +148,26 @@ class FeatureFace(WebFace):
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        own = list(range(self.first, self.first + len(self.part.names)))
-        moving = own + ([0, 1] if self.part.follows_ends else []) + _size_places(self.layout, values)
-        slopes = _by_values(lambda v: self._distance(points_mm, v), values, moving)
-        gradient = _gradient(lambda at: self._distance(at, values), points_mm)
-        return Contact(self._distance(points_mm, values), gradient, slopes)
+        return _contact(partial(self._distance, values, self._web_z_mm(values)), points_mm)
 
-    def _distance(self, points_mm: Array, values: Array) -> Array:
+    @override
+    def slopes(self, points_mm: Array, values: Array) -> Array:
+        own = range(self.first, self.first + len(self.part.names))
+        ends = [0, 1] if self.part.follows_ends else []
+        thickness = [k for k, name in enumerate(self.layout.names) if name == _THICKNESS]
+        return _by_values(
+            lambda moved: self._distance(moved, self._web_z_mm(moved), points_mm),
+            values,
+            [*own, *ends, *thickness],
+        )
+
+    def _web_z_mm(self, values: Array) -> tuple[float, float]:
+        moves = _THICKNESS in self.layout.dimensions
+        return (scene_at(self.scene, self.layout, values) if moves else self.scene).web_z_mm
+
+    def _distance(self, values: Array, web_z_mm: tuple[float, float], points_mm: Array) -> Array:
         named = dict(zip(self.part.names, values[self.first :], strict=False))
         x, y, z = points_mm
-        web_z_mm = scene_at(self.scene, self.layout, values).web_z_mm
         distance = self.part.faces_mm(named, values[:2], (np.abs(x), y, z), web_z_mm)[self.number]
         return np.asarray(np.broadcast_to(distance, x.shape))
 
@@ -155,19 +181,28 @@ class OutlineFace(WebFace):
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
+        (piece, u), normal = self._foot(points_mm, values)
         at = np.stack([np.abs(points_mm[0]), points_mm[1]], axis=1)
-        flank = flank_of(self.layout, values)
-        piece, u = _nearest(flank, at)
-        tangent = _point(flank, piece, u, 1)
-        normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1) / np.linalg.norm(tangent, axis=1)[:, None]
-        distance = ((_point(flank, piece, u, 0) - at) * normal).sum(axis=1)
-        slopes = np.zeros((len(at), len(values)))
+        distance = ((_point(flank_of(self.layout, values), piece, u, 0) - at) * normal).sum(axis=1)
+        side = np.where(points_mm[0] < 0, -1.0, 1.0)
+        return Contact(distance, np.stack([-side * normal[:, 0], -normal[:, 1], np.zeros(len(at))], axis=1))
+
+    @override
+    def slopes(self, points_mm: Array, values: Array) -> Array:
+        (piece, u), normal = self._foot(points_mm, values)
+        result = np.zeros((points_mm.shape[1], len(values)))
         for i in range(self.layout.stations):
             moved = flank_of(self.layout, values + 1j * _COMPLEX * np.eye(len(values))[i])
-            slopes[:, i] = (_point(moved, piece, u, 0).imag / _COMPLEX * normal).sum(axis=1)
-        side = np.where(points_mm[0] < 0, -1.0, 1.0)
-        gradient = np.stack([-side * normal[:, 0], -normal[:, 1], np.zeros(len(at))], axis=1)
-        return Contact(distance, gradient, slopes)
+            result[:, i] = (_point(moved, piece, u, 0).imag / _COMPLEX * normal).sum(axis=1)
+        return result
+
+    def _foot(self, points_mm: Array, values: Array) -> tuple[tuple[NDArray[np.intp], Array], Array]:
+        """Piece of the right half and place on it nearest to each point, and the outward normal, (n, 2)."""
+        flank = flank_of(self.layout, values)
+        foot = _nearest(flank, np.stack([np.abs(points_mm[0]), points_mm[1]], axis=1))
+        tangent = _point(flank, *foot, 1)
+        across = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+        return foot, across / np.linalg.norm(tangent, axis=1)[:, None]
 
 
 def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
@@ -246,18 +281,17 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
         first += len(part.names)
 
 
-def _size_places(layout: Layout, values: Array) -> list[int]:
-    """Places of the dimensions of the throw among the values."""
-    return list(range(len(values) - len(layout.dimensions), len(values)))
-
-
-def _by_values(distance_mm: Callable[[Array], Array], values: Array, places: list[int]) -> Array:
+def _by_values(distance_mm: Callable[[Array], Array], values: Array, places: Iterable[int]) -> Array:
     """Derivatives by some of the parameters, (n, parameters); 0 by the others."""
     result = np.zeros((len(distance_mm(values)), len(values)))
     for i in places:
         step = _STEP * np.eye(len(values))[i]
         result[:, i] = (distance_mm(values + step) - distance_mm(values - step)) / (2 * _STEP)
     return result
+
+
+def _contact(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:
+    return Contact(distance_mm(points_mm), _gradient(distance_mm, points_mm))
 
 
 def _gradient(distance_mm: Callable[[Array], Array], points_mm: Array) -> Array:
