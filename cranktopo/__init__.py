@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from cranktopo.pipeline.run_report import report_run
     from cranktopo.pipeline.run_webs import WebTarget, web_target
     from cranktopo.pipeline.runs import clean_runs, summarise_runs
+    from cranktopo.pipeline.sensitivities import Sensitivities, evaluate_sensitivities
     from cranktopo.pipeline.shape import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.remodel.fit import FittedWeb, fit_web
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -80,6 +81,8 @@ _HOMES = {
     "ShapedRun": "pipeline.shape",
     "shape_design": "pipeline.shape",
     "shape_settings": "pipeline.shape",
+    "Sensitivities": "pipeline.sensitivities",
+    "evaluate_sensitivities": "pipeline.sensitivities",
     "WebTarget": "pipeline.run_webs",
     "web_target": "pipeline.run_webs",
     "resume_shape": "pipeline.shape",
@@ -133,6 +136,7 @@ __all__ = [
     "Optimum",
     "Prepared",
     "Scene",
+    "Sensitivities",
     "ShapedRun",
     "Target",
     "WebTarget",
@@ -144,6 +148,7 @@ __all__ = [
     "compare_targets",
     "continue_loop",
     "double_precision",
+    "evaluate_sensitivities",
     "evaluate_shaft",
     "evaluate_target",
     "evaluate_targets",

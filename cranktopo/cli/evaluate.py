@@ -16,6 +16,11 @@ from cranktopo.errors import ExitCode
 @click.command()
 @click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
 @mesh_options
+@click.option(
+    "--sensitivities",
+    is_flag=True,
+    help="Also print what a millimetre of each dimension of a parametric web is worth, and what holds it.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
@@ -25,20 +30,25 @@ def command(
     budget: float | None,
     design: str | None,
     align: bool,
+    sensitivities: bool,
     as_json: bool,
 ) -> None:
     """Evaluate each TARGET with quadratic finite elements on its exact solid.
 
     A TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design). Both
     stiffnesses are those of the full throw; each comes with an error estimate from a second, coarser mesh.
+    With --sensitivities a TARGET is a design with a parametric web, or a run that has one.
 
     Example: cranktopo evaluate mikron-iiic --accuracy 1%
     """
     from cranktopo.evaluate.targets import resolve_targets
     from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
+    from cranktopo.pipeline.sensitivities import evaluate_sensitivities
 
-    wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = evaluate_targets(resolve_targets(targets or (DEFAULT_DESIGN,), design, align=align), wanted, info)
+    wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
+    worth = [evaluate_sensitivities(text, element_size_mm, info) for text in texts if sensitivities]
+    resolved = resolve_targets([w.file for w in worth] or texts, design, align=align)
+    found = evaluate_targets(resolved, wanted, info)
     for evaluation in found.evaluations:
         fine = evaluation.fine
         detail(
@@ -49,14 +59,19 @@ def command(
         from cranktopo.evaluate.evaluation import SCHEMA_VERSION
 
         entries = [e.as_json() for e in found.evaluations]
+        for entry, told in zip(entries, worth, strict=False):
+            entry["sensitivities"] = told.as_json()
         click.echo(json.dumps({"schema_version": SCHEMA_VERSION, "evaluations": entries}, indent=2))
     else:
         from cranktopo.report.tables.evaluation_table import evaluation_table, result_line
         from cranktopo.report.tables.result_table import terminal
+        from cranktopo.report.tables.worth_tables import worth_lines
 
         click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:
             click.echo(result_line(evaluation))
+        for told in worth:
+            click.echo("\n" + "\n".join(worth_lines(told.as_json(), told.scene.name)))
     warn_missed(found.missed, accuracy)
 
 

@@ -177,7 +177,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
         data = {
-            **shape_json(scene.name, optimum, begin, seconds),
+            **shape_json(scene, optimum, begin, seconds),
             "assumed": run.manifest().get("assumed", []),
             "files": {**files, "report": REPORT},
         }

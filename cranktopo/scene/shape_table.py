@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
-from cranktopo.scene.base import LARGEST_MM, SceneTable
+from cranktopo.scene.base import LARGEST_MM, Length, SceneTable
 from cranktopo.scene.goal.limit import refused
 
 
@@ -57,4 +57,7 @@ class FreeDimensions(SceneTable):
 class ShapeTable(SceneTable):
     """Settings of the shape optimisation."""
 
+    tolerance_mm: Length = 0.5
+    """Tolerance of every dimension of the web, mm, of angles in degrees; the table of sensitivities tells the
+    worst case within it."""
     free: FreeDimensions = FreeDimensions()

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from cranktopo.scene import Scene
 from cranktopo.scene.goal import QUANTITIES
 from cranktopo.scene.goal.outcome import goal_json, limit_outcomes
-from cranktopo.shape.sensitivities import SHOWN, TOLERANCE, Dimension, dimensions, worst_case_percent
+from cranktopo.shape.holding import held_by, rules_at
+from cranktopo.shape.sensitivities import dimensions, sensitivities_json
 from cranktopo.shape.stage import HELD, ShapeOptimum
 
 SCHEMA_VERSION = 1
@@ -15,19 +17,20 @@ _COMPARED = ("mass", "torsion", "bending", "torsion_per_mass", "bending_per_mass
 
 
 def shape_json(
-    design: str, optimum: ShapeOptimum, start: dict[str, float], seconds: dict[str, float]
+    scene: Scene, optimum: ShapeOptimum, start: dict[str, float], seconds: dict[str, float]
 ) -> dict[str, Any]:
     """The content of shape.json without its files.
 
     Args:
+        scene: the design.
         start: parameters of the web that the search began with, by name.
         seconds: wall time by part.
     """
     goal, result = optimum.goal, optimum.result
-    found = dimensions(optimum.web, result.values, optimum.responses, optimum.original.values)
+    worth = _worth(scene, optimum)
     return {
         "schema_version": SCHEMA_VERSION,
-        "design": design,
+        "design": scene.name,
         "goal": goal_json(goal, result.web.values, optimum.original.values, HELD),
         "status": "converged" if result.held else "limits not met",
         "stop_reason": _reason(optimum),
@@ -35,8 +38,8 @@ def shape_json(
         "result": result.web.evaluation,
         "values": {"original": optimum.original.values, "result": result.web.values},
         "change_percent": _changes(optimum),
-        "parameters": [_parameter(dimension, start) for dimension in found],
-        "worst_case_percent": {"tolerance": TOLERANCE, **worst_case_percent(found)},
+        "parameters": [{**row, "start": start.get(row["name"])} for row in worth["parameters"]],
+        "worst_case_percent": worth["worst_case_percent"],
         "prices": [
             {"quantity": r.quantity, "goal_percent_per_percent": float(price)}
             for r, price in zip(optimum.stated.limits, optimum.prices.limits, strict=True)
@@ -62,20 +65,13 @@ def _changes(optimum: ShapeOptimum) -> dict[str, float]:
     }
 
 
-def _parameter(found: Dimension, start: dict[str, float]) -> dict[str, Any]:
-    worth = {
-        f"{name}_percent": found.per_unit_percent[name] for name in SHOWN if name in found.per_unit_percent
-    }
-    return {
-        "name": found.name,
-        "unit": found.unit,
-        "start": start.get(found.name),
-        "value": found.value,
-        "low": found.low,
-        "high": found.high,
-        "at_bound": found.at_bound or None,
-        "per_unit": worth,
-    }
+def _worth(scene: Scene, optimum: ShapeOptimum) -> dict[str, Any]:
+    """What a millimetre is worth, what holds each dimension, and the worst case within the tolerance."""
+    web, values, original = optimum.web, optimum.result.values, optimum.original.values
+    goal = optimum.stated, optimum.responses, original
+    holders = held_by(scene, web, values, rules_at(scene, web, values), goal)
+    found = dimensions(web, values, optimum.responses, original, holders)
+    return sensitivities_json(found, scene.shape.tolerance_mm)
 
 
 def _reason(optimum: ShapeOptimum) -> str:

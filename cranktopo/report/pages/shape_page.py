@@ -27,13 +27,13 @@ from cranktopo.report.quantities import (
 from cranktopo.report.tables.goal_table import limits_table
 from cranktopo.report.tables.shape_tables import (
     changes_table,
-    dimensions_table,
     named_first,
     prices_table,
     rounds_table,
     shape_headline,
     trials_table,
 )
+from cranktopo.report.tables.worth_tables import dimensions_table, held_table, worst_case_sentence
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 
 _QUANTITIES = {
@@ -99,15 +99,12 @@ def _wanted(data: Mapping[str, Any]) -> Section:
 
 
 def _dimensions(data: Mapping[str, Any]) -> Section:
-    worst = data["worst_case_percent"]
-    spread = ", ".join(f"{name} {value:.1f} %" for name, value in worst.items() if name != "tolerance")
     return Section(
         "dimensions",
         "What a millimetre is worth",
         f"Change of each quantity per millimetre or degree of each dimension, in percent of the original, by "
-        f"exact gradients on body-fitted elements. With every dimension off by {worst['tolerance']:g} mm in "
-        f"the worst way: {spread}.",
-        (("Dimensions at the optimum", dimensions_table(data)),),
+        f"exact gradients on body-fitted elements. {worst_case_sentence(data)}",
+        (("Dimensions at the optimum", dimensions_table(data)), ("What holds them", held_table(data))),
     )
 
 

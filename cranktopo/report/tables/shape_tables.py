@@ -19,6 +19,7 @@ from cranktopo.report.quantities import (
 )
 from cranktopo.report.tables.goal_table import broken_limits, limits_table
 from cranktopo.report.tables.result_table import ResultTable, terminal
+from cranktopo.report.tables.worth_tables import worth_lines
 
 _ROWS: tuple[tuple[Quantity, str, float], ...] = (
     (MASS, "mass", 1.0),
@@ -69,24 +70,6 @@ def prices_table(data: Mapping[str, Any]) -> ResultTable:
     rows = tuple(
         {"limit": p["quantity"].replace("_", " "), "goal_percent_per_percent": p["goal_percent_per_percent"]}
         for p in data["prices"]
-    )
-    return ResultTable(columns, rows)
-
-
-def dimensions_table(data: Mapping[str, Any]) -> ResultTable:
-    """What a millimetre is worth: each dimension, and the change of each quantity per mm or degree."""
-    worth = list(data["parameters"][0]["per_unit"]) if data["parameters"] else []
-    columns = {"dimension": 0, "unit": 0, "start": 2, "value": 2, "at_bound": 0, **dict.fromkeys(worth, 3)}
-    rows = tuple(
-        {
-            "dimension": p["name"],
-            "unit": p["unit"],
-            "start": p["start"],
-            "value": p["value"],
-            "at_bound": p["at_bound"] or "",
-            **p["per_unit"],
-        }
-        for p in data["parameters"]
     )
     return ResultTable(columns, rows)
 
@@ -146,8 +129,6 @@ def shape_headline(data: Mapping[str, Any]) -> str:
 
 def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
     """A finished shape optimisation; `data` as shape.json holds it."""
-    worst = {k: v for k, v in data["worst_case_percent"].items() if k != "tolerance"}
-    spread = ", ".join(f"{name} {value:.1f} %" for name, value in worst.items())
     lines = [
         shape_headline(data),
         data["stop_reason"],
@@ -156,9 +137,7 @@ def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
         "",
         terminal(limits_table(data["goal"])),
         "",
-        "What a millimetre (degree) is worth, % of the original:",
-        terminal(dimensions_table(data)),
-        f"worst case with every dimension off by {data['worst_case_percent']['tolerance']:g} mm: {spread}",
+        *worth_lines(data, "the original"),
         "",
         f"{data['seconds']['total']:.1f} s, {data['evaluations']} webs solved",
         *(str(folder / name) for name in data["files"].values()),
