@@ -124,7 +124,7 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
     if run is None or file is None:
         return usual_limits(scene)
     if (file.parent / REMODEL).is_file():
-        return ManufacturingLimits(**read_json(file.parent / REMODEL)["rules"])
+        return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
     options = run.manifest()["options"]
     if kind_of(run) == LOOP:
         return Settings.from_json(options[LOOP]).limits
