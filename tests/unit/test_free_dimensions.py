@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from cranktopo.errors import CranktopoError
+from cranktopo.remodel.dimensions import scene_at, with_free, with_part
+from cranktopo.remodel.family import Layout
+from cranktopo.remodel.initial_guess import with_stations
 from cranktopo.scene import Scene
+from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.free_dimensions import DIMENSIONS, own_dimension_mm, with_dimensions
 from cranktopo.scene.loading import designs_folder, parse_scene
 
@@ -58,3 +63,24 @@ def test_each_dimension_goes_to_its_place_and_the_pitch_stays() -> None:
     assert after.web_z_mm[1] == pytest.approx(before.web_z_mm[1])
     assert (after.throw.crankpin.fillet_mm, after.throw.main_journal.fillet_mm) == (3.0, 4.0)
     assert with_dimensions(before, {}) is before
+
+
+def test_features_and_stations_come_before_the_dimensions_of_the_throw() -> None:
+    before = scene("pin_fillet_mm = [2, 5]\njournal_bore_mm = [10, 30]")
+    outline = np.array([-27.0, 76.0, 18.0, 30.0, 28.0, 27.0, 17.0])
+    layout, values = with_free(Layout(7), outline, before, ("pin_fillet", "journal_bore"))
+    assert list(values[7:]) == [2.5, 24.0]
+    more, grown = with_part(layout, values, FittedBevel("pin"), np.array([-1.0, 8.0, 0.5]))
+    assert list(grown[7:]) == [-1.0, 8.0, 0.5, 2.5, 24.0]
+    assert more.names[7:] == (
+        "bevel-pin.y",
+        "bevel-pin.depth",
+        "bevel-pin.crown",
+        "pin_fillet",
+        "journal_bore",
+    )
+    assert list(with_stations(more, grown, 9)[9:]) == list(grown[7:])
+    grown[-2:] = [4.0, 20.0]
+    sized = scene_at(before, more, grown)
+    assert (sized.throw.crankpin.fillet_mm, sized.throw.main_journal.bore_diameter_mm) == (4.0, 20.0)
+    assert scene_at(before, Layout(7), outline) is before
