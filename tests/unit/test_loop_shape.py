@@ -10,6 +10,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.pipeline.iterate import loop_settings, shape_step
 from cranktopo.pipeline.iterate.shape_step import ShapeStep, shape_scene
 from cranktopo.pipeline.iterate.step import LoopStep
+from cranktopo.report.tables.steps_table import shape_line
 from cranktopo.scene import Scene
 from cranktopo.scene.goal.changing import with_goal
 from cranktopo.scene.writing import toml_text
@@ -131,3 +132,20 @@ def test_an_interrupted_one_is_continued_and_a_done_one_is_read(
     assert stand_in.asked[1:] == [run.path / "shape"]
     assert ended(run, mikron, None) == first
     assert len(stand_in.asked) == 2
+
+
+def test_a_web_thinner_than_a_step_may_be_is_said_to_be_so() -> None:
+    shape = {
+        "found": True,
+        "goal": {"minimise": "mass", "reached_percent": 88.0},
+        "better_than_best_step": True,
+        "best_step_percent": 95.0,
+        "not_judged_of_steps": [],
+    }
+    data = {"best_step": 2, "least_transition_mm": 7.6, "shape": shape}
+    thin, thick = ({**data, "steps": [{"transition_mm": mm}]} for mm in (5.3, 7.6))
+    assert shape_line(thin) == (
+        "shape: least mass 88.0 % of the original web, every limit holds, 5.3 mm beside a journal "
+        "where a step keeps 7.6 mm; better than step 2 with 95.0 %"
+    )
+    assert "beside a journal" not in shape_line(thick)

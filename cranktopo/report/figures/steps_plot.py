@@ -40,8 +40,9 @@ def steps_figure(data: Mapping[str, Any]) -> Figure:
     for quantity, style, colour in _LINES:
         values = [step["percent_of_original"][quantity.key] for step in data["steps"]]
         label = f"{quantity.label}: {values[-1]:.1f} %"
-        axes.plot(numbers[:done], values[:done], style, color=colour, label=label)
-        axes.plot(numbers[done:], values[done:], style[0], color=colour)
+        fill = "none" if style.endswith("--") else "full"
+        axes.plot(numbers[:done], values[:done], style, color=colour, fillstyle=fill, label=label)
+        axes.plot(numbers[done:], values[done:], style[0], color=colour, fillstyle=fill)
     axes.axhline(100.0, color="0.7", linewidth=1, zorder=0)
     best = best_row(data)
     if best is not None:

@@ -110,6 +110,7 @@ def shape_line(data: Mapping[str, Any]) -> str:
     reached = (
         f"shape: {goal_words(goal)} {goal['reached_percent']:.1f} % of the original web, every limit holds"
     )
+    reached += _thin_words(data)
     if data["best_step"] is None:
         return f"{reached}; no step beats the original web"
     verdict = f"better than {step}" if shape["better_than_best_step"] else f"{step} is better"
@@ -122,4 +123,12 @@ def _step_words(shape: Mapping[str, Any]) -> str:
     labels = " and ".join(QUANTITIES[name].label for name in unknown)
     return (" with" + f" {percent:.1f} %" if percent is not None else "") + (
         f", whose {labels} nobody judged" if labels else ""
+    )
+
+
+def _thin_words(data: Mapping[str, Any]) -> str:
+    """That the web is thinner beside a journal than a step may be: the shape optimiser has no such rule."""
+    thickness, least = data["steps"][-1]["transition_mm"], data["least_transition_mm"]
+    return (
+        f", {thickness:.1f} mm beside a journal where a step keeps {least:g} mm" if thickness < least else ""
     )
