@@ -27,7 +27,7 @@ from cranktopo.store import Work
 Array = NDArray[np.float64]
 LEAST_GAIN = 2e-3
 """Least gain in the goal, relative to the original, that a feature or a station must bring."""
-_MOST_POCKETS, _TRIED_POCKETS = 4, 2
+_MOST_POCKETS = 4
 _MORE_STATIONS = (9,)
 _AGAIN = 12
 """Most webs solved after the goal was corrected."""
@@ -109,7 +109,7 @@ class Growth:
             best = self._tried(best, layout, start, bore)
         for _ in range(_MOST_POCKETS):
             before, paid = best, self._prices(best)
-            for part, guess in list(pocket_starts(self.model, best, self.goal, paid))[:_TRIED_POCKETS]:
+            for part, guess in pocket_starts(self.model, best, self.goal, paid):
                 best = self._with(best, part, guess)
                 if best is not before:
                     break
@@ -127,7 +127,7 @@ class Growth:
 
     def _ends(self, best: Found) -> Iterator[tuple[FittedFeature, Array]]:
         there = {part.label for part in best.layout.parts}
-        for bevel in (FittedBevel("journal"), FittedBevel("pin")):
+        for bevel in (FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True)):
             if bevel.label not in there:
                 yield bevel, bevel_start(self.model.scene, bevel)
         groove, guess = groove_start(self.model.scene)

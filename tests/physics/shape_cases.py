@@ -17,12 +17,12 @@ Array = NDArray[np.float64]
 COARSE_MM, COARSE_FILLET = 14.0, 2.0
 """Element size, and that on a fillet over its radius: too coarse for numbers, enough for gradients."""
 _OUTLINE = [-27.0, 76.0, 17.0, 29.0, 31.0, 28.0, 18.0]
-_BEVELS = [50.0, 9.0, 1.0, -1.0, 8.0, 0.8]
+_BEVELS = [50.0, 9.0, 1.0, -1.0, 8.0, -0.8]
 
 
 def full_web() -> tuple[Scene, Layout, Array]:
-    """Every kind of feature at once: crowned bevels, groove, box pocket, a pair of cylinder pockets."""
-    bevels = FittedBevel("journal"), FittedBevel("pin")
+    """Every kind of feature: a crowned and a hollow bevel, groove, box pocket, a pair of cylinder pockets."""
+    bevels = FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True)
     pockets = FittedSlot(through=True), FittedBox("pin"), FittedCylinder("journal", pair=True)
     groove, box, cylinders = [5.0, 27.5, 0.3, 10.0], [18.0, 8.0, 4.0, 3.0], [20.0, 26.0, 5.0, 4.0]
     values = np.array([*_OUTLINE, *_BEVELS, *groove, *box, *cylinders])
@@ -31,7 +31,7 @@ def full_web() -> tuple[Scene, Layout, Array]:
 
 def solid_web() -> tuple[Scene, Layout, Array]:
     """Overlapping solid journals, uneven bevels, side pockets that end inside the outline."""
-    parts = FittedBevel("journal"), FittedBevel("pin"), FittedSlot()
+    parts = FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True), FittedSlot()
     outline = [-42.0, 84.0, 26.0, 43.0, 44.0, 40.0, 22.0]
     values = np.array([*outline, 52.0, 8.0, 1.5, -8.0, 6.0, 0.5, 24.0, 30.0, 4.0, 37.0, -0.5, 8.0])
     return load_scene("opposed-piston"), Layout(7, parts), values

@@ -23,8 +23,8 @@ from cranktopo.shape.start import outline_start, scene_start
 from tests.physics.shape_cases import full_web, solid_web
 
 PARTS: tuple[FittedFeature, ...] = (
-    FittedBevel("journal"),
-    FittedBevel("pin"),
+    FittedBevel("journal", hollow=True),
+    FittedBevel("pin", hollow=True),
     FittedSlot(),
     FittedSlot(through=True),
     *(FittedBox(face, pair) for face in ("journal", "pin") for pair in (True, False)),

@@ -36,15 +36,16 @@ def test_plane_bevel_takes_a_triangle(mikron: Scene) -> None:
     assert removed_mm3(mikron, bevel=[PLANE]) == pytest.approx(60 * 12 * 8 / 2, rel=1e-9)
 
 
-def test_crowned_bevel_takes_a_triangle_less_a_circle_segment(mikron: Scene) -> None:
-    """A bevel short of the bore: its cross-section is a triangle less the segment of its arc."""
-    bevel = {"face": "pin", "y_mm": -24.0, "depth_mm": 9.0, "crown_mm": 1.0}
+@pytest.mark.parametrize("crown_mm", [1.0, -1.0])
+def test_crowned_bevel_takes_a_triangle_less_a_circle_segment(mikron: Scene, crown_mm: float) -> None:
+    """A bevel short of the bore: its cross-section is a triangle less its arc's segment, or with it."""
+    bevel = {"face": "pin", "y_mm": -24.0, "depth_mm": 9.0, "crown_mm": crown_mm}
     chord = math.hypot(6, 9)
     radius = (chord**2 / 4 + 1) / 2
     half_angle = math.asin(chord / 2 / radius)
     segment = radius**2 * (half_angle - math.sin(half_angle) * math.cos(half_angle))
     found = removed_mm3(mikron.model_copy(update={"throw": sharp(mikron)}), bevel=[bevel])
-    assert found == pytest.approx(60 * (6 * 9 / 2 - segment), rel=1e-9)
+    assert found == pytest.approx(60 * (6 * 9 / 2 - crown_mm * segment), rel=1e-9)
 
 
 def test_sloped_pocket_takes_two_frusta(mikron: Scene) -> None:
@@ -60,11 +61,19 @@ def test_sloped_pocket_takes_two_frusta(mikron: Scene) -> None:
     [
         {"bevel": [{**PLANE, "y_mm": 50.0}]},
         {"bevel": [ARC, {**PLANE, "y_mm": 52.0, "crown_mm": 1.0}]},
+        {"bevel": [{**ARC, "crown_mm": -2.5}, {**PLANE, "y_mm": 52.0, "crown_mm": -1.0}]},
         {"pocket": [{**SLOPED, "draft_deg": 0.0, "depth_mm": 9.0}]},
         {"bevel": [ARC], "pocket": [SLOPED]},
         {"bevel": [ARC, {**PLANE, "y_mm": 52.0}], "pocket": [GROOVE]},
     ],
-    ids=["plane", "two arcs", "straight slot", "arc and slopes", "groove through arc and plane"],
+    ids=[
+        "plane",
+        "two arcs",
+        "two hollow arcs",
+        "straight slot",
+        "arc and slopes",
+        "groove through arc and plane",
+    ],
 )
 def test_solid_cells_and_sections_agree(mikron: Scene, features: dict[str, Any], tmp_path: Any) -> None:
     """The CAD kernel, its STEP file and sections to 1e-6, cells to their steps."""
@@ -104,6 +113,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "bevel too deep": ({"bevel": [{**PLANE, "depth_mm": 19.0}]}, r"depth_mm.*smaller than.*19 mm"),
     "bevel beyond the end": ({"bevel": [{**PLANE, "y_mm": 80.0}]}, r"y_mm.*beyond the end.*75 mm"),
     "arc turns back": ({"bevel": [{**PLANE, "crown_mm": 5.0}]}, r"crown_mm.*at most"),
+    "hollow arc turns back": ({"bevel": [{**PLANE, "crown_mm": -5.0}]}, r"crown_mm.*at least -"),
     "two on a face": ({"bevel": [PLANE, PLANE]}, "one bevel per face"),
     "pocket into the bevel": (
         {"bevel": [{**PLANE, "y_mm": 24.0, "depth_mm": 15.0}], "pocket": [{**SLOPED, "length_mm": 34.0}]},

@@ -13,7 +13,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.errors import invalid
-from cranktopo.scene.base import Length, LengthOrZero, Place
+from cranktopo.scene.base import Length, Place
 from cranktopo.scene.features.bevel_arc import BevelArc
 from cranktopo.scene.features.body import (
     ROUNDING_MM,
@@ -64,7 +64,8 @@ class EndBevel(Feature):
 
     On the journal face it takes off the crankpin's end of the web, on the pin face the main journal's. It
     starts at `y_mm` on its face and reaches `depth_mm` below that face at the very end of the outline; it is
-    straight across the web, and along the throw an arc that rises `crown_mm` over its chord (0 = plane).
+    straight across the web, and along the throw an arc that rises `crown_mm` over its chord (0 = plane,
+    negative = hollow).
     """
 
     face: Literal["journal", "pin"] = Field(examples=["journal"])
@@ -73,8 +74,8 @@ class EndBevel(Feature):
     """Where it meets that face, along the throw from the crank axis."""
     depth_mm: Length = Field(examples=[8.0])
     """Depth below that face at the very end of the outline; smaller than the web's thickness."""
-    crown_mm: LengthOrZero = 0.0
-    """Rise of its arc over the chord; 0 = plane."""
+    crown_mm: Place = 0.0
+    """Rise of its arc over the chord; 0 = plane, negative = hollow."""
 
     def arc(self, scene: ThrowView) -> BevelArc:
         """Its arc, up to the end of the web's outline."""
@@ -100,8 +101,10 @@ class EndBevel(Feature):
         if arc.start_mm >= arc.end_mm:
             end = arc.outward * arc.end_mm
             raise invalid(f"{key}.y_mm", self.y_mm, f"lies beyond the end of the outline at {end:g} mm")
-        if self.crown_mm > arc.largest_crown_mm:
-            allowed = f"must be at most {arc.largest_crown_mm:.4g} mm, or the arc turns back"
+        if abs(self.crown_mm) > arc.largest_crown_mm:
+            most = math.copysign(arc.largest_crown_mm, self.crown_mm)
+            side = "at most" if most > 0 else "at least"
+            allowed = f"must be {side} {most:.4g} mm, or the arc turns back"
             raise invalid(f"{key}.crown_mm", self.crown_mm, allowed)
 
     def check_in_web(self, scene: ThrowView, key: str) -> None:
@@ -131,7 +134,8 @@ class EndBevel(Feature):
         tip = arc.outward * arc.end_mm
         depths = sorted((face, face + arc.outward * self.depth_mm))
         angle = np.degrees(np.arctan2(arc.end_mm - arc.start_mm, arc.depth_mm))
-        shape = f"R {arc.radius_mm:.1f}" if np.isfinite(arc.radius_mm) else "plane"
+        hollow = ", hollow" if arc.radius_mm < 0 else ""
+        shape = f"R {abs(arc.radius_mm):.1f}{hollow}" if np.isfinite(arc.radius_mm) else "plane"
         return FeatureDrawing(
             front=(edge,),
             lengthwise=(
@@ -219,9 +223,14 @@ def height_range_mm(scene: ThrowView, y_mm: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class FittedBevel(FittedToSections):
-    """An end bevel of the re-model, by its face."""
+    """An end bevel of a parametric web, by its face.
+
+    Attributes:
+        hollow: whether its arc may be hollow, too; a re-model's is plane or crowned.
+    """
 
     face: Face
+    hollow: bool = False
     table: ClassVar[str] = "bevel"
     follows_ends: ClassVar[bool] = True
 
@@ -243,7 +252,8 @@ class FittedBevel(FittedToSections):
     @override
     def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
         far, thickness = 4 * scene.throw.radius_mm, scene.web.thickness_mm
-        return [(-far, far), (_LEAST_DEPTH_MM, thickness - limits.min_wall_mm), (0.0, thickness)]
+        crown = (-thickness if self.hollow else 0.0, thickness)
+        return [(-far, far), (_LEAST_DEPTH_MM, thickness - limits.min_wall_mm), crown]
 
     @override
     def arc(self, named: Named, ends: Array) -> BevelArc:
@@ -268,6 +278,8 @@ class FittedBevel(FittedToSections):
         yield wall_rule(edge, least), -arc.distance_mm(wall, arc.outward * far + other.radius_mm)
         most = 0.95 * _twice_tangent(arc.end_mm - arc.start_mm, arc.depth_mm)
         yield f"the arc of the {self.title} does not turn back", 4 * arc.crown_mm - most
+        if self.hollow:
+            yield f"the hollow arc of the {self.title} does not turn back", -4 * arc.crown_mm - most
 
     @override
     def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
@@ -278,7 +290,7 @@ class FittedBevel(FittedToSections):
     def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
         if not isinstance(table, EndBevel):
             return None
-        return cls(table.face), np.array([table.y_mm, table.depth_mm, table.crown_mm])
+        return cls(table.face, hollow=True), np.array([table.y_mm, table.depth_mm, table.crown_mm])
 
     def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array:
         """Start, depth and crown (0), mm, from how far the body reaches at each height."""

@@ -25,7 +25,7 @@ class BevelArc:
         start_mm: reach where it meets its face.
         end_mm: reach of the outline's end.
         depth_mm: depth there.
-        crown_mm: rise over the chord, away from the web.
+        crown_mm: rise over the chord, away from the web; negative where the arc is hollow.
         outward: sign of the throw direction.
     """
 
@@ -38,11 +38,11 @@ class BevelArc:
     def depth_at_mm(self, reach_mm: Array) -> Array:
         """Depth that is taken off at a reach; 0 before the start, the full depth beyond the end."""
         reach = np.clip(reach_mm, self.start_mm, self.end_mm)
-        if self.crown_mm < _FLAT_MM:
+        if abs(self.crown_mm) < _FLAT_MM:
             return np.asarray((reach - self.start_mm) / (self.end_mm - self.start_mm) * self.depth_mm)
         (depth, centre), radius = self.centre_mm, self.radius_mm
         root = np.sqrt(np.maximum(radius**2 - (reach - centre) ** 2, 0.0))
-        return np.asarray(np.clip(depth - root, 0.0, self.depth_mm))
+        return np.asarray(np.clip(depth - math.copysign(1.0, self.crown_mm) * root, 0.0, self.depth_mm))
 
     @property
     def title(self) -> str:
@@ -56,8 +56,8 @@ class BevelArc:
 
     @property
     def radius_mm(self) -> float:
-        """Radius of the arc; infinite for a plane."""
-        if self.crown_mm < _FLAT_MM:
+        """Radius of the arc, negative where it is hollow; infinite for a plane."""
+        if abs(self.crown_mm) < _FLAT_MM:
             return math.inf
         return (self.chord_mm**2 / 4 + self.crown_mm**2) / (2 * self.crown_mm)
 
@@ -73,7 +73,7 @@ class BevelArc:
 
     @property
     def largest_crown_mm(self) -> float:
-        """Crown at which the arc would turn back at one of its ends."""
+        """Crown, of either sign, at which the arc would turn back at one of its ends."""
         slope = math.atan2(self.end_mm - self.start_mm, self.depth_mm)
         return self.chord_mm / 2 * math.tan(min(slope, math.pi / 2 - slope) / 2)
 
