@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
-from cranktopo.evaluate.linear import symmetric_solver
+from cranktopo.evaluate.linear import CG_TOLERANCE, symmetric_solver
 from cranktopo.frames import Parity
 from cranktopo.scene import Scene
 
@@ -70,6 +70,7 @@ def condense(
     lateral: Lateral,
     further: Array | None = None,
     guess: Array | None = None,
+    tolerance: float = CG_TOLERANCE,
 ) -> Condensed:
     """Condense the half throw to the motions of its rigid section.
 
@@ -78,6 +79,7 @@ def condense(
         further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
         guess: displacements of a body nearly the same, as `Condensed.displacement`.
+        tolerance: relative residual of the iterative solver.
 
     Raises:
         CranktopoError: the solve failed, or a plane of the model is missing.
@@ -91,8 +93,12 @@ def condense(
     if loaded:
         mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
     others = np.zeros((model.nodes_mm.size, 0)) if further is None else further
-    solve = _solver(model, free)
-    fields = solve(np.column_stack([-(model.stiffness @ rigid), *([mean] if loaded else []), others]), guess)
+    solve = _solver(model, free, tolerance)
+    forces = np.column_stack([-(model.stiffness @ rigid), *([mean] if loaded else []), others])
+    if guess is not None:
+        guess = guess.copy()
+        guess[:, : len(motions)] -= rigid
+    fields = solve(forces, guess)
     units = fields[:, : len(motions)]
     units += rigid
     parts = 1 if lateral == "none" else 2
@@ -109,10 +115,13 @@ def condense(
     )
 
 
-def _solver(model: Elasticity, free: NDArray[np.intp]) -> Callable[[Array, Array | None], Array]:
+def _solver(
+    model: Elasticity, free: NDArray[np.intp], tolerance: float
+) -> Callable[[Array, Array | None], Array]:
     """From nodal forces to displacements, all but the free unknowns at zero."""
     corners = free[free < model.prolongation.shape[1]]
-    inner = symmetric_solver(model.stiffness[free][:, free], model.prolongation[free][:, corners])
+    stiffness, prolongation = model.stiffness[free][:, free], model.prolongation[free][:, corners]
+    inner = symmetric_solver(stiffness, prolongation, tolerance=tolerance)
 
     def solve(forces: Array, guess: Array | None) -> Array:
         fields = np.zeros(forces.shape)

@@ -18,6 +18,8 @@ from cranktopo.shape.mesh_model import MeshModel, MeshResponses
 Array = NDArray[np.float64]
 _LEAST_QUALITY = 0.3
 """Least Jacobian of an element over its own in the new mesh, below which a new one is made."""
+_ON_THE_WAY = (0.5, 0.25)
+"""Parts of a step at which a mesh is replaced that folds on the whole of it."""
 
 
 class MeshedWebs:
@@ -62,8 +64,35 @@ class MeshedWebs:
             CranktopoError: no sound web, no valid mesh, or a failed solve.
         """
         old = self._moved(web.layout, values, quantities)
+        if old is None and self._renewed_on_the_way(web, values, quantities):
+            old = self._moved(web.layout, values, quantities)
         if old is not None and old.quality >= _LEAST_QUALITY:
             return self._shared(old)
+        return self._renewed(web, values, quantities, old)
+
+    def _renewed_on_the_way(
+        self, web: ParametricWeb, values: Array, quantities: Collection[str] | None
+    ) -> bool:
+        """Replace a mesh that folds before it reaches a web by one for a web between, if there is one."""
+        if self._made is None or self._made[0] != web.layout:
+            return False
+        start = self._made[1].moved.values
+        for share in _ON_THE_WAY:
+            between = start + share * (values - start)
+            old = self._moved(web.layout, between, quantities)
+            if old is not None:
+                self._renewed(web, between, quantities, old)
+                return True
+        return False
+
+    def _renewed(
+        self,
+        web: ParametricWeb,
+        values: Array,
+        quantities: Collection[str] | None,
+        old: MeshResponses | None,
+    ) -> MeshResponses:
+        """By a new mesh, as a share of the old one's numbers; by the old one where there is no new one."""
         try:
             model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
             new = model.responses(values, quantities)

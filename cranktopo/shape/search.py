@@ -72,10 +72,12 @@ class Effort:
     Attributes:
         evaluations: most webs solved.
         reach: how far a parameter may move, mm or degrees.
+        nearest: whether the web that comes nearest to its limits is taken where none keeps them.
     """
 
     evaluations: int = EVALUATIONS
     reach: float = _REACH
+    nearest: bool = False
 
 
 @dataclass(frozen=True)
@@ -95,13 +97,18 @@ class Found:
 
 
 class _Search:
-    """Objective and constraints of one search, each web solved once; the best web that keeps all."""
+    """Objective and constraints of one search, each web solved once.
+
+    Attributes:
+        best: of the webs that keep the rules the one that misses its limits least, of those that keep them
+            the one with the best goal: relative excess, goal, parameters.
+    """
 
     def __init__(self, webs: Webs, layout: Layout, goal: SearchGoal) -> None:
         self.goal = goal
         self.web: ParametricWeb = webs.web(layout)
         self.evaluations = 0
-        self.best: tuple[float, Array] | None = None
+        self.best: tuple[float, float, Array] | None = None
         self._webs = webs
         self._room = EnvelopeRoom(webs.scene)
         self._last: tuple[bytes, Quantities] | None = None
@@ -116,9 +123,9 @@ class _Search:
 
     @property
     def sound(self) -> Array:
-        """The best web that keeps all, else the last one that was solved."""
+        """The best web, else the last one that was solved."""
         assert self._last is not None
-        return np.frombuffer(self._last[0]) if self.best is None else self.best[1]
+        return np.frombuffer(self._last[0]) if self.best is None else self.best[2]
 
     def objective(self, values: Array, gradient: Array) -> float:
         found = self.responses(values)
@@ -137,12 +144,11 @@ class _Search:
             gradient[:] = np.vstack([limits, _RULES * slopes])
 
     def _keep(self, values: Array, found: Quantities) -> None:
-        objective = self.goal.objective(found.values)
-        if self.best is not None and objective >= self.best[0]:
-            return
-        held = self.goal.excesses(found.values).max(initial=0.0) < _HELD
-        if held and self.rules(values)[0].max() < _KEPT_MM:
-            self.best = objective, values.copy()
+        missed = self.goal.excesses(found.values).max(initial=0.0)
+        rank = (0.0 if missed < _HELD else float(missed)), self.goal.objective(found.values)
+        better = self.best is None or rank < self.best[:2]
+        if better and self.rules(values)[0].max() < _KEPT_MM:
+            self.best = *rank, values.copy()
 
 
 def best_values(
@@ -172,8 +178,13 @@ def best_values(
         model = webs()
         task = _Search(model, layout, goal)
         _minimise(task, start, effort, work)
-        sound = task.best is not None and _sound(model.scene, layout, task.best[1], work)
-        values = [float(value) for value in task.best[1]] if task.best and sound else None
+        best = task.best
+        kept = (
+            best is not None
+            and (effort.nearest or best[0] == 0)
+            and _sound(model.scene, layout, best[2], work)
+        )
+        values = [float(value) for value in best[2]] if best and kept else None
         return {"values": values, "evaluations": task.evaluations}
 
     kept = work.once(name, make)

@@ -40,9 +40,8 @@ HELD = 5e-4
 """Relative excess with which a limit still counts as kept by the evaluation."""
 _SETTLED = 1e-3
 """Relative gain in the goal below which a round that keeps the limits is the last."""
-_FINISH = Effort(18, 8.0), Effort(10, 4.0)
-"""Effort of the first finish and of those after it."""
-_FILLET_FRACTION = 1.0
+_FINISH = Effort(14, 3.0, nearest=True)
+_FILLET_FRACTION = 0.6
 """Elements of the finish on a fillet over its radius: coarse, as its safety is brought to the truth."""
 _SAFE = 3e-4
 """Part of a limit that the search keeps in reserve, for the rounding of the dimensions."""
@@ -196,9 +195,8 @@ class _Finish:
             return made
 
         goal = self._goal.reserved(_SAFE)
-        effort = _FINISH[min(number, len(_FINISH)) - 1]
         values, solved = best_values(
-            webs, self._layout, before.values, goal, f"finish-{number}", self._work, effort
+            webs, self._layout, before.values, goal, f"finish-{number}", self._work, _FINISH
         )
         return None if values is None else self._evaluated(values, number, solved)
 
