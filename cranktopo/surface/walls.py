@@ -25,6 +25,7 @@ _BALL_STEPS = 40
 _TINY_MM = 1e-6
 _FACING = math.cos(math.radians(140.0))
 """Walls face each other within 40 deg: a knife edge counts as a thin member, a corner of 90 deg does not."""
+_ALONG = math.sin(math.radians(1.0))
 _KEPT_SHARE = 0.9
 PARTING_CELLS = 1.5
 LEAST_SHARE = 0.01
@@ -98,16 +99,17 @@ def drafts_deg(walls: Walls, way: Way) -> Array:
 def from_parting_mm(walls: Walls, way: Way) -> Array:
     """Distance of each wall from where the halves part, (n,), mm.
 
-    A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill.
+    A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill. What
+    is less than 1 deg off its way belongs to neither half and makes no edge.
     """
     if way.axis is None:
         return np.full(len(walls.areas_mm2), np.inf)
     if way.parting_mm is not None:
         return np.asarray(np.abs(walls.points_mm[:, way.axis] - way.parting_mm))
-    upper = walls.normals[:, way.axis] > 0
-    found = np.full(len(walls.areas_mm2), np.inf)
-    for own in (upper, ~upper):
-        found[own] = _to_one_edge_mm(walls.where(own), walls.where(~own))
+    along, found = walls.normals[:, way.axis], np.full(len(walls.areas_mm2), np.inf)
+    for side in (1.0, -1.0):
+        own, other = side * along > 0, -side * along > _ALONG
+        found[own] = _to_one_edge_mm(walls.where(own), walls.where(other))
     return found
 
 
