@@ -59,7 +59,7 @@ class BevelArc:
         """Radius of the arc, negative where it is hollow; infinite for a plane."""
         if abs(self.crown_mm) < _FLAT_MM:
             return math.inf
-        return (self.chord_mm**2 / 4 + self.crown_mm**2) / (2 * self.crown_mm)
+        return float((self.chord_mm**2 / 4 + self.crown_mm**2) / (2 * self.crown_mm))
 
     @property
     def centre_mm(self) -> tuple[float, float]:
