@@ -135,3 +135,16 @@ def test_with_a_goal_only_what_is_against_it_holds() -> None:
     assert told["groove.draft"] == ()  # more draft is less mass, and less torsion is no limit to it
     assert told["half_width_3"] == ("limit: torsion >= 100 % of the original",)
     assert told["half_width_1"] == ()
+
+
+@pytest.mark.parametrize(("gain", "held"), [(-0.01, ("least wall beside the groove, 3 mm",)), (0.01, ())])
+def test_a_rule_holds_only_in_its_direction(gain: float, held: tuple[str, ...]) -> None:
+    """A groove as high as its flange allows cannot grow where that pays, and may shrink where that does."""
+    scene, webs, layout, values = plain({})
+    web, place = webs.web(layout), layout.names.index("groove.height")
+    rules = rules_at(scene, web, values)
+    at = rules.names.index("least wall beside the groove, 3 mm")
+    values[place] -= rules.excess[at] / rules.slopes[at, place]
+    slopes = {"mass": np.full(len(values), gain)}
+    wanted = SearchGoal("mass", 1.0, 1.6, ()), MeshResponses({"mass": 1.7}, slopes, 1.0), {"mass": 1.6}
+    assert holders(scene, web, values, wanted)["groove.height"] == held
