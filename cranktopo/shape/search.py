@@ -30,7 +30,7 @@ _RULES = 0.05
 """Weight of a millimetre of a manufacturing constraint against a limit's relative excess."""
 _KEPT_MM = 5e-3
 """Violation of a rule that rounding of the dimensions absorbs."""
-_HELD = 1e-3
+_HELD = 5e-4
 """Relative excess of a limit with which a web still counts as keeping it."""
 _FEASIBLE, _STEP_MM, _FLAT = 1e-6, 2e-3, 1e-6
 _STEEP = 2000.0

@@ -17,7 +17,7 @@ from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.box_pocket import FittedBox
 from cranktopo.scene.features.side_pocket import FittedSlot
 from cranktopo.shape.prices import prices
-from cranktopo.shape.search import search
+from cranktopo.shape.search import Found, prices_of, search
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 from cranktopo.shape.start import outline_start
 from cranktopo.shape.web_model import WebModel, web_model
@@ -145,6 +145,24 @@ def test_a_search_makes_the_web_lighter_and_keeps_both_stiffnesses(model: WebMod
     for limit in limits:
         assert found.responses.values[limit.quantity] >= 0.998 * limit.value
     assert model.web(layout).constraints(found.values).max() < 6e-3
+
+
+def test_a_price_predicts_the_optimum_of_a_limit_moved_by_one_percent(model: WebModel, mikron: Scene) -> None:
+    original, layout = model.original, Layout(7, PARTS[:2])
+
+    def optimum(torsion: float, start: np.ndarray) -> tuple[Found, SearchGoal]:
+        shares = {"torsion": torsion, "bending": 1.0}
+        limits = tuple(SearchLimit(name, ">=", share * original[name]) for name, share in shares.items())
+        goal = SearchGoal("mass", 1.0, original["mass"], limits)
+        found, _ = search(model, layout, start, goal, "a", Work(), 60)
+        assert found is not None
+        return found, goal
+
+    found, goal = optimum(1.1, values_of(mikron)[: len(layout.names)])
+    paid = prices_of(mikron, model.web(layout), found.values, found.responses, goal)
+    assert paid.remainder < 0.05
+    tighter, _ = optimum(1.1 * 1.01, found.values)
+    assert tighter.objective - found.objective == pytest.approx(0.01 * paid.limits[0], rel=0.2)
 
 
 def test_a_search_that_is_kept_is_not_done_again(model: WebModel, mikron: Scene) -> None:
