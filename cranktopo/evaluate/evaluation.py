@@ -11,6 +11,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.condense import Condensed, condense
 from cranktopo.evaluate.elasticity import Order, assemble
 from cranktopo.evaluate.mesh_memory import check_element_size
+from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
@@ -199,8 +200,11 @@ def condensed_stiffness(
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, order)
     mirrored = meshed.mesh.mirrored
     _check_volume(meshed, model.volume_mm3 * (2 if mirrored else 1))
-    torsion = _torsion(condense(model, scene, "antisymmetric", "odd" if mirrored else "none"), scene)
-    bending = _bending(condense(model, scene, "symmetric", "even" if mirrored else "none"), scene)
+    twist, bend = side_by_side(
+        lambda: condense(model, scene, "antisymmetric", "odd" if mirrored else "none"),
+        lambda: condense(model, scene, "symmetric", "even" if mirrored else "none"),
+    )
+    torsion, bending = _torsion(twist, scene), _bending(bend, scene)
     nodes, seconds = model.nodes_mm.shape[1], time.perf_counter() - start
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds)
 

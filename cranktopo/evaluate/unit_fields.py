@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import RX, Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
+from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.support_stiffness import bending_motion, torsion_motion
 from cranktopo.frames import Parity
 from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
@@ -54,10 +55,11 @@ def unit_fields(
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
     """
-    fields = {
-        **_symmetric(model, scene, mirrored, set(kinds)),
-        **(_twisted(model, scene, mirrored) if "torsion" in kinds else {}),
-    }
+    symmetric, twist = side_by_side(
+        lambda: _symmetric(model, scene, mirrored, set(kinds)),
+        lambda: _twisted(model, scene, mirrored) if "torsion" in kinds else {},
+    )
+    fields = {**symmetric, **twist}
     order: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
     return tuple(fields[kind] for kind in order if kind in fields)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, assemble, centrifugal_force
+from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_throw
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, exact_web_of
@@ -108,12 +109,12 @@ class MeshModel:
         """What needs displacements, of the quantities that are wanted."""
         found: _ByNodes = {}
         safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
-        twist, bend = (
-            self._condensed(model, scene, kind, mirrored)
-            if safety or quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
-            else None
-            for kind in ("torsion", "bending")
-        )
+
+        def block(kind: str) -> Condensed | None:
+            asked = quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
+            return self._condensed(model, scene, kind, mirrored) if safety or asked else None
+
+        twist, bend = side_by_side(lambda: block("torsion"), lambda: block("bending"))
         if twist:
             found["torsion"] = torsion_slopes(model, scene, twist)
         if bend:
