@@ -31,6 +31,8 @@ _MOST_POCKETS = 4
 _MORE_STATIONS = (9,)
 _AGAIN = 12
 """Most webs solved after the goal was corrected."""
+_CORRECTIONS, _SAME_ERROR = 3, 2e-3
+"""Most corrections of a trial, and the change of the errors below which there is no other."""
 
 
 @dataclass(frozen=True)
@@ -152,10 +154,25 @@ class Growth:
         return found
 
     def _corrected(self, found: Found) -> tuple[SearchGoal, Found | None, int]:
-        """The goal with the errors of the cells for a web, the best web near it, how many were solved."""
-        goal = self._plain.corrected(self._errors.of(found, f"{self._name}-coarse"))
-        start = found.layout, found.values
-        return goal, *search(self.model, *start, goal, f"{self._name}-again", self._work, _AGAIN)
+        """The goal with the errors of the cells for a web, the best web near it, how many were solved.
+
+        A deep groove is misjudged more than the shallower one that is best: the errors of the web that the
+        correction leads to are asked for again.
+        """
+        solved, before = 0, dict[str, float]()
+        goal, best = self._plain, found
+        for number in range(1, _CORRECTIONS + 1):
+            errors = self._errors.of(best, f"{self._name}-coarse-{number}")
+            if before and max(abs(errors[name] - before[name]) for name in errors) < _SAME_ERROR:
+                break
+            goal, before = self._plain.corrected(errors), errors
+            name, start = f"{self._name}-again-{number}", (best.layout, best.values)
+            again, more = search(self.model, *start, goal, name, self._work, _AGAIN)
+            solved += more
+            if again is None:
+                return goal, None, solved
+            best = again
+        return goal, best, solved
 
     def _searched(self, layout: Layout, start: Array, evaluations: int) -> tuple[Found | None, int]:
         return search(self.model, layout, start, self.goal, self._name, self._work, evaluations)

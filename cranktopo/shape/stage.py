@@ -41,6 +41,7 @@ HELD = 5e-4
 _SETTLED = 1e-3
 """Relative gain in the goal below which a round that keeps the limits is the last."""
 _FINISH = Effort(14, 3.0, nearest=True)
+"""Of each finish: short, as the evaluation after it corrects the coarse elements."""
 _FILLET_FRACTION = 0.6
 """Elements of the finish on a fillet over its radius: coarse, as its safety is brought to the truth."""
 _SAFE = 3e-4

@@ -13,19 +13,10 @@ from cranktopo.report.pages.sections import (
     pairs,
     versions_section,
 )
-from cranktopo.report.quantities import (
-    BENDING,
-    BENDING_PER_MASS,
-    INERTIA,
-    MASS,
-    SAFETY,
-    TORSION,
-    TORSION_PER_MASS,
-    UNBALANCE,
-    Quantity,
-)
+from cranktopo.report.quantities import Quantity
 from cranktopo.report.tables.goal_table import limits_table
 from cranktopo.report.tables.shape_tables import (
+    QUANTITIES_TOLD,
     changes_table,
     named_first,
     prices_table,
@@ -35,17 +26,6 @@ from cranktopo.report.tables.shape_tables import (
 )
 from cranktopo.report.tables.worth_tables import dimensions_table, held_table, worst_case_sentence
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
-
-_QUANTITIES = {
-    "mass": MASS,
-    "torsion": TORSION,
-    "bending": BENDING,
-    "torsion_per_mass": TORSION_PER_MASS,
-    "bending_per_mass": BENDING_PER_MASS,
-    "inertia": INERTIA,
-    "unbalance": UNBALANCE,
-    "fatigue_safety": SAFETY,
-}
 
 
 def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
@@ -58,7 +38,7 @@ def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tup
         title=f"Best dimensions of the crank web of {data['design']}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
         headline=shape_headline(data),
-        facts=tuple(_fact(data, _QUANTITIES[key], key) for key in named_first(data)),
+        facts=tuple(_fact(data, QUANTITIES_TOLD[key], key) for key in named_first(data)),
         sections=(
             _wanted(data),
             _dimensions(data),

@@ -31,6 +31,8 @@ _ROWS: tuple[tuple[Quantity, str, float], ...] = (
     (UNBALANCE, "unbalance", 1.0),
     (SAFETY, "fatigue_safety", 1.0),
 )
+QUANTITIES_TOLD = {key: quantity for quantity, key, _ in _ROWS}
+"""Quantities of a shape result by their keys in shape.json."""
 _UNITS = {
     "kg": "kg",
     "kNm_per_rad": "kN m/rad",
