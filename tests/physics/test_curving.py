@@ -103,9 +103,20 @@ def test_a_coarse_throw_has_some(monkeypatch: pytest.MonkeyPatch) -> None:
     assert count > 0
 
 
-def test_elements_too_large_for_a_thin_part_are_named() -> None:
+def test_elements_too_large_for_a_thin_part_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where both algorithms for the surface leave elements that cut across each other."""
+    import gmsh
+
+    tried = []
+
+    def generate(_: int) -> None:
+        tried.append(gmsh.option.getNumber("Mesh.Algorithm"))
+        raise Exception("Invalid boundary mesh (overlapping facets)")
+
+    monkeypatch.setattr(gmsh.model.mesh, "generate", generate)
     with pytest.raises(
         CranktopoError, match=r"variant-1: no mesh with elements of 21 mm: .*too large"
     ) as told:
         meshing.mesh_throw(load_scene("opposed-piston-variant-1"), 21.0)
     assert "smaller element size" in told.value.hint
+    assert len(set(tried)) == 2

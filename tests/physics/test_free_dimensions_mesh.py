@@ -109,7 +109,7 @@ def test_a_mesh_there_and_a_mesh_here_tell_the_same_change(case: Case) -> None:
         assert abs(there) > 0.02, name
         assert there == pytest.approx(back, rel=5e-3), name
     for name in ("mass", "inertia", "unbalance"):
-        assert after[0][name] == pytest.approx(after[1][name], rel=1e-4), name
+        assert after[0][name] == pytest.approx(after[1][name], rel=1.5e-4), name
 
 
 def test_slopes_of_the_rules_are_those_of_differences(case: Case) -> None:
