@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +12,9 @@ from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options
 from cranktopo.cli.verbosity import detail, info, verbosity_options
 from cranktopo.errors import ExitCode
+
+if TYPE_CHECKING:
+    from cranktopo.pipeline.sensitivities import Sensitivities
 
 
 @click.command()
@@ -43,10 +47,9 @@ def command(
     """
     from cranktopo.evaluate.targets import resolve_targets
     from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
-    from cranktopo.pipeline.sensitivities import evaluate_sensitivities
 
     wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
-    worth = [evaluate_sensitivities(text, element_size_mm, info) for text in texts if sensitivities]
+    worth = _worth(texts, element_size_mm) if sensitivities else []
     resolved = resolve_targets([w.file for w in worth] or texts, design, align=align)
     found = evaluate_targets(resolved, wanted, info)
     for evaluation in found.evaluations:
@@ -73,6 +76,13 @@ def command(
         for told in worth:
             click.echo("\n" + "\n".join(worth_lines(told.as_json(), told.scene.name)))
     warn_missed(found.missed, accuracy)
+
+
+def _worth(targets: Sequence[str], element_size_mm: float | None) -> list[Sensitivities]:
+    """What a millimetre is worth in each target; the search that it needs is loaded only here."""
+    from cranktopo.pipeline.sensitivities import evaluate_sensitivities
+
+    return [evaluate_sensitivities(target, element_size_mm, info) for target in targets]
 
 
 def warn_missed(missed: Sequence[str], accuracy: float | None) -> None:

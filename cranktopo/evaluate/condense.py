@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
-from cranktopo.evaluate.linear import CG_TOLERANCE, symmetric_solver
+from cranktopo.evaluate.linear import symmetric_solver
 from cranktopo.frames import Parity
 from cranktopo.scene import Scene
 
@@ -70,7 +70,6 @@ def condense(
     lateral: Lateral,
     further: Array | None = None,
     guess: Array | None = None,
-    tolerance: float = CG_TOLERANCE,
 ) -> Condensed:
     """Condense the half throw to the motions of its rigid section.
 
@@ -79,7 +78,6 @@ def condense(
         further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
         guess: displacements of a body nearly the same, as `Condensed.displacement`.
-        tolerance: relative residual of the iterative solver.
 
     Raises:
         CranktopoError: the solve failed, or a plane of the model is missing.
@@ -93,7 +91,7 @@ def condense(
     if loaded:
         mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
     others = np.zeros((model.nodes_mm.size, 0)) if further is None else further
-    solve = _solver(model, free, tolerance)
+    solve = _solver(model, free)
     forces = np.column_stack([-(model.stiffness @ rigid), *([mean] if loaded else []), others])
     if guess is not None:
         guess = guess.copy()
@@ -115,13 +113,11 @@ def condense(
     )
 
 
-def _solver(
-    model: Elasticity, free: NDArray[np.intp], tolerance: float
-) -> Callable[[Array, Array | None], Array]:
+def _solver(model: Elasticity, free: NDArray[np.intp]) -> Callable[[Array, Array | None], Array]:
     """From nodal forces to displacements, all but the free unknowns at zero."""
     corners = free[free < model.prolongation.shape[1]]
     stiffness, prolongation = model.stiffness[free][:, free], model.prolongation[free][:, corners]
-    inner = symmetric_solver(stiffness, prolongation, tolerance=tolerance)
+    inner = symmetric_solver(stiffness, prolongation)
 
     def solve(forces: Array, guess: Array | None) -> Array:
         fields = np.zeros(forces.shape)

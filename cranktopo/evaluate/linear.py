@@ -22,9 +22,8 @@ Array = NDArray[np.float64]
 DIRECT_LIMIT = 25_000
 """Most unknowns for the direct solver."""
 RESIDUAL_LIMIT = 1e-8
-"""Largest accepted relative residual of any solve whose result is reported."""
-CG_TOLERANCE = 1e-10
-"""Relative residual at which conjugate gradients end; the limit above leaves them two digits."""
+"""Largest accepted relative residual of any solve."""
+_CG_TOLERANCE = 1e-10
 _CG_CYCLES = 400
 _EIGENVALUE_TOLERANCE = 1e-2
 _SMOOTHING = 3
@@ -53,16 +52,12 @@ def solve_symmetric(
 
 
 def symmetric_solver(
-    matrix: sp.csr_matrix,
-    prolongation: sp.csr_matrix,
-    method: str = "auto",
-    tolerance: float = CG_TOLERANCE,
+    matrix: sp.csr_matrix, prolongation: sp.csr_matrix, method: str = "auto"
 ) -> Callable[[Array, Array | None], Array]:
     """What solves a symmetric positive definite system again and again, factorised once.
 
     Args:
         matrix, prolongation, method: as `solve_symmetric`.
-        tolerance: relative residual of the iterative solver.
 
     Returns:
         A function from loads, shape (n, k), and a first guess to solutions; it raises what `solve_symmetric`
@@ -75,8 +70,8 @@ def symmetric_solver(
     factor = _factorise(matrix) if direct else _cycle(matrix, prolongation)
 
     def solve(loads: Array, guess: Array | None) -> Array:
-        solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor, guess, tolerance)
-        _check_residual(matrix, loads, solution, RESIDUAL_LIMIT * tolerance / CG_TOLERANCE)
+        solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor, guess)
+        _check_residual(matrix, loads, solution)
         return solution
 
     return solve
@@ -96,12 +91,12 @@ def _factorise(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
     return solver
 
 
-def _check_residual(matrix: sp.csr_matrix, loads: Array, solution: Array, limit: float) -> None:
+def _check_residual(matrix: sp.csr_matrix, loads: Array, solution: Array) -> None:
     scale = np.linalg.norm(loads, axis=0)
     residual = np.linalg.norm(matrix @ solution - loads, axis=0) / np.where(scale > 0, scale, 1.0)
-    if not (residual <= limit).all():
+    if not (residual <= RESIDUAL_LIMIT).all():
         raise CranktopoError(
-            f"solver: relative residual {residual.max():.1e} is above {limit:.0e}.",
+            f"solver: relative residual {residual.max():.1e} is above {RESIDUAL_LIMIT:.0e}.",
             hint="Choose a smaller element size: badly shaped elements spoil the matrix.",
             code=ExitCode.SOLVER,
         )
@@ -155,18 +150,14 @@ def largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
 
 
 def _conjugate_gradients(
-    matrix: sp.csr_matrix,
-    loads: Array,
-    cycle: Callable[[Array], Array],
-    guess: Array | None,
-    tolerance: float,
+    matrix: sp.csr_matrix, loads: Array, cycle: Callable[[Array], Array], guess: Array | None
 ) -> Array:
     """Preconditioned CG, all right-hand sides in step."""
     x = np.zeros_like(loads) if guess is None else guess.copy()
     residual = loads.copy() if guess is None else loads - matrix @ x
     z = cycle(residual)
     direction, energy = z.copy(), (residual * z).sum(axis=0)
-    goal = tolerance * np.linalg.norm(loads, axis=0)
+    goal = _CG_TOLERANCE * np.linalg.norm(loads, axis=0)
     for _ in range(_CG_CYCLES):
         image = matrix @ direction
         curvature = (direction * image).sum(axis=0)

@@ -17,6 +17,7 @@ from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.loads.balance import throw_balance
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.pipeline.interruption import interruptible
+from cranktopo.remodel.family import unit_of
 from cranktopo.remodel.fit import FittedWeb, fit_web
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
@@ -158,7 +159,7 @@ def _as_json(
 ) -> dict[str, Any]:
     scene = fitted.scene
     density = density_kg_per_mm3(scene.material.density_kg_m3)
-    units = {name: "deg" if name.endswith("draft") else "mm" for name in fitted.names}
+    units = {name: unit_of(name) for name in fitted.names}
     return {
         "schema_version": SCHEMA_VERSION,
         "run": run,

@@ -54,6 +54,11 @@ class Layout:
             yield part.label if seen[part.label] == 1 else f"{part.label}-{seen[part.label]}", part
 
 
+def unit_of(parameter: str) -> str:
+    """Unit of a parameter by its name: degrees for a draft, else mm."""
+    return "deg" if parameter.endswith("draft") else "mm"
+
+
 def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Array]]:
     """Each feature with its values out of those of all features, mm or degrees."""
     first = 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.errors import invalid
+from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene.features.body import ROUNDING_MM
 from cranktopo.scene.free_dimensions import (
     DIMENSIONS,
@@ -43,9 +43,9 @@ def check_free_dimensions(scene: Scene) -> None:
 def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
     own = own_dimension_mm(scene, name)
     if not found[0] - ROUNDING_MM <= own <= found[1] + ROUNDING_MM:
-        raise invalid(
-            f"shape.free.{name}_mm",
-            list(found),
+        raise _refused(
+            name,
+            found,
             f"the range must hold the design's own value, {key_of(name)} = {own:g} mm",
             "Widen the range, or change the design.",
         )
@@ -56,18 +56,18 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
     pin = scene.throw.crankpin.outer_diameter_mm
     low, high = (share * pin for share in M53_FILLET)
     if found[0] < low - ROUNDING_MM or found[1] > high + ROUNDING_MM:
-        raise invalid(
-            f"shape.free.{name}_mm",
-            list(found),
+        raise _refused(
+            name,
+            found,
             f"must lie within {low:.4g} and {high:.4g} mm, {M53_FILLET[0]:g} to {M53_FILLET[1]:g} of the "
             "pin's diameter (IACS UR M53)",
             "Narrow the range.",
         )
     journal, room = _shortest_journal(scene, name)
     if found[1] >= room / 2:
-        raise invalid(
-            f"shape.free.{name}_mm",
-            list(found),
+        raise _refused(
+            name,
+            found,
             f"the greatest must be smaller than half of throw.{journal}.length_mm, which is at least "
             f"{room:g} mm",
             "Narrow this range" + (" or that of the thickness." if journal == "main_journal" else "."),
@@ -87,9 +87,9 @@ def _check_bore(scene: Scene, name: DimensionName, found: tuple[float, float]) -
     outer = journal_of(scene, name).outer_diameter_mm
     if found[1] >= outer:
         key = key_of(name).replace("bore_diameter_mm", "outer_diameter_mm")
-        raise invalid(
-            f"shape.free.{name}_mm",
-            list(found),
+        raise _refused(
+            name,
+            found,
             f"the greatest must be smaller than {key} = {outer:g} mm",
             "Narrow the range.",
         )
@@ -105,9 +105,9 @@ def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) 
     bored, other = journal_of(scene, bore), journal_of(scene, fillet)
     reach = bored.bore_radius_mm + other.radius_mm + other.fillet_mm
     if bored.bore_radius_mm and reach >= scene.throw.radius_mm:
-        raise invalid(
-            f"shape.free.{name}_mm",
-            list(found),
+        raise _refused(
+            name,
+            found,
             f"{key_of(bore)} cuts {key_of(fillet)}: with the journal they reach {reach:g} mm, and "
             f"throw.radius_mm = {scene.throw.radius_mm:g} mm",
             "Leave it out, or change the design.",
@@ -120,9 +120,9 @@ def _check_thickness(scene: Scene, least: float) -> None:
     length, fillet = _shortest_journal(scene, "journal_fillet")[1], scene.throw.main_journal.fillet_mm
     if length <= 2 * fillet:
         most = found[1] - (2 * fillet - length) / 2
-        raise invalid(
-            "shape.free.web_thickness_mm",
-            list(found),
+        raise _refused(
+            "web_thickness",
+            found,
             f"the pitch stays, so the main journal would keep {length:g} mm; the greatest must be smaller "
             f"than {most:.4g} mm to leave a bearing between its fillets",
             "Narrow the range.",
@@ -130,9 +130,13 @@ def _check_thickness(scene: Scene, least: float) -> None:
     envelope = scene.envelope
     clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm if envelope else 0.0
     if least <= clearance:
-        raise invalid(
-            "shape.free.web_thickness_mm",
-            list(found),
+        raise _refused(
+            "web_thickness",
+            found,
             f"the least must be larger than the clearances of the envelope, {clearance:g} mm together",
             "Narrow the range.",
         )
+
+
+def _refused(name: DimensionName, found: tuple[float, float], allowed: str, hint: str) -> CranktopoError:
+    return invalid(f"shape.free.{name}_mm", list(found), allowed, hint)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.family import unit_of
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
 from cranktopo.scene.scale import usual_scale
@@ -82,7 +83,7 @@ def held_by(
 def _bounds(web: ParametricWeb, index: int, value: float, better: float, near_mm: float) -> Iterator[str]:
     layout = web.layout
     name, low, high = layout.names[index], web.bounds[0][index], web.bounds[1][index]
-    unit = "deg" if name.endswith("draft") else "mm"
+    unit = unit_of(name)
     for side, bound, blocked in (("least", low, better <= 0), ("greatest", high, better >= 0)):
         if blocked and abs(value - bound) < near_mm:
             where = "value in [shape.free]" if name in layout.dimensions else "value of its range"

@@ -27,8 +27,6 @@ from cranktopo.shape.node_gradients import moments
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 
 Array = NDArray[np.float64]
-_TOLERANCE = 1e-7
-"""Relative residual of a search's solves: errors far below those of its mesh."""
 _ByNodes = dict[str, tuple[float, Array]]
 """Quantities by name with their derivatives by the nodes, (3, nodes)."""
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.family import unit_of
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.shape.mesh_model import MeshResponses
 
@@ -58,7 +59,7 @@ def dimensions(
     return tuple(
         Dimension(
             name,
-            "deg" if name.endswith("draft") else "mm",
+            unit_of(name),
             float(value),
             float(low),
             float(high),

@@ -12,6 +12,7 @@ import sys
 import time
 from statistics import median
 from typing import Any
+from unittest.mock import patch
 
 import jax
 
@@ -39,10 +40,9 @@ def main(cell_mm: float = 1.5) -> None:
             seconds.append(time.perf_counter() - began)
             return taken
 
-        proposals.mma_step = timed  # type: ignore[attr-defined,assignment]
         scene = load_scene(engine).with_optimise(resolution_mm=cell_mm, process="free", max_iterations=12)
         ready = prepare(with_goal(scene, minimise="mass", maximise=None, limits=()))
-        with double_precision():
+        with double_precision(), patch.object(proposals, "mma_step", timed):
             problem = build_problem(ready.scene, ready.domain, ready.cases)
             state = iterate(problem, loop.init(problem))
         whole, step = median(row.seconds for row in state.history[2:]), median(seconds[2:])

@@ -7,7 +7,6 @@ import csv
 import io
 import json
 import re
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
@@ -83,18 +82,19 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return calls
 
 
-SOLIDS: dict[str, Path] = {}
-"""Folders that hold the solids of a web, by the web."""
+SOLIDS: dict[str, dict[str, bytes]] = {}
+"""Solids of a web as the bytes of their files, by the web."""
 
 
 def solids_once(scene: Scene, folder: Path, started: datetime) -> None:
-    """The solids of a step, copied where an earlier loop has built the same web."""
-    before = SOLIDS.setdefault(scene.web.model_dump_json(), folder)
-    if before == folder:
-        write_solids(scene, folder, started)
+    """The solids of a step, written again where an earlier loop has built the same web."""
+    web = scene.web.model_dump_json()
+    if web in SOLIDS:
+        for name, data in SOLIDS[web].items():
+            (folder / name).write_bytes(data)
     else:
-        for name in ("web.step", "web.stl", step_solids.WEB):
-            shutil.copy(before / name, folder)
+        write_solids(scene, folder, started)
+        SOLIDS[web] = {n: (folder / n).read_bytes() for n in ("web.step", "web.stl", step_solids.WEB)}
 
 
 def _obround(width: float) -> ObroundWeb:
