@@ -21,8 +21,9 @@ from cranktopo.remodel.read_web import WebRead
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.free_dimensions import own_dimension_mm
-from cranktopo.shape.holding import held_by, rules_at
+from cranktopo.shape.holding import held_by
 from cranktopo.shape.meshed_webs import MeshedWebs
+from cranktopo.shape.rules import rules_at
 from cranktopo.shape.sensitivities import Dimension, dimensions, sensitivities_json
 from cranktopo.shape.start import scene_start
 from cranktopo.store import LOOP, SHAPE, kind_of, read_json

@@ -39,7 +39,6 @@ from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.scale import usual_scale
 from cranktopo.scene.writing import toml_text
-from cranktopo.shape.goal_in_model import check_goal
 from cranktopo.shape.result_json import shape_json
 from cranktopo.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.shape.start import scene_start
@@ -161,7 +160,6 @@ def _goal(scene: Scene) -> Goal:
             hint="Give --minimise mass, or --maximise torsion_per_mass, or a [goal] table.",
             code=ExitCode.USAGE,
         )
-    check_goal(goal)
     return goal
 
 

@@ -28,6 +28,9 @@ _CHECKS, _POINTS = 8, 16
 _LEAST_RISE = 0.01
 """Least rise in y per mm along the outline, which keeps its half-width single-valued."""
 _BEND_MARGIN = 0.99
+_RADIUS, _RISE = "least radius of the outline", "the outline does not fold back"
+NO_LENGTHS = _RADIUS, _RISE
+"""How the names of rules begin whose excess is no length."""
 _ENDLESS_MM = 1e4
 
 
@@ -41,10 +44,10 @@ def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> li
     bend = flank.curvature_per_mm(np.linspace(0, 1, _CHECKS)).ravel() * limits.min_radius_mm
     (main, main_reach), (pin, pin_reach) = reaches = reaches_mm(scene, limits)
     low, high = flank.points_mm[0, 1], flank.points_mm[-1, 1]
-    radius = f"least radius of the outline, {limits.min_radius_mm:.3g} mm"
+    radius = f"{_RADIUS}, {limits.min_radius_mm:.3g} mm"
     beside = _reach_names(scene, limits)
     found: list[Rule] = [(radius, bend - _BEND_MARGIN), (radius, -bend - _BEND_MARGIN)]
-    found.append(("the outline does not fold back", _LEAST_RISE - _rises(flank, u)))
+    found.append((_RISE, _LEAST_RISE - _rises(flank, u)))
     for name, (y, reach) in zip(beside, reaches, strict=True):
         found.append((name, reach - np.sqrt(points[:, 0] ** 2 + (points[:, 1] - y) ** 2)))
     ends = np.stack([main_reach - main + low]), np.stack([pin_reach + pin - high])

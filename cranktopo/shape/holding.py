@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,45 +11,17 @@ from cranktopo.remodel.family import unit_of
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
 from cranktopo.scene.scale import usual_scale
-from cranktopo.shape.envelope_room import EnvelopeRoom
-from cranktopo.shape.search import Quantities, rules_of
+from cranktopo.shape.rules import Rules
+from cranktopo.shape.search import Quantities
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 
 Array = NDArray[np.float64]
-ENVELOPE = "room of the envelope"
 _NEAR_MM = 0.1
 """A rule holds a dimension that may move by less before it breaks; of throws of usual size."""
 _NEAR_LIMIT = 2e-3
 """Relative room within which a limit counts as active."""
 _SHARE = 0.1
 """Least effect of a dimension on a rule over that of the dimension with the largest one."""
-_BROKEN_MM = 0.05
-
-
-@dataclass(frozen=True)
-class Rules:
-    """Every manufacturing rule of a web and the room of the envelope.
-
-    Attributes:
-        excess: (rules,) kept where <= 0, mm.
-        slopes: (rules, parameters).
-    """
-
-    names: tuple[str, ...]
-    excess: Array
-    slopes: Array
-
-    @property
-    def broken(self) -> tuple[str, ...]:
-        """Names of the rules that the web does not keep."""
-        return tuple(dict.fromkeys(np.array(self.names)[self.excess > _BROKEN_MM].tolist()))
-
-
-def rules_at(scene: Scene, web: ParametricWeb, values: Array) -> Rules:
-    """The rules of a web with these values."""
-    excess, slopes = rules_of(web, EnvelopeRoom(scene), values)
-    names = web.rule_names(values)
-    return Rules((*names, *[ENVELOPE] * (len(excess) - len(names))), excess, slopes)
 
 
 def held_by(

@@ -5,14 +5,18 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from cranktopo.remodel.family import unit_of
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import QUANTITIES
 from cranktopo.scene.goal.outcome import goal_json, limit_outcomes
-from cranktopo.shape.holding import held_by, rules_at
+from cranktopo.shape.goal_in_model import goal_on_cells
+from cranktopo.shape.holding import held_by
+from cranktopo.shape.rules import rule_unit, rules_at
 from cranktopo.shape.sensitivities import dimensions, sensitivities_json
 from cranktopo.shape.stage import HELD, ShapeOptimum
 
 SCHEMA_VERSION = 1
+_PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
 _COMPARED = ("mass", "torsion", "bending", "torsion_per_mass", "bending_per_mass", "inertia", "unbalance")
 
 
@@ -41,18 +45,38 @@ def shape_json(
         "parameters": [{**row, "start": start.get(row["name"])} for row in worth["parameters"]],
         "worst_case_percent": worth["worst_case_percent"],
         "prices": [
-            {"quantity": r.quantity, "goal_percent_per_percent": float(price)}
+            {"quantity": r.quantity, "sense": r.sense, "goal_percent_per_percent": float(price)}
             for r, price in zip(optimum.stated.limits, optimum.prices.limits, strict=True)
         ],
+        "goal_on_cells": {goal.sense: goal_on_cells(goal).quantity},
+        "prices_remainder_percent": 100 * optimum.prices.remainder,
+        "rule_prices": _rule_prices(scene, optimum),
         "trials": [asdict(trial) for trial in optimum.trials],
         "rounds": [
             {"values": r.web.values, "excess_percent": list(r.excess_percent)} for r in optimum.rounds
         ],
+        "best_round": optimum.best,
         "iterations": len(optimum.rounds),
         "evaluations": sum(trial.evaluations for trial in optimum.trials)
         + sum(r.evaluations for r in optimum.rounds),
         "seconds": seconds,
     }
+
+
+def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> list[dict[str, Any]]:
+    """What a unit of each rule and bound would give in the goal, % of the original's."""
+    web, paid, found = optimum.web, optimum.prices, dict[tuple[str, str], float]()
+    names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
+    bounds = [
+        (f"{'least' if price > 0 else 'greatest'} {name}", unit_of(name))
+        for name, price in zip(web.layout.names, paid.bounds, strict=True)
+    ]
+    for key, price in zip([*names, *bounds], [*paid.rules, *abs(paid.bounds)], strict=True):
+        if price > 0:
+            found[key] = found.get(key, 0.0) + 100 * float(price) / _PER_UNIT[key[1]]
+    return [
+        {"name": name, "unit": unit, "goal_percent_per_unit": price} for (name, unit), price in found.items()
+    ]
 
 
 def _changes(optimum: ShapeOptimum) -> dict[str, float]:

@@ -10,14 +10,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.remodel.dimensions import rounded, scene_at
 from cranktopo.remodel.family import Layout, web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
 from cranktopo.shape.envelope_room import EnvelopeRoom
+from cranktopo.shape.mending import mended
 from cranktopo.shape.prices import Prices, prices
+from cranktopo.shape.rules import rules_at, rules_of
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.web_model import Responses, WebModel
 from cranktopo.store import Json, Work
@@ -88,12 +90,14 @@ class Found:
         values: parameters of the layout, mm or degrees.
         objective: the goal, smaller is better.
         responses: its quantities and their gradients.
+        missed: by how much it misses its limits, relative; 0 where it keeps them.
     """
 
     layout: Layout
     values: Array
     objective: float
     responses: Responses
+    missed: float = 0.0
 
 
 class _Search:
@@ -127,6 +131,11 @@ class _Search:
         assert self._last is not None
         return np.frombuffer(self._last[0]) if self.best is None else self.best[2]
 
+    @property
+    def broken(self) -> str:
+        """The rules that the last web breaks."""
+        return rules_at(self._webs.scene, self.web, self.sound).broken_text
+
     def objective(self, values: Array, gradient: Array) -> float:
         found = self.responses(values)
         if gradient.size:
@@ -144,8 +153,7 @@ class _Search:
             gradient[:] = np.vstack([limits, _RULES * slopes])
 
     def _keep(self, values: Array, found: Quantities) -> None:
-        missed = self.goal.excesses(found.values).max(initial=0.0)
-        rank = (0.0 if missed < _HELD else float(missed)), self.goal.objective(found.values)
+        rank = _missed(self.goal, found), self.goal.objective(found.values)
         better = self.best is None or rank < self.best[:2]
         if better and self.rules(values)[0].max() < _KEPT_MM:
             self.best = *rank, values.copy()
@@ -174,21 +182,34 @@ def best_values(
         CranktopoError: a failed solve.
     """
 
+    kept = _kept(webs, layout, start, goal, name, work, effort)
+    return None if kept["values"] is None else np.array(kept["values"]), kept["evaluations"]
+
+
+def _kept(
+    webs: Callable[[], Webs],
+    layout: Layout,
+    start: Array,
+    goal: SearchGoal,
+    name: str,
+    work: Work,
+    effort: Effort,
+) -> Json:
+    """What a search found as plain data, and why it found nothing."""
+
     def make() -> Json:
         model = webs()
         task = _Search(model, layout, goal)
         _minimise(task, start, effort, work)
         best = task.best
-        kept = (
-            best is not None
-            and (effort.nearest or best[0] == 0)
-            and _sound(model.scene, layout, best[2], work)
-        )
+        why = task.broken if best is None else _refused(model.scene, layout, best[2])
+        if why and best is not None:
+            work.info(f"left out: {why}")
+        kept = best is not None and not why and (effort.nearest or best[0] == 0)
         values = [float(value) for value in best[2]] if best and kept else None
-        return {"values": values, "evaluations": task.evaluations}
+        return {"values": values, "evaluations": task.evaluations, "why": why}
 
-    kept = work.once(name, make)
-    return None if kept["values"] is None else np.array(kept["values"]), kept["evaluations"]
+    return work.once(name, make)
 
 
 def search(
@@ -199,20 +220,29 @@ def search(
     name: str,
     work: Work,
     evaluations: int = EVALUATIONS,
+    nearest: bool = False,
 ) -> tuple[Found | None, int]:
-    """As `best_values` on cells, with the responses of the best web."""
-    values, solved = best_values(model.webs, layout, start, goal, name, work, Effort(evaluations))
+    """As `best_values` on cells, with the responses of the best web.
+
+    Args:
+        nearest: whether the web that comes nearest to its limits is taken where none keeps them.
+    """
+    effort = Effort(evaluations, nearest=nearest)
+    values, solved = best_values(model.webs, layout, start, goal, name, work, effort)
     if values is None:
         return None, solved
     # Solved anew from nothing, so that a continued optimisation sees the very same numbers.
     found = model.responses(model.web(layout), values, goal.quantities)
-    return Found(layout, values, goal.objective(found.values), found), solved
+    return Found(layout, values, goal.objective(found.values), found, _missed(goal, found)), solved
 
 
-def rules_of(web: ParametricWeb, room: EnvelopeRoom, values: Array) -> tuple[Array, Array]:
-    """Manufacturing constraints and envelope, mm, kept where <= 0, and their gradients."""
-    inside, slopes = room.constraints(web, values)
-    return np.concatenate([web.constraints(values), inside]), np.vstack([web.slopes(values), slopes])
+def why_nothing(name: str, work: Work) -> CranktopoError:
+    """What is said where a search found no web that can be made, near its limits or not."""
+    return CranktopoError(
+        f"shape: no web can be made near the one to begin with: {work.kept[name]['why']}.",
+        hint="Enlarge the envelope, allow a smaller wall or radius, or begin with another web.",
+        code=ExitCode.CRITERION_NOT_MET,
+    )
 
 
 def prices_of(scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal) -> Prices:
@@ -245,19 +275,24 @@ def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
     return sized.model_copy(update=changes)
 
 
-def _sound(scene: Scene, layout: Layout, values: Array, work: Work) -> bool:
-    """Whether the rounded dimensions make a web that the scene accepts."""
+def _missed(goal: SearchGoal, found: Quantities) -> float:
+    """By how much the worst limit is missed, relative; 0 where all count as kept."""
+    missed = float(goal.excesses(found.values).max(initial=0.0))
+    return 0.0 if missed < _HELD else missed
+
+
+def _refused(scene: Scene, layout: Layout, values: Array) -> str:
+    """Why the scene refuses the web of the rounded dimensions; empty where it accepts it."""
     try:
         shaped_scene(scene, layout, values)
     except CranktopoError as error:
-        work.info(f"left out: {error}")
-        return False
-    return True
+        return str(error).rstrip(".")
+    return ""
 
 
 def _minimise(task: _Search, start: Array, effort: Effort, work: Work) -> None:
     """Search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
-    reach = effort.reach
+    start, reach = mended(task.rules, task.web.bounds, start), effort.reach
     for _ in range(_ATTEMPTS):
         try:
             return _descend(task, start, reach, effort.evaluations - task.evaluations, work)

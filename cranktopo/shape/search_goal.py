@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -18,16 +18,23 @@ class SearchLimit:
 
     Attributes:
         value: in the quantity's unit.
+        original: the original web's, which is the size of a limit of zero.
     """
 
     quantity: str
     sense: Literal["<=", ">="]
     value: float
+    original: float = field(default=1.0, compare=False)
 
     @property
     def sign(self) -> float:
         """1 for an upper limit, -1 for a lower one."""
         return 1.0 if self.sense == "<=" else -1.0
+
+    @property
+    def per_size(self) -> float:
+        """Its sign over its size, which turns an excess into a share."""
+        return self.sign / (abs(self.value) or abs(self.original) or 1.0)
 
 
 @dataclass(frozen=True)
@@ -54,12 +61,12 @@ class SearchGoal:
         return self.sign * slopes[self.quantity] / self.scale
 
     def excesses(self, values: Mapping[str, float]) -> Array:
-        """How far each limit is missed over its value, kept where <= 0."""
-        return np.array([r.sign * (values[r.quantity] - r.value) / abs(r.value) for r in self.limits])
+        """How far each limit is missed over its size, kept where <= 0."""
+        return np.array([r.per_size * (values[r.quantity] - r.value) for r in self.limits])
 
     def excess_slopes(self, slopes: Mapping[str, Array], parameters: int) -> Array:
         """Their gradients (limits, parameters)."""
-        rows = [r.sign * slopes[r.quantity] / abs(r.value) for r in self.limits]
+        rows = [r.per_size * slopes[r.quantity] for r in self.limits]
         return np.array(rows).reshape(len(rows), parameters)
 
     def worth(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
@@ -71,7 +78,7 @@ class SearchGoal:
         """
         result = self.sign * by_cell[self.quantity] / self.scale
         for price, r in zip(limits, self.limits, strict=True):
-            result = result + price * r.sign * by_cell[r.quantity] / abs(r.value)
+            result = result + price * r.per_size * by_cell[r.quantity]
         return np.asarray(result)
 
     @property

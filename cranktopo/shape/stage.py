@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.errors import CranktopoError
 from cranktopo.remodel.dimensions import with_free
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -24,7 +25,7 @@ from cranktopo.scene.goal import Goal
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.shape.cell_errors import CellErrors
 from cranktopo.shape.free_bores import bored, not_on_cells
-from cranktopo.shape.goal_in_model import search_goal_of
+from cranktopo.shape.goal_in_model import goal_on_cells, search_goal_of
 from cranktopo.shape.growth import Growth, Trial
 from cranktopo.shape.mesh_model import MeshResponses
 from cranktopo.shape.meshed_webs import MeshedWebs
@@ -131,12 +132,15 @@ def optimise_shape(
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
     """
     settings, work = settings or ShapeSettings(), work or Work()
-    fatigue = any(limit.quantity == "fatigue_safety" for limit in goal.limits)
+    fatigue = "fatigue_safety" in (goal.quantity, *(limit.quantity for limit in goal.limits))
     own = None if scene.original is None else Path(scene.original.file)
     original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases = cells.model.cases
-    wanted = search_goal_of(goal, cells.original, original.values, cases)
+    on_cells = goal_on_cells(goal)
+    if on_cells != goal:
+        work.info(f"cells know no fatigue: features are chosen for the most {on_cells.quantity} stiffness")
+    wanted = search_goal_of(on_cells, cells.original, original.values, cases)
     growth = Growth(cells, wanted, CellErrors(cells, work), work)
     start = start or scene_start(scene, settings.limits)
     bores = bored(scene, start.sizes)
@@ -181,7 +185,11 @@ class _Finish:
         """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
         rounds = [self._evaluated(start, 0, 0)]
         for number in range(1, self._settings.rounds + 1):
-            found = self._finished(rounds[-1], number)
+            try:
+                found = self._finished(rounds[-1], number)
+            except CranktopoError as error:
+                self._work.info(f"finish {number} ended early, the best web before it stands: {error}")
+                break
             if found is None:
                 break
             rounds.append(found)

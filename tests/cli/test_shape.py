@@ -112,14 +112,6 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_web(
     assert again["values"] == data["values"]
 
 
-def test_a_goal_that_the_search_does_not_know_is_refused(tmp_path: Path, capsys: Any) -> None:
-    out = tmp_path / "run"
-    code = main(["shape", "mikron-iiic", "--maximise", "fatigue_safety", "--out", str(out)])
-    assert code == ExitCode.INVALID_INPUT
-    assert "the search on cells knows stiffness and mass only" in capsys.readouterr().err
-    assert not out.exists()
-
-
 def test_without_an_envelope_there_is_no_search(tmp_path: Path, capsys: Any) -> None:
     out = tmp_path / "run"
     assert main(["shape", "opposed-piston-casting", "--out", str(out)]) == ExitCode.INVALID_INPUT

@@ -17,9 +17,10 @@ from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.shape.holding import ENVELOPE, held_by, rules_at
+from cranktopo.shape.holding import held_by
 from cranktopo.shape.mesh_model import MeshResponses
 from cranktopo.shape.meshed_webs import MeshedWebs
+from cranktopo.shape.rules import ENVELOPE, rules_at
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 from cranktopo.shape.sensitivities import Dimension, dimensions, worst_case_percent
 from tests.physics.shape_cases import Array, full_web

@@ -8,7 +8,7 @@ import pytest
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.pipeline.iterate import loop_settings, shape_step
-from cranktopo.pipeline.iterate.shape_step import ShapeStep, shape_scene
+from cranktopo.pipeline.iterate.shape_step import ShapeStep
 from cranktopo.pipeline.iterate.step import LoopStep
 from cranktopo.report.tables.steps_table import shape_line
 from cranktopo.scene import Scene
@@ -63,11 +63,6 @@ def test_the_goal_is_the_designs_or_torsion_per_mass(
     goals = [(scene.goal.quantity, given) for scene, _, given in stand_in.asked]
     assert goals == [("torsion_per_mass", None), ("mass", mikron)]
     assert {settings.element_size_mm for _, settings, _ in stand_in.asked} == {11.0}
-
-
-def test_a_goal_that_no_search_knows_is_refused(mikron: Scene) -> None:
-    with pytest.raises(CranktopoError, match=r"goal\.maximise"):
-        shape_scene(with_goal(mikron, maximise="fatigue_safety"))
 
 
 @pytest.mark.parametrize(

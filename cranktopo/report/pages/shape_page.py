@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cranktopo.report.figures.plot import picture
+from cranktopo.report.figures.rounds_plot import draw_goal, draw_worst_limit
 from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import (
     assumed_tables,
@@ -15,6 +17,7 @@ from cranktopo.report.pages.sections import (
 )
 from cranktopo.report.quantities import Quantity
 from cranktopo.report.tables.goal_table import limits_table
+from cranktopo.report.tables.price_words import price_sentences, rule_prices_table
 from cranktopo.report.tables.shape_tables import (
     QUANTITIES_TOLD,
     changes_table,
@@ -63,17 +66,18 @@ def _fact(data: Mapping[str, Any], quantity: Quantity, key: str) -> Fact:
 
 
 def _wanted(data: Mapping[str, Any]) -> Section:
-    goal = data["goal"]
+    goal, rules = data["goal"], rule_prices_table(data)
     sense = "minimise" if "minimise" in goal else "maximise"
     return Section(
         "goal",
         f"Goal: {sense} {goal[sense].replace('_', ' ')}",
-        f"{data['stop_reason'].capitalize()}. A price says by how many percent of the original the goal "
-        "would change if its limit were moved by one percent.",
+        f"{data['stop_reason'].capitalize()}. At this optimum {'; '.join(price_sentences(data))}. Percent of "
+        "the original's, to first order.",
         (
             ("Original and result, fillets included", changes_table(data)),
             ("Limits, by the body-fitted evaluation", limits_table(goal)),
             ("Prices of the limits", prices_table(data)),
+            *([("Prices of rules and bounds", rules)] if rules.rows else []),
         ),
     )
 
@@ -94,9 +98,22 @@ def _search(data: Mapping[str, Any]) -> Section:
         "How it was found",
         f"{data['evaluations']} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
-        "limits, and each result was evaluated on the default mesh.",
+        f"limits, and each result was evaluated on the default mesh.{_stand_in(data)}",
         (("What was tried", trials_table(data)), ("Webs evaluated on the way", rounds_table(data))),
+        (
+            picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, data),
+            picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, data),
+        ),
     )
+
+
+def _stand_in(data: Mapping[str, Any]) -> str:
+    """What stood for the goal on cells, where they do not know it."""
+    goal, on_cells = data["goal"], data.get("goal_on_cells", {})
+    name = next(iter(on_cells.values()), None)
+    if name in (None, goal.get("minimise"), goal.get("maximise")):
+        return ""
+    return f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
 
 
 def _provenance(data: Mapping[str, Any], manifest: Mapping[str, Any]) -> Section:

@@ -18,6 +18,7 @@ from cranktopo.report.quantities import (
     Quantity,
 )
 from cranktopo.report.tables.goal_table import broken_limits, limits_table
+from cranktopo.report.tables.price_words import price_sentences
 from cranktopo.report.tables.result_table import ResultTable, terminal
 from cranktopo.report.tables.worth_tables import worth_lines
 
@@ -138,6 +139,8 @@ def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
         terminal(changes_table(data)),
         "",
         terminal(limits_table(data["goal"])),
+        "",
+        *price_sentences(data),
         "",
         *worth_lines(data, "the original"),
         "",

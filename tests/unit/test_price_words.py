@@ -1,0 +1,64 @@
+"""Prices of limits, rules and bounds in words, as they stand on the page and in the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from cranktopo.report.figures.plot import picture
+from cranktopo.report.figures.rounds_plot import draw_goal, draw_worst_limit
+from cranktopo.report.tables.price_words import price_sentences, rule_prices_table
+
+
+@pytest.fixture
+def data() -> dict[str, Any]:
+    """What shape.json holds, of an invented web."""
+    return {
+        "goal": {"minimise": "mass"},
+        "prices": [
+            {"quantity": "torsion", "sense": ">=", "goal_percent_per_percent": 0.312},
+            {"quantity": "unbalance", "sense": "<=", "goal_percent_per_percent": 0.05},
+            {"quantity": "fatigue_safety", "sense": ">=", "goal_percent_per_percent": 0.0},
+        ],
+        "rule_prices": [
+            {"name": "wall between both bores, 5 mm", "unit": "mm", "goal_percent_per_unit": 0.021},
+            {"name": "least slot.draft", "unit": "deg", "goal_percent_per_unit": 0.2},
+            {"name": "room of the envelope", "unit": "mm", "goal_percent_per_unit": 1e-7},
+        ],
+        "prices_remainder_percent": 4.0,
+        "values": {"original": {"mass": 2.0}},
+        "rounds": [
+            {"values": {"mass": 1.8}, "excess_percent": [0.4, -2.0]},
+            {"values": {"mass": 1.75}, "excess_percent": []},
+        ],
+        "best_round": 1,
+    }
+
+
+def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:
+    assert price_sentences(data) == [
+        "1 % more torsion costs 0.31 % mass",
+        "1 % less unbalance costs 0.05 % mass",
+        "1 % more fatigue safety costs nothing: this limit does not decide",
+        "1 degree of 'least slot.draft' would give 0.20 % less mass",
+        "1 mm of 'wall between both bores, 5 mm' would give 0.02 % less mass",
+    ]
+    rules = [row["rule_or_bound"] for row in rule_prices_table(data).rows]
+    assert rules == ["least slot.draft", "wall between both bores, 5 mm"]
+
+
+def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:
+    told = price_sentences(
+        data | {"goal": {"maximise": "torsion_per_mass"}, "prices_remainder_percent": 45.0}
+    )
+    assert told[0] == "1 % more torsion costs 0.31 % torsion per mass"
+    assert told[3] == "1 degree of 'least slot.draft' would give 0.20 % more torsion per mass"
+    assert "prices explain 55 %" in told[-1]
+
+
+def test_the_convergence_shows_goal_and_worst_limit_of_every_web(data: dict[str, Any]) -> None:
+    goal, limit = (picture("a", "a", draw, data).figure.axes[0] for draw in (draw_goal, draw_worst_limit))
+    assert goal.lines[0].get_ydata().tolist() == pytest.approx([90.0, 87.5])
+    assert limit.lines[0].get_ydata().tolist() == pytest.approx([0.4, 0.0])
+    assert [tick.get_text() for tick in goal.get_xticklabels()] == ["cells", "finish 1"]

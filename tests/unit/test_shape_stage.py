@@ -1,0 +1,124 @@
+"""The stage without a solve: which web it ends in, a finish that fails, the fatigue safety as the goal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.loads.cases import load_cases
+from cranktopo.scene import Scene, load_scene
+from cranktopo.scene.goal import Goal
+from cranktopo.scene.goal.changing import with_goal
+from cranktopo.scene.goal.wanted import wanted
+from cranktopo.shape import stage
+from cranktopo.shape.mesh_model import MeshResponses
+from cranktopo.shape.meshed_webs import MeshedWebs
+from cranktopo.shape.stage import ShapeOptimum, optimise_shape
+from cranktopo.store import Work
+
+ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
+
+
+@dataclass
+class Told:
+    """What stands for every solve: percent of the original of the web of the cells and of each finish.
+
+    Attributes:
+        fails_at: number of the finish whose mesh collapses.
+        goals: what the search on cells was asked for.
+    """
+
+    percent: list[dict[str, float]]
+    fails_at: int = 0
+    goals: list[Any] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+
+    def evaluated(self, scene: Scene, fatigue: bool, size: Any, name: str, *_: Any) -> Any:
+        assert fatigue
+        share: Mapping[str, float] = {} if name == "original" else self.percent[int(name[-1])]
+        values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
+        return SimpleNamespace(scene=scene, values=values, evaluation={})
+
+    def best_values(self, webs: Any, layout: Any, start: Any, goal: Any, name: str, *_: Any) -> Any:
+        if name == f"finish-{self.fails_at}":
+            raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
+        return start + 0.01, 5
+
+    def growth(self, model: Any, goal: Any, errors: Any, work: Work) -> Any:
+        self.goals.append(goal)
+
+        def first(layout: Any, start: Any) -> Any:
+            return SimpleNamespace(layout=layout, values=start)
+
+        return SimpleNamespace(first=first, grown=lambda found: found, trials=[])
+
+
+class Meshes(MeshedWebs):
+    """Webs that are known without a mesh."""
+
+    def anchored(self, web: Any, values: Any, truth: Mapping[str, float]) -> MeshResponses:
+        return MeshResponses(dict(truth), {name: np.zeros(len(values)) for name in truth}, 1.0)
+
+
+Shaped = Callable[[Told], ShapeOptimum]
+
+
+@pytest.fixture
+def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
+    scene = with_goal(load_scene("mikron-iiic"), maximise="fatigue_safety")
+
+    def run(told: Told) -> ShapeOptimum:
+        cells = SimpleNamespace(original=ORIGINAL, model=SimpleNamespace(cases=load_cases(scene)))
+        monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
+        monkeypatch.setattr(stage, "web_model", lambda *_: cells)
+        monkeypatch.setattr(stage, "CellErrors", lambda *_: None)
+        monkeypatch.setattr(stage, "Growth", told.growth)
+        monkeypatch.setattr(stage, "best_values", told.best_values)
+        monkeypatch.setattr(stage, "MeshedWebs", Meshes)
+        return optimise_shape(scene, goal_of(scene), None, Work(told.lines.append))
+
+    return run
+
+
+def goal_of(scene: Scene) -> Goal:
+    goal = wanted(scene)
+    assert goal is not None
+    return goal
+
+
+def test_the_most_safety_keeps_mass_and_stiffness_and_takes_bending_for_it_on_cells(shaped: Shaped) -> None:
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 108.0}, {"fatigue_safety": 108.05}])
+    found = shaped(told)
+    assert [(r.quantity, r.sense) for r in found.stated.limits] == [
+        ("mass", "<="),
+        ("torsion", ">="),
+        ("bending", ">="),
+    ]
+    assert (found.stated.quantity, found.stated.sign) == ("fatigue_safety", -1.0)
+    (cells,) = told.goals
+    assert (cells.quantity, cells.sign, cells.limits) == ("bending", -1.0, found.stated.limits)
+    assert "cells know no fatigue" in told.lines[0]
+    assert "most bending stiffness" in told.lines[0]
+    assert found.best == 2
+
+
+def test_the_safest_web_counts_only_if_it_keeps_the_limits(shaped: Shaped) -> None:
+    heavy = {"fatigue_safety": 115.0, "mass": 101.0}
+    found = shaped(Told([{"fatigue_safety": 101.0}, heavy, {"fatigue_safety": 109.0}]))
+    assert (found.best, len(found.rounds)) == (2, 3)
+    none = shaped(Told([heavy, {**heavy, "mass": 100.2}, *[heavy] * 3]))
+    assert (none.best, none.result.held) == (1, False)
+
+
+def test_a_finish_whose_mesh_collapses_leaves_the_web_before_it(shaped: Shaped) -> None:
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 105.0}], fails_at=2)
+    found = shaped(told)
+    assert (found.best, len(found.rounds)) == (1, 2)
+    (said,) = [line for line in told.lines if "ended early" in line]
+    assert "an element folds" in said
