@@ -161,23 +161,24 @@ def _add_journal(
 
 
 def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, toward: int) -> tuple[int, int]:
-    radius, fillet = journal.radius_mm, journal.fillet_mm
-    near = face - toward * fillet
+    radius, fillet = journal.radius_mm, journal.fillet
+    near, reach = face - toward * fillet.axial_mm, radius + fillet.radial_mm
     axis_far, rim, top, foot, axis_face, centre = (
         occ.addPoint(x, y, z)
         for x, z in (
             (0.0, far),
             (radius, far),
             (radius, near),
-            (radius + fillet, face),
+            (reach, face),
             (0.0, face),
-            (radius + fillet, near),
+            (reach, near),
         )
     )
+    longer = foot if fillet.axial_mm > fillet.radial_mm else top  # the kernel wants the major axis
     curves = [
         occ.addLine(axis_far, rim),
         occ.addLine(rim, top),
-        occ.addCircleArc(top, centre, foot),
+        occ.addCircleArc(top, centre, foot) if fillet.round else occ.addEllipseArc(top, centre, longer, foot),
         occ.addLine(foot, axis_face),
         occ.addLine(axis_face, axis_far),
     ]
@@ -190,7 +191,8 @@ def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, towa
 def _under_fillet(occ: Any, scene: Scene, journal: Journal, y: float, face: float, toward: int) -> DimTags:
     """Columns over pockets and bores that open under the fillet ring, which would end in a knife edge."""
     reach = journal.radius_mm + journal.fillet_mm
-    z = (face - journal.fillet_mm, face) if toward > 0 else (face, face + journal.fillet_mm)
+    along = journal.fillet.axial_mm
+    z = (face - along, face) if toward > 0 else (face, face + along)
     tools: DimTags = []
     cuts = [body for body in web_bodies(scene) if not body.adds and face in body.z_mm]
     for body in cuts if journal.bore_radius_mm < reach else ():

@@ -30,12 +30,16 @@ def web_volume_mm3(scene: Scene) -> float:
 
 
 def _fillet_volume(scene: Scene, journal: Journal, y: float, face_z: float) -> float:
-    """Volume of a fillet ring, less what opens under it: shells of height h(rho) = f - sqrt(f2 - d2)."""
+    """Volume of a fillet ring, less what opens under it: shells of height h(rho) = f - sqrt(f2 - d2).
+
+    Of an ellipse the height is larger by its axial over its radial semi-axis f.
+    """
     fillet, radius = journal.fillet_mm, journal.radius_mm
     nodes, weights = np.polynomial.legendre.leggauss(40)
     t = (nodes + 1) / 2
     rho, jacobian = radius + fillet * t**2, 2 * fillet * t / 2
     height = fillet - np.sqrt(np.maximum(fillet**2 - (radius + fillet - rho) ** 2, 0.0))
+    height = height / journal.fillet.flattening
     low, high = y - radius - fillet, y + radius + fillet
     cuts = [
         body

@@ -85,7 +85,7 @@ def fillet_length_saving_mm(journal: Journal) -> float:
     nodes, weights = np.polynomial.legendre.leggauss(16)
     angle = np.pi / 4 * (nodes + 1)
     outer = journal.radius_mm + journal.fillet_mm * (1 - np.sin(angle))
-    dz = journal.fillet_mm * np.sin(angle) * weights * np.pi / 4
+    dz = journal.fillet.axial_mm * np.sin(angle) * weights * np.pi / 4
     polar = journal.radius_mm**4 - journal.bore_radius_mm**4
     return 2 * float(((1 - polar / (outer**4 - journal.bore_radius_mm**4)) * dz).sum())
 

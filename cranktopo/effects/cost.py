@@ -142,12 +142,12 @@ def _target(scene: Scene) -> GridContent:
 def _fillet_elements(journal: Journal) -> int:
     """Tetrahedra along both fillets of a journal.
 
-    IACS UR M53 Appendix III: edges of a quarter of the radius along and around the fillet, three layers in
-    depth; five tetrahedra fill a brick.
+    IACS UR M53 Appendix III: edges of a quarter of the (least) radius along and around the fillet, three
+    layers in depth; five tetrahedra fill a brick.
     """
     if journal.fillet_mm == 0:
         return 0
-    edge = journal.fillet_mm / 4
+    edge = journal.fillet.least_radius_mm / 4
     around = 2 * math.pi * journal.radius_mm / edge
-    along = math.pi / 2 * journal.fillet_mm / edge
+    along = math.pi / 2 * journal.fillet.mean_mm / edge
     return int(2 * around * along * 3 * 5)

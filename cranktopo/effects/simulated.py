@@ -8,9 +8,12 @@ from typing import Literal
 from cranktopo.effects.effect import EffectPlan, Switch
 from cranktopo.scene import Scene
 
-# Effects that are features of both journals, and the dimension that makes them.
+# Effects that are features of both journals, and the dimensions of a journal that has none.
 Feature = Literal["bores", "fillets"]
-_FEATURES: dict[Feature, str] = {"bores": "bore_diameter_mm", "fillets": "fillet_mm"}
+_WITHOUT: dict[Feature, dict[str, float | None]] = {
+    "bores": {"bore_diameter_mm": 0.0},
+    "fillets": {"fillet_mm": 0.0, "fillet_axial_mm": None},
+}
 
 
 def simulated_scene(scene: Scene, plan: EffectPlan, kept: Collection[Feature] = ()) -> Scene:
@@ -23,7 +26,7 @@ def simulated_scene(scene: Scene, plan: EffectPlan, kept: Collection[Feature] = 
     Returns:
         The scene that is meshed; the same object when nothing is left out.
     """
-    for feature in _FEATURES:
+    for feature in _WITHOUT:
         if feature not in plan.enabled and feature not in kept:
             scene = without(scene, feature)
     if "lateral_symmetry" not in plan.enabled:
@@ -42,9 +45,9 @@ def _switched(scene: Scene, effect: str, state: Switch) -> Scene:
 
 def without(scene: Scene, feature: Feature) -> Scene:
     """The scene with both journals without one feature; the same object when they have none."""
-    key, throw = _FEATURES[feature], scene.throw
-    if getattr(throw.main_journal, key) == 0 == getattr(throw.crankpin, key):
+    throw, update = scene.throw, _WITHOUT[feature]
+    main, pin = (j.model_copy(update=update) for j in (throw.main_journal, throw.crankpin))
+    if (main, pin) == (throw.main_journal, throw.crankpin):
         return scene
-    main, pin = (j.model_copy(update={key: 0.0}) for j in (throw.main_journal, throw.crankpin))
     bare = throw.model_copy(update={"main_journal": main, "crankpin": pin})
     return scene.model_copy(update={"throw": bare})

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.scene import Scene
+from cranktopo.scene.fillet_section import FilletSection
 
 Array = NDArray[np.float64]
 Fillet = Literal["journal", "pin"]
 _OFF_MM = 1e-4
-"""Largest distance from the fillet's torus of a node on it, for curved elements."""
+"""Largest distance from the fillet's surface of a node on it, for curved elements."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,8 @@ class Place:
     Attributes:
         fillet: "journal" or "pin", or "" off the fillets.
         around_deg: angle about the journal's or the pin's axis from the throw direction +y toward +x, deg.
-        along_deg: angle along the fillet's arc, 0 at the cylinder, 90 at the web's face.
+        along_deg: angle along the fillet's arc, 0 at the cylinder, 90 at the web's face; of an ellipse, of
+            the circle that it is when stretched along the crank.
         point_mm: (x, y, z) in the frame of `cranktopo.frames`.
     """
 
@@ -43,8 +45,8 @@ class Place:
 
 def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
     """Which points (3, n) of the near half throw lie on a fillet's surface, rims included, (n,)."""
-    across, height, radius = _section(scene, fillet, points_mm)
-    on = np.abs(np.hypot(across, height) - radius) < _OFF_MM
+    across, height, section = _section(scene, fillet, points_mm)
+    on = np.abs(section.off_mm(across, height)) < _OFF_MM
     return on & (across < _OFF_MM) & (height > -_OFF_MM)
 
 
@@ -54,21 +56,22 @@ def place(scene: Scene, point_mm: Array) -> Place:
     near = np.array([[x], [y], [min(z, scene.pitch_mm - z)]])
     for fillet in ("journal", "pin"):
         if fillet_nodes(scene, fillet, near)[0]:
-            across, height, _ = _section(scene, fillet, near)
+            across, height, section = _section(scene, fillet, near)
             axis = scene.throw.radius_mm if fillet == "pin" else 0.0
             around = math.degrees(math.atan2(x, y - axis))
-            along = math.degrees(math.atan2(float(height[0]), -float(across[0])))
+            along = math.degrees(math.atan2(section.flattening * float(height[0]), -float(across[0])))
             return Place(fillet, around, along, (x, y, z))
     return Place("", math.nan, math.nan, (x, y, z))
 
 
-def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, float]:
-    """Position relative to the fillet's centre circle: outward from the axis, toward the web; its radius."""
+def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:
+    """Position relative to the fillet's centre circle: outward from the axis, toward the web; its section."""
     start, end = scene.web_z_mm
     pin = fillet == "pin"
     journal = scene.throw.crankpin if pin else scene.throw.main_journal
     axis = scene.throw.radius_mm if pin else 0.0
     across = np.hypot(points[0], points[1] - axis) - (journal.radius_mm + journal.fillet_mm)
-    centre = end + journal.fillet_mm if pin else start - journal.fillet_mm
+    along = journal.fillet.axial_mm
+    centre = end + along if pin else start - along
     height = (centre - points[2]) if pin else (points[2] - centre)
-    return across, height, journal.fillet_mm
+    return across, height, journal.fillet

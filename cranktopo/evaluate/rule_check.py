@@ -24,7 +24,7 @@ from cranktopo.evaluate.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
-from cranktopo.evaluate.safety_field import check_material, load_kinds
+from cranktopo.evaluate.safety_field import check_method, load_kinds
 from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history
@@ -99,7 +99,7 @@ def check_rule(
         CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.
     """
     scene = target.scene
-    check_material(scene, "m53")
+    check_method(scene, "m53")
     history = load_history(scene, kind, load_kinds(scene, kind)[0])
     force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
     size = dimensions(scene)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.effects import plan
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.fillets import Place, place
 from cranktopo.evaluate.fkm import FkmStrength, fkm
@@ -105,11 +105,11 @@ class FatigueField:
     fillet_safety: dict[str, float]
 
 
-def check_material(scene: Scene, method: str) -> None:
-    """Check that the material has what a method needs.
+def check_method(scene: Scene, method: str) -> None:
+    """Check that material and fillets are what a method needs.
 
     Raises:
-        CranktopoError: a strength is missing.
+        CranktopoError: a strength is missing, or an elliptical fillet, of which the rule has no strength.
     """
     needed = {"lsa": ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa", "ultimate_MPa")}
     for key in needed.get(method, ("ultimate_MPa",)):
@@ -118,6 +118,15 @@ def check_material(scene: Scene, method: str) -> None:
                 f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
                 f"(material '{scene.material.name}').",
                 hint=f"Give material.{key}, or name a material of the library.",
+            )
+    for key in ("main_journal", "crankpin") if method == "m53" else ():
+        fillet = getattr(scene.throw, key).fillet
+        if not fillet.round:
+            raise invalid(
+                f"{scene.name}: throw.{key}.fillet_axial_mm",
+                fillet.axial_mm,
+                "method 'm53' takes factors and strength from the radius of a round fillet",
+                "Take --method lsa or fkm, or leave the key out.",
             )
 
 
@@ -134,7 +143,7 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
             hint="Take --method lsa or fkm, or give a design.",
             code=ExitCode.USAGE,
         )
-    check_material(target.scene, method)
+    check_method(target.scene, method)
     check_fillets(target)
     load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
 
@@ -163,7 +172,7 @@ def fatigue_field(
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
-    check_material(target.scene, method)
+    check_method(target.scene, method)
     enabled, kinds = load_kinds(target.scene, kind)
     history = load_history(target.scene, kind, enabled)
     progress(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")

@@ -41,7 +41,7 @@ class Quality:
 
     Attributes:
         fillet_size_mm: element size asked for in the finer fillet.
-        longest_edge: longest element edge in the fillets over the fillet's radius.
+        longest_edge: longest element edge in the fillets over the fillet's (least) radius.
         normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
         jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
             worst.
@@ -243,7 +243,7 @@ def _quality(
     largest = np.abs(principal_stresses(stress.stress_MPa)).max(axis=-1)
     equivalent = von_mises(stress.stress_MPa)
     where = _examined(equivalent, fillets)
-    radii = (scene.throw.main_journal.fillet_mm, scene.throw.crankpin.fillet_mm)
+    radii = tuple(journal.fillet.least_radius_mm for journal, _ in scene.throw.journals)
     return Quality(
         fraction * min(radii),
         max(_longest_edge(surface, nodes_on) / r for nodes_on, r in zip(fillets, radii, strict=True)),

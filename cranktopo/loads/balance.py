@@ -99,13 +99,13 @@ def _cylinder(journal: Journal, y: float) -> Moments:
 
 
 def _fillets(journal: Journal, y: float) -> Moments:
-    """Moments of the two fillet rings of a journal: a square corner less a quarter circle, revolved."""
-    fillet, radius = journal.fillet_mm, journal.radius_mm
+    """Moments of the two fillet rings of a journal: a corner less a quarter ellipse, revolved."""
+    fillet, radius = journal.fillet, journal.radius_mm
     nodes, weights = np.polynomial.legendre.leggauss(32)
     angle = np.pi / 4 * (nodes + 1)
-    # Along the arc the ring reaches from the journal to `edge`, over the axial step dz = fillet sin(a) da.
-    edge = radius + fillet * (1 - np.sin(angle))
-    dz = fillet * np.sin(angle) * weights * np.pi / 4
+    # Along the arc the ring reaches from the journal to `edge`, over the axial step dz = axial sin(a) da.
+    edge = radius + fillet.radial_mm * (1 - np.sin(angle))
+    dz = fillet.axial_mm * np.sin(angle) * weights * np.pi / 4
     volume = 2 * float((math.pi * (edge**2 - radius**2) * dz).sum())
     own_polar = 2 * float((math.pi / 2 * (edge**4 - radius**4) * dz).sum())
     return Moments(volume, 0.0, volume * y, own_polar + volume * y**2)

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError
 from cranktopo.scene import Scene
+from cranktopo.scene.fillet_section import ASPECT, FilletSection
 
 Array = NDArray[np.float64]
 _FIT_MM = 1e-3
-"""Largest distance of a face's points from a torus about the axis of a journal."""
+"""Largest distance of a face's points from a circle or ellipse turned about the axis of a journal."""
 _TANGENT_MM = 0.02
 """Allowed distance of a fillet's ends from the journal's cylinder and the web's face."""
 _LEAST_MM = 0.05
@@ -25,15 +26,15 @@ _WORDS = {"main_journal": "main journal", "crankpin": "crankpin"}
 
 @dataclass(frozen=True)
 class FilletRing:
-    """A face that is part of a torus about the axis of a journal: centre circle and radius, mm."""
+    """A face that is part of a ring about the axis of a journal: centre circle, mm, and section."""
 
     centre_radius_mm: float
     centre_z_mm: float
-    radius_mm: float
+    section: FilletSection
 
 
 def with_found_fillets(gmsh: Any, scene: Scene, name: str) -> Scene:
-    """The scene with the fillet radii of the half throw that the open session holds.
+    """The scene with the fillets of the half throw that the open session holds.
 
     Args:
         gmsh: the open session, synchronised; its body lies in the frame of `cranktopo.frames`.
@@ -41,37 +42,51 @@ def with_found_fillets(gmsh: Any, scene: Scene, name: str) -> Scene:
         name: of the body in messages.
 
     Raises:
-        CranktopoError: a journal without a round fillet that is tangent to it and to the web's face.
+        CranktopoError: a journal without a round or elliptical fillet that is tangent to it and to the web's
+            face.
     """
     patches = [points for points in _patches(gmsh) if points is not None]
     throw = scene.throw
     for key, y in zip(_KEYS, (0.0, throw.radius_mm), strict=True):
         rings = [ring for points in patches if (ring := ring_of(points, y)) is not None]
-        journal = getattr(throw, key).model_copy(update={"fillet_mm": _fillet_mm(scene, key, rings, name)})
-        throw = throw.model_copy(update={key: journal})
+        found = _fillet(scene, key, rings, name)
+        axial = None if found.round else found.axial_mm
+        update = {"fillet_mm": found.radial_mm, "fillet_axial_mm": axial}
+        throw = throw.model_copy(update={key: getattr(throw, key).model_copy(update=update)})
     return scene.model_copy(update={"throw": throw})
 
 
 def ring_of(points_mm: Array, axis_y_mm: float) -> FilletRing | None:
-    """The torus about the line x = 0, y = `axis_y_mm` that points (n, 3) lie on; None where there is none.
+    """The ring about the line x = 0, y = `axis_y_mm` that points (n, 3) lie on; None where there is none.
 
     In the half-plane through the axis the points lie on a circle, found by linear least squares
-    (I. Kasa, A circle fitting procedure and its error analysis, IEEE Trans. IM 25, 1976).
+    (I. Kasa, A circle fitting procedure and its error analysis, IEEE Trans. IM 25, 1976), else on an ellipse
+    with its axes along the crank and across, found likewise.
     """
     out, z = np.hypot(points_mm[:, 0], points_mm[:, 1] - axis_y_mm), points_mm[:, 2]
+    return _ring(out, z, round_=True) or _ring(out, z, round_=False)
+
+
+def _ring(out: Array, z: Array, *, round_: bool) -> FilletRing | None:
     middle = out.mean(), z.mean()
     u, v = out - middle[0], z - middle[1]
     size = max(np.ptp(u), np.ptp(v))
     if size == 0:
         return None
-    matrix = np.stack([2 * u / size, 2 * v / size, np.ones_like(u)], axis=1)
+    columns, right = [2 * u / size, 2 * v / size, np.ones_like(u)], (u**2 + v**2) / size**2
+    matrix = np.stack(columns if round_ else [*columns, -((v / size) ** 2)], axis=1)
     if np.linalg.cond(matrix) > _LARGEST_CONDITION:
         return None
-    a, b, c = np.linalg.lstsq(matrix, (u**2 + v**2) / size**2, rcond=None)[0] * size
-    radius = float(np.sqrt(max(c * size + a**2 + b**2, 0.0)))
-    if np.abs(np.hypot(u - a, v - b) - radius).max() > _FIT_MM:
+    a, b, c, *flatter = np.linalg.lstsq(matrix, right, rcond=None)[0] * size
+    square = 1 + sum(flatter) / size  # of the radial over the axial semi-axis
+    if not ASPECT[0] <= 1 / np.sqrt(max(square, 1e-9)) <= ASPECT[1]:
         return None
-    return FilletRing(float(a + middle[0]), float(b + middle[1]), radius)
+    b /= square
+    radius = float(np.sqrt(max(c * size + a**2 + square * b**2, 0.0)))
+    section = FilletSection(radius, radius / float(np.sqrt(square)))
+    if np.abs(section.off_mm(u - a, v - b)).max() > _FIT_MM:
+        return None
+    return FilletRing(float(a + middle[0]), float(b + middle[1]), section)
 
 
 def _patches(gmsh: Any) -> list[Array | None]:
@@ -87,18 +102,18 @@ def _patches(gmsh: Any) -> list[Array | None]:
     return found
 
 
-def _fillet_mm(scene: Scene, key: str, rings: list[FilletRing], name: str) -> float:
+def _fillet(scene: Scene, key: str, rings: list[FilletRing], name: str) -> FilletSection:
     journal, (start, end) = getattr(scene.throw, key), scene.web_z_mm
     face, toward = (start, 1.0) if key == "main_journal" else (end, -1.0)
     near = []
     for ring in rings:
-        foot = ring.centre_radius_mm - ring.radius_mm
-        top = ring.centre_z_mm + toward * ring.radius_mm
+        radial, axial = ring.section.radial_mm, ring.section.axial_mm
+        foot, top = ring.centre_radius_mm - radial, ring.centre_z_mm + toward * axial
         off = max(abs(foot - journal.radius_mm), abs(top - face))
-        if off < _TANGENT_MM and ring.radius_mm > _LEAST_MM:
-            return round(ring.radius_mm, 9)
-        if off < ring.radius_mm:
-            near.append((off, foot, top, ring.radius_mm))
+        if off < _TANGENT_MM and ring.section.shorter_mm > _LEAST_MM:
+            return FilletSection(round(radial, 9), round(axial, 9))
+        if off < radial:
+            near.append((off, foot, top, radial))
     what = f"{name}: no fillet found at the {_WORDS[key]}"
     if near:
         _, foot, top, radius = min(near)
@@ -110,5 +125,5 @@ def _fillet_mm(scene: Scene, key: str, rings: list[FilletRing], name: str) -> fl
         )
     raise CranktopoError(
         f"{what}: the stress at a sharp edge is singular, so that any value of it follows from the mesh.",
-        hint="Give the body a round fillet of constant radius there.",
+        hint="Give the body a round fillet of constant radius there, or an elliptical one.",
     )

@@ -143,7 +143,7 @@ def find_placement(body: Manifold, scene: Scene) -> Placement | None:
 def _places(scene: Scene) -> Iterator[tuple[str, Journal, float, float]]:
     """Name, journal, place of its axis along the throw and height of every section that is looked at."""
     for (journal, y), name in zip(scene.throw.journals, ("main journal", "crankpin"), strict=True):
-        reach = journal.length_mm / 2 - journal.fillet_mm
+        reach = journal.length_mm / 2 - journal.fillet.axial_mm
         for share in _ENDS:
             height = share * reach
             yield name, journal, y, height if name == "main journal" else scene.pitch_mm / 2 - height
@@ -257,12 +257,12 @@ def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
     box = np.array(body.bounding_box())
     low, high = float(box[2]), float(box[5])
     main, pin = scene.throw.main_journal, scene.throw.crankpin
-    near = [ring_at(body, low + share * (main.length_mm / 2 - main.fillet_mm)) for share in _NEAR]
-    far = ring_at(body, high - 0.5 * (pin.length_mm / 2 - pin.fillet_mm))
+    near = [ring_at(body, low + share * (main.length_mm / 2 - main.fillet.axial_mm)) for share in _NEAR]
+    far = ring_at(body, high - 0.5 * (pin.length_mm / 2 - pin.fillet.axial_mm))
     if near[0] is None or near[1] is None or far is None:
         return None
     rise = (near[1].centre_mm - near[0].centre_mm) / (
-        (_NEAR[1] - _NEAR[0]) * (main.length_mm / 2 - main.fillet_mm)
+        (_NEAR[1] - _NEAR[0]) * (main.length_mm / 2 - main.fillet.axial_mm)
     )
     throw = far.centre_mm - near[1].centre_mm
     if np.hypot(*throw) < 0.5 * scene.throw.radius_mm or np.hypot(*rise) > 0.5:
@@ -271,7 +271,7 @@ def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
     turn = _about("z", 90 - math.degrees(math.atan2(throw[1], throw[0]))) @ tilt
     turned = body.transform(np.column_stack([turn, np.zeros(3)]))
     bottom = float(np.array(turned.bounding_box())[2])
-    ring = ring_at(turned, bottom + 0.5 * (main.length_mm / 2 - main.fillet_mm))
+    ring = ring_at(turned, bottom + 0.5 * (main.length_mm / 2 - main.fillet.axial_mm))
     if ring is None:
         return None
     return turn, np.array([-ring.x_mm, -ring.y_mm, -bottom])

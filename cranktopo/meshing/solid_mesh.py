@@ -20,6 +20,7 @@ from cranktopo.cad.web_solid import DimTags, add_web
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.meshing.curving import straighten_folded
 from cranktopo.scene import Scene
+from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.scale import usual_scale
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
@@ -84,7 +85,7 @@ def mesh_throw(
     Args:
         element_size_mm: general element size; fillets and sharp rings get a fixed fraction of it.
         full: mesh the full throw instead (no symmetry; to check the condensation).
-        fillet_fraction: element size on a fillet over its radius; by default what stiffness needs.
+        fillet_fraction: element size on a fillet over its least radius; by default what stiffness needs.
 
     Raises:
         CranktopoError: impossible dimensions, or no valid mesh.
@@ -198,20 +199,20 @@ def _set_sizes(
         gmsh.option.setNumber(f"Mesh.{option}", 0)
 
 
-def _rings(scene: Scene, full: bool) -> list[tuple[float, float, float, float]]:
-    """Per web face: y of the axis, radius and axial position of the fillet's centre circle, fillet, mm."""
+def _rings(scene: Scene, full: bool) -> list[tuple[float, float, float, FilletSection]]:
+    """Per web face: y of the axis, radius and z of the fillet's centre circle, mm; its section."""
     throw, (start, end) = scene.throw, scene.web_z_mm
     main, pin = throw.main_journal, throw.crankpin
     rings = [
-        (0.0, main.radius_mm + main.fillet_mm, start - main.fillet_mm, main.fillet_mm),
-        (throw.radius_mm, pin.radius_mm + pin.fillet_mm, end + pin.fillet_mm, pin.fillet_mm),
+        (0.0, main.radius_mm + main.fillet_mm, start - main.fillet.axial_mm, main.fillet),
+        (throw.radius_mm, pin.radius_mm + pin.fillet_mm, end + pin.fillet.axial_mm, pin.fillet),
     ]
     return rings + [(y, r, scene.pitch_mm - z, f) for y, r, z, f in rings] if full else rings
 
 
-def _ring_size(finest: float, y: float, radius: float, z: float, fillet: float) -> str:
-    around = f"Sqrt((Sqrt(x*x+(y-({y!r}))*(y-({y!r})))-{radius!r})^2+(z-({z!r}))^2)"
-    return f"{finest!r}+{_GROWTH!r}*Fabs({around}-{fillet!r})"
+def _ring_size(finest: float, y: float, radius: float, z: float, fillet: FilletSection) -> str:
+    across, height = f"Sqrt(x*x+(y-({y!r}))*(y-({y!r})))-{radius!r}", f"{fillet.flattening!r}*(z-({z!r}))"
+    return f"{finest!r}+{_GROWTH!r}*Fabs(Sqrt(({across})^2+({height})^2)-{fillet.radial_mm!r})"
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -219,16 +220,16 @@ def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> N
     x, y, z = points_mm.T
     result = np.full(len(points_mm), size)
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
-        across = np.hypot(np.hypot(x, y - axis_y) - radius, z - centre_z)
-        result = np.minimum(result, _finest(scene, size, fillet) + _GROWTH * np.abs(across - fillet))
+        away = np.abs(fillet.off_mm(np.hypot(x, y - axis_y) - radius, z - centre_z))
+        result = np.minimum(result, _finest(scene, size, fillet) + _GROWTH * away)
     return result
 
 
-def _finest(scene: Scene, size: float, fillet: float, fraction: float | None = None) -> float:
+def _finest(scene: Scene, size: float, fillet: FilletSection, fraction: float | None = None) -> float:
     """Element size on a fillet or at a sharp ring, mm."""
-    if fraction is not None and fillet:
-        return min(size, fraction * fillet)
-    return size * min(1.0, max(usual_scale(scene) * fillet / _ROUND_MM, _FINEST))
+    if fraction is not None and fillet.radial_mm:
+        return min(size, fraction * fillet.least_radius_mm)
+    return size * min(1.0, max(usual_scale(scene) * fillet.shorter_mm / _ROUND_MM, _FINEST))
 
 
 def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:

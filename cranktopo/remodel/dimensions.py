@@ -13,6 +13,7 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.scene.features.body import least_shoulder_mm
 from cranktopo.scene.features.fitted import CLEAR_MM, JOURNALS, FittedFeature, Rule, wall_rule
+from cranktopo.scene.fillet_section import ASPECT
 from cranktopo.scene.free_dimensions import (
     DIMENSIONS,
     DimensionName,
@@ -92,6 +93,8 @@ def size_rules(layout: Layout, values: Array, scene: Scene, limits: Manufacturin
     sized, found = scene_at(scene, layout, values), list[Rule]()
     if any(name != "web_thickness" for name in layout.dimensions):
         found += _bore_rules(sized, limits.min_wall_mm)
+    if any("fillet" in name for name in layout.dimensions):
+        found += _ellipse_rules(sized)
     if "web_thickness" in layout.dimensions:
         most, thickest = (bounds(layout, of, limits)[1] for of in (sized, _thickest(scene, layout)))
         for k in np.flatnonzero(most < thickest):
@@ -112,6 +115,16 @@ def _bore_rules(scene: Scene, wall_mm: float) -> Iterator[Rule]:
     if main.bore_radius_mm and pin.bore_radius_mm:
         both = main.bore_radius_mm + pin.bore_radius_mm + wall - throw
         yield wall_rule("between both bores", wall_mm), both
+
+
+def _ellipse_rules(scene: Scene) -> Iterator[Rule]:
+    """No end of an elliptical fillet is nearly a sharp edge."""
+    for (journal, _), name in zip(scene.throw.journals, JOURNALS, strict=True):
+        fillet, (low, high) = journal.fillet, ASPECT
+        if journal.fillet_axial_mm is not None:
+            shape = f"shape of the ellipse at the {name}"
+            yield shape, low * fillet.radial_mm - fillet.axial_mm + CLEAR_MM
+            yield shape, fillet.axial_mm - high * fillet.radial_mm + CLEAR_MM
 
 
 def _thickest(scene: Scene, layout: Layout) -> Scene:

@@ -8,6 +8,8 @@ from cranktopo.scene.checks_free import check_free_dimensions
 from cranktopo.scene.checks_goal import check_goal
 from cranktopo.scene.checks_sizes import check_envelope_reach, check_proportions, check_web_extent
 from cranktopo.scene.checks_web import check_solid
+from cranktopo.scene.features.body import ROUNDING_MM
+from cranktopo.scene.fillet_section import ASPECT
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
 
@@ -41,10 +43,28 @@ def _check_journal(key: str, journal: Journal) -> None:
             f"must be smaller than {key}.outer_diameter_mm = {journal.outer_diameter_mm:g} mm",
             "Use 0 for a solid journal.",
         )
-    if journal.fillet_mm >= journal.length_mm / 2:
+    _check_fillet(key, journal)
+
+
+def _check_fillet(key: str, journal: Journal) -> None:
+    fillet, given = journal.fillet, journal.fillet_axial_mm is not None
+    key = f"{key}.fillet_axial_mm" if given else f"{key}.fillet_mm"
+    low, high = (share * fillet.radial_mm for share in ASPECT)
+    if given and not fillet.radial_mm:
         raise invalid(
-            f"{key}.fillet_mm",
-            journal.fillet_mm,
+            key, fillet.axial_mm, "an ellipse needs both semi-axes, and fillet_mm = 0", "Give fillet_mm, too."
+        )
+    if given and not low - ROUNDING_MM <= fillet.axial_mm <= high + ROUNDING_MM:
+        raise invalid(
+            key,
+            fillet.axial_mm,
+            f"must be >= {low:.4g} and <= {high:.4g} mm, {ASPECT[0]:g} to {ASPECT[1]:g} times fillet_mm = "
+            f"{fillet.radial_mm:g} mm",
+        )
+    if fillet.axial_mm >= journal.length_mm / 2:
+        raise invalid(
+            key,
+            fillet.axial_mm,
             f"must be smaller than half the journal's length ({journal.length_mm / 2:g} mm)",
         )
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene.features.body import ROUNDING_MM
 from cranktopo.scene.free_dimensions import (
+    AXIAL,
     DIMENSIONS,
     DimensionName,
+    fillet_of,
     free_range_mm,
+    is_axial,
     journal_of,
     key_of,
     own_dimension_mm,
@@ -33,10 +36,10 @@ def check_free_dimensions(scene: Scene) -> None:
         if name == "web_thickness":
             _check_thickness(scene, found[0])
             continue
-        if name.endswith("fillet"):
-            _check_fillet(scene, name, found)
-        else:
+        if name.endswith("bore"):
             _check_bore(scene, name, found)
+        else:
+            _check_fillet(scene, name, found)
         _check_clear(scene, name, found)
 
 
@@ -64,7 +67,7 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
             "Narrow the range.",
         )
     journal, room = _shortest_journal(scene, name)
-    if found[1] >= room / 2:
+    if found[1] >= room / 2 and (is_axial(name) or _stays_round(scene, name)):
         raise _refused(
             name,
             found,
@@ -74,9 +77,14 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
         )
 
 
+def _stays_round(scene: Scene, name: DimensionName) -> bool:
+    """Whether the axial semi-axis of a fillet follows its radius."""
+    return free_range_mm(scene, AXIAL[name]) is None and journal_of(scene, name).fillet_axial_mm is None
+
+
 def _shortest_journal(scene: Scene, name: DimensionName) -> tuple[str, float]:
     """The journal of a fillet, and its least length, mm, at the web's greatest thickness."""
-    if name == "pin_fillet":
+    if fillet_of(name) == "pin_fillet":
         return "crankpin", scene.throw.crankpin.length_mm
     thickness = free_range_mm(scene, "web_thickness")
     thickest = with_dimensions(scene, {"web_thickness": thickness[1]} if thickness else {})
@@ -100,7 +108,7 @@ def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) 
     bore: DimensionName
     fillet: DimensionName
     bore, fillet = ("pin_bore", "journal_fillet")
-    if name not in (bore, fillet):
+    if fillet_of(name) not in (bore, fillet):
         bore, fillet = ("journal_bore", "pin_fillet")
     bored, other = journal_of(scene, bore), journal_of(scene, fillet)
     reach = bored.bore_radius_mm + other.radius_mm + other.fillet_mm
@@ -117,7 +125,7 @@ def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) 
 def _check_thickness(scene: Scene, least: float) -> None:
     """Room for the clearances in the thinnest web, and for the bearing beside the thickest."""
     found = free_range_mm(scene, "web_thickness") or (0.0, 0.0)
-    length, fillet = _shortest_journal(scene, "journal_fillet")[1], scene.throw.main_journal.fillet_mm
+    length, fillet = _shortest_journal(scene, "journal_fillet")[1], scene.throw.main_journal.fillet.axial_mm
     if length <= 2 * fillet:
         most = found[1] - (2 * fillet - length) / 2
         raise _refused(

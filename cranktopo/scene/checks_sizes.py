@@ -72,6 +72,7 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
         yield f"throw.{name}.bore_diameter_mm", journal.bore_diameter_mm, SMALLEST
         yield f"throw.{name}.length_mm", journal.length_mm, SMALLEST
         yield f"throw.{name}.fillet_mm", journal.fillet_mm, SMALLEST_FILLET
+        yield f"throw.{name}.fillet_axial_mm", journal.fillet_axial_mm or 0.0, SMALLEST_FILLET
     yield "web.thickness_mm", scene.web.thickness_mm, SMALLEST
 
 

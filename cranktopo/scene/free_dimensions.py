@@ -8,11 +8,24 @@ from typing import Any, Literal, get_args
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
 
-DimensionName = Literal["pin_fillet", "journal_fillet", "pin_bore", "journal_bore", "web_thickness"]
+DimensionName = Literal[
+    "pin_fillet",
+    "journal_fillet",
+    "pin_fillet_axial",
+    "journal_fillet_axial",
+    "pin_bore",
+    "journal_bore",
+    "web_thickness",
+]
 DIMENSIONS: tuple[DimensionName, ...] = get_args(DimensionName)
 """All of them; keys of `[shape.free]` have their unit besides."""
+AXIAL: dict[DimensionName, DimensionName] = {
+    "pin_fillet": "pin_fillet_axial",
+    "journal_fillet": "journal_fillet_axial",
+}
+"""The semi-axis along the crank of each fillet."""
 _JOURNALS = {"pin": "crankpin", "journal": "main_journal"}
-_KEYS = {"fillet": "fillet_mm", "bore": "bore_diameter_mm"}
+_KEYS = {"fillet": "fillet_mm", "fillet_axial": "fillet_axial_mm", "bore": "bore_diameter_mm"}
 
 
 def key_of(name: DimensionName) -> str:
@@ -30,7 +43,9 @@ def journal_of(scene: Scene, name: DimensionName) -> Journal:
 
 
 def own_dimension_mm(scene: Scene, name: DimensionName) -> float:
-    """A dimension of a scene, mm."""
+    """A dimension of a scene, mm; the axial semi-axis of a round fillet is its radius."""
+    if is_axial(name):
+        return journal_of(scene, name).fillet.axial_mm
     value: Any = scene
     for part in key_of(name).split("."):
         value = getattr(value, part)
@@ -41,6 +56,16 @@ def free_range_mm(scene: Scene, name: DimensionName) -> tuple[float, float] | No
     """Least and greatest of a dimension in `[shape.free]`, mm; None where it is not free."""
     found: tuple[float, float] | None = getattr(scene.shape.free, f"{name}_mm")
     return found
+
+
+def fillet_of(name: DimensionName) -> DimensionName:
+    """The fillet that an axial semi-axis belongs to; any other dimension itself."""
+    return next((fillet for fillet, axial in AXIAL.items() if axial == name), name)
+
+
+def is_axial(name: DimensionName) -> bool:
+    """Whether a dimension is the semi-axis of a fillet along the crank."""
+    return name in AXIAL.values()
 
 
 def with_dimensions(scene: Scene, values: Mapping[DimensionName, float]) -> Scene:

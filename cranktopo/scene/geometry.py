@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from cranktopo.errors import invalid
 from cranktopo.scene.base import Length, LengthOrZero, Place, SceneTable
+from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.polygons import Coordinates, polygons, self_intersection
 
 
@@ -26,11 +27,20 @@ class Journal(SceneTable):
     """Full length between the webs; the half throw has half of it."""
     fillet_mm: LengthOrZero = 0.0
     """Radius of the fillet to the web; 0 = sharp. Smaller than half the length."""
+    fillet_axial_mm: Length | None = Field(default=None, examples=[4.0])
+    """Makes the fillet an ellipse: its semi-axis along the crank, `fillet_mm` being that on the web's face;
+    0.5 to 2.5 times `fillet_mm` and smaller than half the length. Left out, the fillet is round."""
 
     @property
     def radius_mm(self) -> float:
         """Outer radius, mm."""
         return self.outer_diameter_mm / 2
+
+    @property
+    def fillet(self) -> FilletSection:
+        """Section of its fillets."""
+        axial = self.fillet_mm if self.fillet_axial_mm is None else self.fillet_axial_mm
+        return FilletSection(self.fillet_mm, axial)
 
     @property
     def bore_radius_mm(self) -> float:

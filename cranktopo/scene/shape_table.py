@@ -45,6 +45,11 @@ class FreeDimensions(SceneTable):
     """Range of the fillet radius at the crankpin; 0.03 to 0.13 of the pin's diameter (IACS UR M53)."""
     journal_fillet_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
     """Range of the fillet radius at the main journal; 0.03 to 0.13 of the pin's diameter."""
+    pin_fillet_axial_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """Makes the fillet at the crankpin an ellipse: range of its semi-axis along the crank; 0.03 to 0.13 of
+    the pin's diameter. The other semi-axis is the radius of the fillet."""
+    journal_fillet_axial_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """The same at the main journal."""
     pin_bore_mm: Range | None = Field(default=None, examples=[[0.0, 30.0]])
     """Range of the crankpin's bore diameter."""
     journal_bore_mm: Range | None = Field(default=None, examples=[[0.0, 30.0]])

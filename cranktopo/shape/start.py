@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,14 @@ from cranktopo.scene import Scene
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.scene.free_dimensions import DIMENSIONS, free_range_mm, own_dimension_mm
+from cranktopo.scene.free_dimensions import (
+    DIMENSIONS,
+    DimensionName,
+    free_range_mm,
+    is_axial,
+    journal_of,
+    own_dimension_mm,
+)
 
 Array = NDArray[np.float64]
 STATIONS = 7
@@ -65,7 +73,7 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
         return found
     other = {
         name: (own_dimension_mm(begun, name), own_dimension_mm(scene, name))
-        for name in DIMENSIONS
+        for name in _own_dimensions(scene, begun)
         if abs(own_dimension_mm(begun, name) - own_dimension_mm(scene, name)) > _SAME_MM
     }
     free = {name: there for name, (there, _) in other.items() if free_range_mm(scene, name)}
@@ -75,3 +83,11 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
         if name not in free
     ]
     return replace(found, left_out=(*found.left_out, *lost), sizes=free)
+
+
+def _own_dimensions(scene: Scene, begun: Scene) -> Iterator[DimensionName]:
+    """Dimensions that may differ by themselves: the axial semi-axis of a round fillet follows its radius."""
+    for name in DIMENSIONS:
+        own = is_axial(name) and not all(journal_of(of, name).fillet.round for of in (scene, begun))
+        if own or not is_axial(name) or free_range_mm(scene, name):
+            yield name

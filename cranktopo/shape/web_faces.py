@@ -19,6 +19,7 @@ from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.flank import Flank
+from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.free_dimensions import DimensionName
 
 Array = NDArray[np.float64]
@@ -108,26 +109,28 @@ class FilletFace(ThrowFace):
     def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
         """Where points (3, n) of the fillet come to from some values to others: linear in these."""
         out, up, around = self._section(points_mm, start)
-        radius, distance, height = self._circle(values)
+        out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
+        section, distance, height = self._centre(values)
         _, y = self.scene.throw.journals[self.number]
-        x_mm, y_mm = (distance + radius * out) * around
-        return np.stack([x_mm, y + y_mm, height + radius * up])
+        x_mm, y_mm = (distance + section.radial_mm * out) * around
+        return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
 
     def _section(self, points_mm: Array, values: Array) -> tuple[Array, Array, Array]:
-        """Place in the section over the radius, outward and along z, and the direction outward, (2, n)."""
-        radius, distance, height = self._circle(values)
+        """Place in the section over its semi-axes, outward and along z, and the direction outward, (2, n)."""
+        section, distance, height = self._centre(values)
         _, y = self.scene.throw.journals[self.number]
         across = np.stack([points_mm[0], points_mm[1] - y])
         far = np.hypot(*across)
-        return (far - distance) / radius, (points_mm[2] - height) / radius, across / far
+        up = (points_mm[2] - height) / section.axial_mm
+        return (far - distance) / section.radial_mm, up, across / far
 
-    def _circle(self, values: Array) -> tuple[float, float, float]:
-        """Radius of the fillet, distance of its centre circle from the journal's axis, height of that."""
+    def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
+        """Section of the fillet, distance of its centre circle from the journal's axis, height of that."""
         scene = scene_at(self.scene, self.layout, values)
         journal, _ = scene.throw.journals[self.number]
-        away = journal.fillet_mm if self.number else -journal.fillet_mm
-        height = scene.web_z_mm[self.number] + away
-        return journal.fillet_mm, journal.radius_mm + journal.fillet_mm, height
+        section, side = journal.fillet, 1.0 if self.number else -1.0
+        height = scene.web_z_mm[self.number] + side * section.axial_mm
+        return section, journal.radius_mm + section.radial_mm, height
 
 
 @dataclass(frozen=True)
@@ -261,13 +264,13 @@ def _off_journal(number: int, scene: Scene, at: Array) -> Array:
 
 
 def _off_fillet(number: int, scene: Scene, at: Array) -> Array:
-    """Distance from the quarter of the torus that is the fillet; far from the rest of it."""
+    """Distance from the quarter of the ring that is the fillet, as its section has it; far from the rest."""
     journal, y = scene.throw.journals[number]
-    radius, side = journal.fillet_mm, 1.0 if number else -1.0
-    across = np.hypot(at[0], at[1] - y) - journal.radius_mm - radius
-    height = side * (at[2] - scene.web_z_mm[number]) - radius
+    section, side = journal.fillet, 1.0 if number else -1.0
+    across = np.hypot(at[0], at[1] - y) - journal.radius_mm - section.radial_mm
+    height = side * (at[2] - scene.web_z_mm[number]) - section.axial_mm
     beyond = (across > _BESIDE_MM) | (height > _BESIDE_MM)
-    return np.asarray(np.hypot(across, height) - radius + np.where(beyond, radius, 0.0))
+    return np.asarray(section.off_mm(across, height) + np.where(beyond, section.radial_mm, 0.0))
 
 
 def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:

@@ -19,7 +19,7 @@ from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.safety_field import check_inputs
 from cranktopo.evaluate.stress_model import solve_stresses
 from cranktopo.evaluate.targets import Target, simulated
-from cranktopo.meshing.found_fillets import FilletRing, ring_of
+from cranktopo.meshing.found_fillets import ring_of
 from cranktopo.meshing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
 from cranktopo.scene import Scene
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
@@ -55,9 +55,32 @@ def test_a_torus_is_known_by_its_points() -> None:
     points = np.stack([out * np.sin(v), 48.0 + out * np.cos(v), 41.5 + 2.5 * np.sin(u)], axis=1)
     found = ring_of(points, 48.0)
     assert found is not None
-    assert vars(found) == pytest.approx(vars(FilletRing(23.0, 41.5, 2.5)), abs=1e-9)
+    assert (found.centre_radius_mm, found.centre_z_mm) == pytest.approx((23.0, 41.5), abs=1e-9)
+    assert vars(found.section) == pytest.approx({"radial_mm": 2.5, "axial_mm": 2.5}, abs=1e-9)
+    assert found.section.round
     assert ring_of(points, 0.0) is None
     assert ring_of(points * [1.0, 1.0, 0.0], 48.0) is None
+
+
+def test_an_ellipse_is_known_by_its_points() -> None:
+    """Turned about the pin's axis; one whose axes are not along the crank and across is none."""
+    u, v = (a.ravel() for a in np.meshgrid(np.linspace(3.2, 4.6, 7), np.linspace(-1.0, 2.0, 7)))
+    out, z = 23.0 + 2.5 * np.cos(u), 41.5 + 4.0 * np.sin(u)
+    found = ring_of(np.stack([out * np.sin(v), 48.0 + out * np.cos(v), z], axis=1), 48.0)
+    assert found is not None
+    assert (found.centre_radius_mm, found.centre_z_mm) == pytest.approx((23.0, 41.5), abs=1e-6)
+    assert vars(found.section) == pytest.approx({"radial_mm": 2.5, "axial_mm": 4.0}, abs=1e-6)
+    tilted = out + 0.3 * (z - 41.5)
+    assert ring_of(np.stack([tilted * np.sin(v), 48.0 + tilted * np.cos(v), z], axis=1), 48.0) is None
+
+
+def test_elliptical_fillets_are_the_body_s(step_of: Callable[..., Path], mikron: Scene) -> None:
+    round_, flat = with_fillets(3.25, 1.75), {"fillet_axial_mm": 3.0}
+    pin = round_.throw.crankpin.model_copy(update=flat)
+    scene = round_.model_copy(update={"throw": round_.throw.model_copy(update={"crankpin": pin})})
+    found = fillets_of_step(step_of(scene, "flat"), mikron).throw
+    assert (found.main_journal.fillet_mm, found.main_journal.fillet_axial_mm) == (3.25, None)
+    assert vars(found.crankpin.fillet) == pytest.approx({"radial_mm": 1.75, "axial_mm": 3.0}, abs=1e-6)
 
 
 def test_fillets_are_the_body_s_and_not_the_design_s(step_of: Callable[..., Path], mikron: Scene) -> None:

@@ -38,11 +38,18 @@ def solid_web() -> tuple[Scene, Layout, Array]:
 
 
 def free_throw() -> tuple[Scene, Layout, Array]:
-    """Every dimension of a throw with uneven fillets and bores, beside a web with every kind of feature."""
+    """Every kind of dimension of a throw with uneven fillets and bores, beside a web with every feature.
+
+    The pin's fillets are ellipses, the main journal's are round and stay so.
+    """
     scene, layout, values = full_web()
     data = scene.model_dump(mode="json", exclude_none=True)
-    data["throw"]["crankpin"] |= {"fillet_mm": 3.5, "bore_diameter_mm": 20.0}
-    fillets = {"pin_fillet_mm": [2.0, 5.0], "journal_fillet_mm": [2.0, 5.0]}
+    data["throw"]["crankpin"] |= {"fillet_mm": 3.5, "fillet_axial_mm": 4.5, "bore_diameter_mm": 20.0}
+    fillets = {
+        "pin_fillet_mm": [2.0, 5.0],
+        "journal_fillet_mm": [2.0, 5.0],
+        "pin_fillet_axial_mm": [2.5, 5.4],
+    }
     bores = {"pin_bore_mm": [0.0, 26.0], "journal_bore_mm": [10.0, 30.0]}
     data["shape"] = {"free": {**fillets, **bores, "web_thickness_mm": [17.0, 24.0]}}
     uneven = scene_from_dict(data)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from cranktopo.evaluate.linear import solve_symmetric
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import outer_surface, surface_stress
 from cranktopo.meshing.solid_mesh import TetMesh, extract_mesh
+from cranktopo.scene.fillet_section import FilletSection
 
 Array = NDArray[np.float64]
 YOUNGS_MPA, POISSON = 2.1e5, 0.3
@@ -27,11 +29,20 @@ EVEN, ODD = (0, 2, 4), (1, 3, 5)
 
 @dataclass(frozen=True)
 class Shaft:
-    """Diameters and fillet, mm; each part is as long as 1.2 larger diameters."""
+    """Diameters and fillet, mm; each part is as long as 1.2 larger diameters.
+
+    The fillet has its axial semi-axis besides where it is an ellipse.
+    """
 
     large: float
     small: float
     fillet: float
+    axial: float | None = None
+
+    @property
+    def section(self) -> FilletSection:
+        """Section of the fillet."""
+        return FilletSection(self.fillet, self.axial or self.fillet)
 
     @property
     def length(self) -> float:
@@ -46,36 +57,44 @@ class Shaft:
 
 def shaft_mesh(shaft: Shaft, size_mm: float, fillet_fraction: float, growth: float = 0.5) -> TetMesh:
     """The shaft along z, step at z = 0, thinner part above; graded to its fillet."""
-    a, b, r = shaft.large / 2, shaft.small / 2, shaft.fillet
     with cad_session("stepped shaft") as gmsh:
-        occ = gmsh.model.occ
-        points = [(0, -shaft.length), (a, -shaft.length), (a, 0), (b + r, 0), (b, r), (b, shaft.length)]
-        tags = [occ.addPoint(x, 0, z) for x, z in [*points, (0, shaft.length)]]
-        centre = occ.addPoint(b + r, 0, r)
-        curves = [occ.addLine(tags[i], tags[i + 1]) for i in range(3)]
-        curves += [occ.addCircleArc(tags[3], centre, tags[4])]
-        curves += [
-            occ.addLine(tags[4], tags[5]),
-            occ.addLine(tags[5], tags[6]),
-            occ.addLine(tags[6], tags[0]),
-        ]
-        section = occ.addPlaneSurface([occ.addCurveLoop(curves)])
+        occ, section = gmsh.model.occ, meridian(gmsh, shaft)
         occ.revolve([(2, section)], 0, 0, 0, 0, 0, 1, math.pi)
         occ.remove([(2, section)], recursive=True)
         occ.synchronize()
-        ring = f"Fabs(Sqrt((Sqrt(x*x+y*y)-{b + r!r})^2+(z-{r!r})^2)-{r!r})"
-        field = gmsh.model.mesh.field.add("MathEval")
-        gmsh.model.mesh.field.setString(
-            field, "F", f"Min({size_mm!r}, {fillet_fraction * r!r}+{growth!r}*{ring})"
-        )
-        gmsh.model.mesh.field.setAsBackgroundMesh(field)
-        for option in ("MeshSizeFromPoints", "MeshSizeExtendFromBoundary", "MeshSizeFromCurvature"):
-            gmsh.option.setNumber(f"Mesh.{option}", 0)
+        graded(gmsh, shaft, size_mm, fillet_fraction, growth)
         gmsh.option.setNumber("Mesh.Algorithm3D", 1)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.optimize("Netgen")
         gmsh.model.mesh.setOrder(2)
         return extract_mesh(gmsh, mirrored=True)
+
+
+def meridian(gmsh: Any, shaft: Shaft) -> int:
+    """The right half of the section through the axis, in x and z."""
+    a, b, fillet, occ = shaft.large / 2, shaft.small / 2, shaft.section, gmsh.model.occ
+    foot, top = (b + fillet.radial_mm, 0.0), (b, fillet.axial_mm)
+    points = [(0, -shaft.length), (a, -shaft.length), (a, 0), foot, top, (b, shaft.length)]
+    tags = [occ.addPoint(x, 0, z) for x, z in [*points, (0, shaft.length)]]
+    centre = occ.addPoint(foot[0], 0, top[1])
+    curves = [occ.addLine(tags[i], tags[i + 1]) for i in range(3)]
+    longer = tags[3] if fillet.axial_mm > fillet.radial_mm else tags[4]
+    curves += [occ.addEllipseArc(tags[3], centre, longer, tags[4])]
+    curves += [occ.addLine(tags[i], tags[(i + 1) % 7]) for i in (4, 5, 6)]
+    return int(occ.addPlaneSurface([occ.addCurveLoop(curves)]))
+
+
+def graded(gmsh: Any, shaft: Shaft, size_mm: float, fillet_fraction: float, growth: float) -> None:
+    """Sizes that grow from the fillet, there a fraction of its least radius."""
+    fillet = shaft.section
+    across = f"Sqrt(x*x+y*y)-{shaft.small / 2 + fillet.radial_mm!r}"
+    height = f"{fillet.flattening!r}*(z-{fillet.axial_mm!r})"
+    ring = f"Fabs(Sqrt(({across})^2+({height})^2)-{fillet.radial_mm!r})"
+    field, finest = gmsh.model.mesh.field.add("MathEval"), fillet_fraction * fillet.least_radius_mm
+    gmsh.model.mesh.field.setString(field, "F", f"Min({size_mm!r}, {finest!r}+{growth!r}*{ring})")
+    gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    for option in ("MeshSizeFromPoints", "MeshSizeExtendFromBoundary", "MeshSizeFromCurvature"):
+        gmsh.option.setNumber(f"Mesh.{option}", 0)
 
 
 def shaft_fields(shaft: Shaft, model: Elasticity, loads: tuple[int, ...]) -> Array:
@@ -120,8 +139,10 @@ def concentration(
     stress = surface_stress(model, surface, found).stress_MPa
     x, y, z = surface.points_mm
     rho = np.hypot(x, y)
-    along = np.degrees(np.arctan2(shaft.fillet - z, shaft.small / 2 + shaft.fillet - rho))
-    off = np.hypot(rho - shaft.small / 2 - shaft.fillet, z - shaft.fillet) - shaft.fillet
+    fillet = shaft.section
+    across, height = rho - shaft.small / 2 - fillet.radial_mm, fillet.axial_mm - z
+    along = np.degrees(np.arctan2(fillet.flattening * height, -across))
+    off = fillet.off_mm(across, height)
     on = (np.abs(off) < 1e-3) & (along > 2) & (along < 60)
     means, peaks = {}, {}
     for load, field in zip(loads, stress, strict=True):

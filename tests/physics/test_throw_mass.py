@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.loads.balance import throw_balance
 from cranktopo.scene import load_scene, scene_from_dict
 from cranktopo.scene.web_moments import section_moments, web_moments
@@ -146,6 +147,22 @@ def test_fillets_follow_pappus():
     assert rounded.throw_unbalance_kg_mm - sharp.throw_unbalance_kg_mm == pytest.approx(
         volume * 7.85e-6 * 40.0, rel=1e-9
     )
+
+
+def test_elliptical_fillets_have_their_closed_form():
+    """Moments of the height a (1 - sqrt(1 - s2)) over the radius r = R + b (1 - s), by hand."""
+    web = {"outline": "rectangle", "width_mm": 80.0, "overhang_mm": 40.0}
+    b, a, r = 3.0, 5.0, 18.0
+    pin = {**BASE["throw"]["crankpin"], "fillet_mm": b, "fillet_axial_mm": a}
+    sharp, rounded = throw_balance(scene(web)), throw_balance(scene(web, crankpin=pin))
+    shares = (1 - math.pi / 4, 5 / 6 - math.pi / 4, 1 - 5 * math.pi / 16, 83 / 60 - 7 * math.pi / 16)
+    m0, m1, m2, m3 = (share * a * b ** (n + 1) for n, share in enumerate(shares))
+    volume = 4 * math.pi * (r * m0 + m1)
+    own = 4 * math.pi * (r**3 * m0 + 3 * r**2 * m1 + 3 * r * m2 + m3)
+    gained = rounded.mass_kg - sharp.mass_kg, rounded.inertia_kg_mm2 - sharp.inertia_kg_mm2
+    assert gained == pytest.approx((volume * 7.85e-6, (own + volume * 40.0**2) * 7.85e-6), rel=1e-9)
+    half = half_throw_volume_mm3(scene(web, crankpin=pin)) - half_throw_volume_mm3(scene(web))
+    assert half == pytest.approx(volume / 2, rel=1e-9)
 
 
 def test_printed_parts_of_the_mikron():

@@ -34,6 +34,9 @@ def scene(free: str) -> Scene:
         ("journal_fillet_mm = [1.2, 5.0]", "within 1.26 and 5.46 mm, 0.03 to 0.13 of the pin's diameter"),
         ("pin_bore_mm = [20, 42]", "throw.crankpin.outer_diameter_mm = 42 mm"),
         ("web_thickness_mm = [18, 37]", "the greatest must be smaller than 36.5 mm"),
+        ("pin_fillet_axial_mm = [3.0, 5.0]", "own value, throw.crankpin.fillet_axial_mm = 2.5 mm"),
+        ("journal_fillet_axial_mm = [2.5, 5.5]", "within 1.26 and 5.46 mm"),
+        ("web_thickness_mm = [18, 36]\njournal_fillet_axial_mm = [2.5, 5]", "which is at least 6 mm"),
         ("web_thickness_mm = [18, 36]\njournal_fillet_mm = [2.5, 5]", "which is at least 6 mm"),
     ],
 )
@@ -46,10 +49,19 @@ def test_a_bore_that_cuts_the_other_fillet_cannot_be_freed() -> None:
     short = MIKRON.replace("radius_mm = 48.0", "radius_mm = 35.0").replace(
         "rod_length_mm = 166", "rod_length_mm = 160"
     )
-    for free in ("pin_bore_mm = [20, 30]", "journal_fillet_mm = [2, 3]"):
+    for free in ("pin_bore_mm = [20, 30]", "journal_fillet_mm = [2, 3]", "journal_fillet_axial_mm = [2, 3]"):
         with pytest.raises(CranktopoError, match=r"bore_diameter_mm cuts throw\.main_journal.fillet_mm"):
             parse_scene(f"{short}\n[shape.free]\n{free}\n")
     parse_scene(f"{short}\n[shape.free]\nweb_thickness_mm = [18, 20]\n")
+
+
+def test_the_length_of_an_ellipse_is_its_axial_semi_axis() -> None:
+    """A radius that does not lie along the journal may be larger than half of that."""
+    short = MIKRON.replace("length_mm = 36.0", "length_mm = 9.0")
+    free = "[shape.free]\npin_fillet_mm = [2, 5]"
+    with pytest.raises(CranktopoError, match=r"half of throw.crankpin.length_mm, which is at least 9 mm"):
+        parse_scene(f"{short}\n{free}\n")
+    parse_scene(f"{short}\n{free}\npin_fillet_axial_mm = [2, 4]\n")
 
 
 def test_each_dimension_goes_to_its_place_and_the_pitch_stays() -> None:
@@ -58,10 +70,12 @@ def test_each_dimension_goes_to_its_place_and_the_pitch_stays() -> None:
     after = with_dimensions(before, values)
     assert {name: own_dimension_mm(after, name) for name in DIMENSIONS} == values
     assert after.pitch_mm == pytest.approx(before.pitch_mm)
-    assert after.throw.main_journal.length_mm == pytest.approx(40 + 2 * (19 - 7))
+    assert after.throw.main_journal.length_mm == pytest.approx(40 + 2 * (19 - 9))
     assert after.throw.crankpin.length_mm == before.throw.crankpin.length_mm
     assert after.web_z_mm[1] == pytest.approx(before.web_z_mm[1])
     assert (after.throw.crankpin.fillet_mm, after.throw.main_journal.fillet_mm) == (3.0, 4.0)
+    ellipses = [journal.fillet_axial_mm for journal, _ in after.throw.journals]
+    assert ellipses == [6.0, 5.0]
     assert with_dimensions(before, {}) is before
 
 

@@ -137,7 +137,7 @@ def _journal_lines(scene: Scene) -> list[str]:
     lines = []
     for (journal, _), name in zip(scene.throw.journals, ("MAIN JOURNAL", "CRANKPIN"), strict=True):
         bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ", solid"
-        fillet = f", fillets R{journal.fillet_mm:g}" if journal.fillet_mm else ", no fillets"
+        fillet = f", fillets {journal.fillet}" if journal.fillet_mm else ", no fillets"
         lines.append(f"{name:13}⌀{journal.outer_diameter_mm:g}{bore}")
         lines.append(f"{'':13}length {journal.length_mm:g}{fillet}")
     return [*lines, f"{'THROW':13}radius {scene.throw.radius_mm:g}, pitch {scene.pitch_mm:g}", ""]

@@ -155,12 +155,12 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
         if journal.fillet_mm:
             face = start if side < 0 else stop
             corner = (
-                face + side * 0.3 * journal.fillet_mm,
+                face + side * 0.3 * journal.fillet.axial_mm,
                 y + side * (journal.radius_mm + 0.3 * journal.fillet_mm),
             )
             place = (corner[0] + side * 0.4 * journal.length_mm / 2, corner[1] + side * 0.55 * gap)
             axes.annotate(
-                f"R{journal.fillet_mm:g}",
+                str(journal.fillet),
                 corner,
                 place,
                 fontsize=TEXT_SIZE,
