@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from cranktopo.report.figures.plot import picture
@@ -59,6 +60,6 @@ def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(dat
 
 def test_the_convergence_shows_goal_and_worst_limit_of_every_web(data: dict[str, Any]) -> None:
     goal, limit = (picture("a", "a", draw, data).figure.axes[0] for draw in (draw_goal, draw_worst_limit))
-    assert goal.lines[0].get_ydata().tolist() == pytest.approx([90.0, 87.5])
-    assert limit.lines[0].get_ydata().tolist() == pytest.approx([0.4, 0.0])
+    assert np.asarray(goal.lines[0].get_ydata()) == pytest.approx([90.0, 87.5])
+    assert np.asarray(limit.lines[0].get_ydata()) == pytest.approx([0.4, 0.0])
     assert [tick.get_text() for tick in goal.get_xticklabels()] == ["cells", "finish 1"]
