@@ -9,7 +9,7 @@ import pytest
 
 from cranktopo.report.figures.plot import picture
 from cranktopo.report.figures.rounds_plot import draw_goal, draw_worst_limit
-from cranktopo.report.tables.price_words import price_sentences, rule_prices_table
+from cranktopo.report.tables.price_words import price_sentences, prices_table
 
 
 @pytest.fixture
@@ -45,8 +45,8 @@ def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:
         "1 degree of 'least slot.draft' would give 0.20 % less mass",
         "1 mm of 'wall between both bores, 5 mm' would give 0.02 % less mass",
     ]
-    rules = [row["rule_or_bound"] for row in rule_prices_table(data).rows]
-    assert rules == ["least slot.draft", "wall between both bores, 5 mm"]
+    told = [f"{row['a_move_of']} {row['the_goal']}" for row in prices_table(data).rows]
+    assert told == price_sentences(data)
 
 
 def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:

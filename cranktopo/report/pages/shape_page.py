@@ -17,17 +17,16 @@ from cranktopo.report.pages.sections import (
 )
 from cranktopo.report.quantities import Quantity
 from cranktopo.report.tables.goal_table import limits_table
-from cranktopo.report.tables.price_words import price_sentences, rule_prices_table
+from cranktopo.report.tables.price_words import prices_doubt, prices_table
 from cranktopo.report.tables.shape_tables import (
     QUANTITIES_TOLD,
     changes_table,
     named_first,
-    prices_table,
     rounds_table,
     shape_headline,
     trials_table,
 )
-from cranktopo.report.tables.worth_tables import dimensions_table, held_table, worst_case_sentence
+from cranktopo.report.tables.worth_tables import dimensions_table, held_table, worst_case_table
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 
 
@@ -66,18 +65,17 @@ def _fact(data: Mapping[str, Any], quantity: Quantity, key: str) -> Fact:
 
 
 def _wanted(data: Mapping[str, Any]) -> Section:
-    goal, rules = data["goal"], rule_prices_table(data)
+    goal, doubt = data["goal"], prices_doubt(data)
     sense = "minimise" if "minimise" in goal else "maximise"
     return Section(
         "goal",
         f"Goal: {sense} {goal[sense].replace('_', ' ')}",
-        f"{data['stop_reason'].capitalize()}. At this optimum {'; '.join(price_sentences(data))}. Percent of "
-        "the original's, to first order.",
+        f"{data['stop_reason'].capitalize()}. What limits, rules and bounds cost is in percent of the "
+        f"original's, to first order{'; ' * bool(doubt)}{doubt}.",
         (
             ("Original and result, fillets included", changes_table(data)),
             ("Limits, by the body-fitted evaluation", limits_table(goal)),
-            ("Prices of the limits", prices_table(data)),
-            *([("Prices of rules and bounds", rules)] if rules.rows else []),
+            ("What limits, rules and bounds cost", prices_table(data)),
         ),
     )
 
@@ -86,9 +84,13 @@ def _dimensions(data: Mapping[str, Any]) -> Section:
     return Section(
         "dimensions",
         "What a millimetre is worth",
-        f"Change of each quantity per millimetre or degree of each dimension, in percent of the original, by "
-        f"exact gradients on body-fitted elements. {worst_case_sentence(data)}",
-        (("Dimensions at the optimum", dimensions_table(data)), ("What holds them", held_table(data))),
+        "Change of each quantity per millimetre or degree of each dimension, in percent of the original, by "
+        "exact gradients on body-fitted elements.",
+        (
+            ("Dimensions at the optimum", dimensions_table(data)),
+            ("Worst case within the tolerance, each dimension off the worst way", worst_case_table(data)),
+            ("What holds them", held_table(data)),
+        ),
     )
 
 
@@ -98,7 +100,7 @@ def _search(data: Mapping[str, Any]) -> Section:
         "How it was found",
         f"{data['evaluations']} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
-        f"limits, and each result was evaluated on the default mesh.{_stand_in(data)}",
+        f"limits, and each result was evaluated on the default mesh; a ring marks the best.{_stand_in(data)}",
         (("What was tried", trials_table(data)), ("Webs evaluated on the way", rounds_table(data))),
         (
             picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, data),

@@ -67,16 +67,6 @@ def changes_table(data: Mapping[str, Any]) -> ResultTable:
     return ResultTable(columns, tuple(rows))
 
 
-def prices_table(data: Mapping[str, Any]) -> ResultTable:
-    """What a percent of each limit costs in the goal."""
-    columns = {"limit": 0, "goal_percent_per_percent": 3}
-    rows = tuple(
-        {"limit": p["quantity"].replace("_", " "), "goal_percent_per_percent": p["goal_percent_per_percent"]}
-        for p in data["prices"]
-    )
-    return ResultTable(columns, rows)
-
-
 def trials_table(data: Mapping[str, Any]) -> ResultTable:
     """What was tried, what it gained, and whether it was kept."""
     columns = {"step": 0, "parameters": 0, "gain_percent": 2, "kept": 0, "evaluations": 0}

@@ -46,6 +46,15 @@ def worst_case_sentence(data: Mapping[str, Any]) -> str:
     return f"With every dimension off by {tolerance:g} mm or degrees in the worst way: {spread}."
 
 
+def worst_case_table(data: Mapping[str, Any]) -> ResultTable:
+    """The same as one row."""
+    worst = {k: v for k, v in data["worst_case_percent"].items() if k != "tolerance"}
+    columns = {"off_by": 0, **{f"{name}_percent": 1 for name in worst}}
+    row = {f"{name}_percent": value for name, value in worst.items()}
+    tolerance = f"{data['worst_case_percent']['tolerance']:g} mm or degrees"
+    return ResultTable(columns, ({"off_by": tolerance, **row},))
+
+
 def worth_lines(data: Mapping[str, Any], whole: str) -> list[str]:
     """Both tables and the worst case for a terminal.
 
