@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
-from cranktopo.evaluate.linear import symmetric_solver
+from cranktopo.evaluate.linear import RESIDUAL_LIMIT, symmetric_solver
 from cranktopo.frames import Parity
 from cranktopo.scene import Scene
 
@@ -26,6 +26,8 @@ Lateral = Literal["even", "odd", "none"]
 UX, UY, UZ, RX, RY, RZ = range(6)
 EVEN, ODD = (UY, UZ, RX), (UX, RY, RZ)
 _PLANE_MM = 1e-6
+_STRESS_FREE = 1e-9
+"""Relative displacement of a held plane below which a motion of the whole body leaves it where it is."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,7 @@ def condense(
     lateral: Lateral,
     further: Array | None = None,
     guess: Array | None = None,
+    residual: float = RESIDUAL_LIMIT,
 ) -> Condensed:
     """Condense the half throw to the motions of its rigid section.
 
@@ -78,6 +81,7 @@ def condense(
         further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
         guess: displacements of a body nearly the same, as `Condensed.displacement`.
+        residual: largest accepted relative residual of a solve.
 
     Raises:
         CranktopoError: the solve failed, or a plane of the model is missing.
@@ -91,14 +95,17 @@ def condense(
     if loaded:
         mean = -mean_displacement(model, axis=1, z_from_mm=scene.web_z_mm[1])
     others = np.zeros((model.nodes_mm.size, 0)) if further is None else further
-    solve = _solver(model, free)
-    forces = np.column_stack([-(model.stiffness @ rigid), *([mean] if loaded else []), others])
+    solve = _solver(model, free, residual)
+    whole, turned = _stress_free(model.nodes_mm, motions, section, held)
+    bent = rigid @ turned
+    forces = np.column_stack([-(model.stiffness @ bent), *([mean] if loaded else []), others])
     if guess is not None:
-        guess = guess.copy()
-        guess[:, : len(motions)] -= rigid
+        count = len(motions)
+        guess = np.column_stack([guess[:, :count] @ turned - bent, guess[:, count:]])
     fields = solve(forces, guess)
-    units = fields[:, : len(motions)]
-    units += rigid
+    bending = turned.shape[1]
+    units = whole + (fields[:, :bending] + bent) @ turned.T
+    fields = np.column_stack([units, fields[:, bending:]])
     parts = 1 if lateral == "none" else 2
     pin = len(motions)
     return Condensed(
@@ -113,11 +120,13 @@ def condense(
     )
 
 
-def _solver(model: Elasticity, free: NDArray[np.intp]) -> Callable[[Array, Array | None], Array]:
+def _solver(
+    model: Elasticity, free: NDArray[np.intp], residual: float
+) -> Callable[[Array, Array | None], Array]:
     """From nodal forces to displacements, all but the free unknowns at zero."""
     corners = free[free < model.prolongation.shape[1]]
     stiffness, prolongation = model.stiffness[free][:, free], model.prolongation[free][:, corners]
-    inner = symmetric_solver(stiffness, prolongation)
+    inner = symmetric_solver(stiffness, prolongation, residual=residual)
 
     def solve(forces: Array, guess: Array | None) -> Array:
         fields = np.zeros(forces.shape)
@@ -138,6 +147,24 @@ def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
     motions[3 * section, RZ] = -y
     motions[3 * section + 1, RZ] = x
     return motions
+
+
+def _stress_free(
+    nodes_mm: Array, motions: tuple[int, ...], section: NDArray[np.intp], held: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """What of the unit motions moves the body as a whole, which needs no solve, and the axes of the rest.
+
+    Returns:
+        Displacements of the unit motions' whole-body part, shape (unknowns, m); orthonormal axes of the rest
+        among the motions, shape (m, rest).
+    """
+    body = section_motions(nodes_mm, np.arange(nodes_mm.shape[1]))
+    body[1::3, RX], body[::3, RY] = -nodes_mm[2], nodes_mm[2]
+    body = body[:, motions]
+    own = (3 * section[:, None] + np.arange(3)).ravel()
+    _, sizes, axes = np.linalg.svd(body[np.setdiff1d(held, own)], full_matrices=False)
+    bends = sizes > _STRESS_FREE * sizes.max()
+    return body @ axes[~bends].T @ axes[~bends], axes[bends].T
 
 
 def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.intp]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.meshing.solid_mesh import TetMesh
 
 Array = NDArray[np.float64]
@@ -52,15 +54,29 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2)
     Raises:
         CranktopoError: an element is inverted at a quadrature point.
     """
-    from skfem import Basis, MeshTet2
+    from skfem import MeshTet2
 
     body = MeshTet2(mesh.points_mm, mesh.cells)
     nodes = body.doflocs if order == 2 else body.doflocs[:, : body.nvertices]
-    unknowns = nodes.size
-    stiffness = sp.csr_matrix((unknowns, unknowns))
-    volume = 0.0
-    for start in range(0, body.nelements, _CHUNK):
-        elements = np.arange(start, min(start + _CHUNK, body.nelements))
+    middle = body.nelements // 2
+    matrix = partial(_matrix, body, order, youngs_MPa, poisson)
+    (first, one), (second, two) = side_by_side(
+        lambda: matrix(0, middle), lambda: matrix(middle, body.nelements)
+    )
+    coarse = _prolongation(body) if order == 2 else sp.identity(nodes.size, format="csr")
+    return Elasticity(nodes, first + second, coarse, body, one + two, order)
+
+
+def _matrix(
+    body: Any, order: Order, youngs_MPa: float, poisson: float, first: int, end: int
+) -> tuple[sp.csr_matrix, float]:
+    """Stiffness and volume of the elements from the first to before the end."""
+    from skfem import Basis
+
+    unknowns = 3 * (body.doflocs.shape[1] if order == 2 else body.nvertices)
+    stiffness, volume = sp.csr_matrix((unknowns, unknowns)), 0.0
+    for start in range(first, end, _CHUNK):
+        elements = np.arange(start, min(start + _CHUNK, end))
         basis = Basis(body, _element(order), intorder=STIFFNESS_ORDER, elements=elements)
         if basis.mapping.detDF(basis.X, tind=elements).min() <= 0:  # basis.dx takes its absolute value
             raise CranktopoError(
@@ -68,8 +84,7 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2)
             )
         stiffness = stiffness + _chunk_matrix(basis, youngs_MPa, poisson, unknowns)
         volume += float(basis.dx.sum())
-    coarse = _prolongation(body) if order == 2 else sp.identity(unknowns, format="csr")
-    return Elasticity(nodes, stiffness, coarse, body, volume, order)
+    return stiffness, volume
 
 
 def _element(order: Order) -> Any:

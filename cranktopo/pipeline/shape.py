@@ -168,7 +168,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
     with working_in(run, "finished searches are kept") as check, double_precision():
         work = Work(info, KeptWork(run.path / _KEPT), check)
         optimum = optimise_shape(scene, goal, settings, work, start)
-        seconds = {"search": time.perf_counter() - began}
+        judge = optimum.judge_seconds
+        seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
         info("writing the solid and the drawing")
         files = _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -26,10 +27,12 @@ class EvaluatedWeb:
     Attributes:
         evaluation: as one entry of `evaluate --json`, with `fatigue_safety` by local stress analysis where
             that is asked for.
+        seconds: what it took now; next to nothing where it was kept.
     """
 
     scene: Scene
     evaluation: Json
+    seconds: float
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -70,4 +73,6 @@ def evaluated_web(
         safety = fatigue_field(target, "lsa", progress=work.info).critical.safety
         return {**found, "fatigue_safety": float(safety)}
 
-    return EvaluatedWeb(scene, work.once(name, make))
+    began = time.perf_counter()
+    evaluation = work.once(name, make)
+    return EvaluatedWeb(scene, evaluation, time.perf_counter() - began)

@@ -14,27 +14,26 @@ from cranktopo.remodel.family import Layout
 from cranktopo.remodel.initial_guess import with_stations
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
-from cranktopo.shape.cell_errors import CellErrors
 from cranktopo.shape.free_bores import free_bores
 from cranktopo.shape.pocket_places import pocket_starts
-from cranktopo.shape.prices import Prices
-from cranktopo.shape.search import EVALUATIONS, Found, prices_of, search, why_nothing
+from cranktopo.shape.refining import Refinement, Told, refined
+from cranktopo.shape.search import EVALUATIONS, Found, Webs, prices_of, search, why_nothing
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 from cranktopo.shape.start import bevel_start, groove_start
 from cranktopo.shape.web_model import WebModel
-from cranktopo.store import Work
+from cranktopo.store import Json, Work
 
 Array = NDArray[np.float64]
 LEAST_GAIN = 2e-3
 """Least gain in the goal, relative to the original, that a feature or a station must bring."""
+_CLEAR_GAIN = 0.015
+"""Gain on cells, far above their errors, with which a feature is kept unseen by the elements."""
+_DOUBT = 1e-2
+"""Relative excess of a limit above which no finish will keep it."""
 _MOST_POCKETS = 4
 _MORE_STATIONS = (9,)
-_AGAIN = 12
-"""Most webs solved after the goal was corrected."""
-_DOUBT = 1e-2
-"""Relative excess of a limit on corrected cells above which no finish will keep it."""
-_CORRECTIONS, _SAME_ERROR = 3, 2e-3
-"""Most corrections of a trial, and the change of the errors below which there is no other."""
+_REFINED = Refinement(2, 12, 5.0, 5e-4)
+"""Of each trial that pays on cells."""
 
 
 @dataclass(frozen=True)
@@ -84,35 +83,65 @@ def no_web(reached: str) -> CranktopoError:
     )
 
 
+@dataclass(frozen=True)
+class Grown:
+    """The best web so far.
+
+    Attributes:
+        values: parameters of the layout, mm or degrees.
+        objective: the goal, with what slightly missed limits cost; smaller is better.
+        missed: by how much it misses its limits, relative; 0 where it keeps them.
+        told: its quantities in the numbers of the evaluation.
+        exact: these by body-fitted elements; None while only the cells have told them.
+        solved: webs solved to refine it.
+    """
+
+    layout: Layout
+    values: Array
+    objective: float
+    missed: float
+    told: Mapping[str, float]
+    exact: Told | None = None
+    solved: int = 0
+
+
 class Growth:
     """A web that grows by features; the trials in their order."""
 
-    def __init__(self, model: WebModel, goal: SearchGoal, errors: CellErrors, work: Work) -> None:
-        """Say what is wanted of webs on cells.
+    def __init__(
+        self,
+        model: WebModel,
+        elements: Webs,
+        goals: tuple[SearchGoal, SearchGoal],
+        original: Mapping[str, float],
+        work: Work,
+    ) -> None:
+        """Say what is wanted of a web.
 
         Args:
-            goal: as the cells state it; it is corrected by their errors as the web grows.
+            elements: webs on body-fitted elements, which judge those of the cells.
+            goals: in the numbers of the cells, and in those of the elements.
+            original: quantities of the original web in the latter.
         """
-        self.model, self.goal, self.trials = model, goal, list[Trial]()
-        self._plain, self._errors, self._work = goal, errors, work
+        self.model, self.trials = model, list[Trial]()
+        self._elements, self._original, self._work = elements, original, work
+        self._cells_goal, self._goal = goals
+        self._plain, self._factors = self._cells_goal, dict[str, float]()
 
-    def first(self, layout: Layout, start: Array) -> Found:
-        """The best web of the start's layout; the nearest to its limits where none keeps them.
+    def first(self, layout: Layout, start: Array) -> Grown:
+        """The best web of the start's layout by cells; the nearest to its limits where none keeps them.
 
         Raises:
             CranktopoError: no web keeps the rules (exit code 6).
         """
         name = self._name
-        found, solved = self._searched(layout, start, 2 * EVALUATIONS, nearest=True)
-        if found is not None:
-            self.goal, found, again = self._corrected(found, nearest=True)
-            solved += again
+        found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, nearest=True)
         self._note("outline", layout, found, None, found is not None, solved)
         if found is None:
             raise why_nothing(name, self._work)
         return found
 
-    def grown(self, best: Found) -> Found:
+    def grown(self, best: Grown) -> Grown:
         """The web with every feature that pays: bevels and a groove, then pockets, then more stations.
 
         Raises:
@@ -120,25 +149,20 @@ class Growth:
         """
         best = self._grown(best)
         if best.missed > _DOUBT:
-            raise no_web(self._reached(best))
+            raise no_web(
+                ", ".join(_asked_and_reached(r, best.told, self._original) for r in self._goal.limits)
+            )
         return best
 
-    def _reached(self, found: Found) -> str:
-        """Each limit with what a web reaches of it, the errors of the cells allowed for."""
-        return ", ".join(
-            _asked_and_reached(asked, here, found.responses.values, self.model.original)
-            for asked, here in zip(self._plain.limits, self.goal.limits, strict=True)
-        )
-
-    def _grown(self, best: Found) -> Found:
+    def _grown(self, best: Grown) -> Grown:
         for part, guess in self._ends(best):
             best = self._with(best, part, guess)
         for bore in [name for name in free_bores(self.model.scene) if name not in best.layout.dimensions]:
             layout, start = with_free(best.layout, best.values, self.model.scene, (bore,))
             best = self._tried(best, layout, start, bore)
         for _ in range(_MOST_POCKETS):
-            before, paid = best, self._prices(best)
-            for part, guess in pocket_starts(self.model, best, self.goal, paid):
+            before = best = self._refined(best, f"before-{len(self.trials) + 1:02d}")
+            for part, guess in self._pockets(best):
                 best = self._with(best, part, guess)
                 if best is not before:
                     break
@@ -150,11 +174,15 @@ class Growth:
             best = self._tried(best, layout, values, f"{stations} stations")
         return best
 
-    def _prices(self, best: Found) -> Prices:
+    def _pockets(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
+        assert best.exact is not None
         web = self.model.web(best.layout)
-        return prices_of(self.model.scene, web, best.values, best.responses, self.goal)
+        paid = prices_of(self.model.scene, web, best.values, best.exact, self._goal)
+        cells = self.model.responses(web, best.values, self._plain.quantities)
+        found = Found(best.layout, best.values, best.objective, cells)
+        return pocket_starts(self.model, found, self._cells_goal, paid)
 
-    def _ends(self, best: Found) -> Iterator[tuple[FittedFeature, Array]]:
+    def _ends(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
         there = {part.label for part in best.layout.parts}
         for bevel in (FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True)):
             if bevel.label not in there:
@@ -163,65 +191,99 @@ class Growth:
         if groove.label not in there:
             yield groove, guess
 
-    def _with(self, best: Found, part: FittedFeature, guess: Array) -> Found:
+    def _with(self, best: Grown, part: FittedFeature, guess: Array) -> Grown:
         layout, start = with_part(best.layout, best.values, part, guess)
         return self._tried(best, layout, start, part.label)
 
-    def _tried(self, best: Found, layout: Layout, start: Array, step: str) -> Found:
-        # A web that misses a limit is improved by what comes nearer, or keeps it.
+    def _tried(self, best: Grown, layout: Layout, start: Array, step: str) -> Grown:
+        """The web with one feature more if it pays: clearly by the cells, else by the elements.
+
+        A web that misses a limit is improved by what comes nearer, or keeps it.
+        """
+        number, solved = len(self.trials) + 1, 0
         try:
-            goal, found, solved = self._found(best, layout, start)
+            found, solved = self._on_cells(layout, start, EVALUATIONS, best.missed > 0)
+            if found is not None and LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
+                best = self._refined(best, f"before-{number:02d}")
+                found = self._refined(found, f"refined-{number:02d}")
         except CranktopoError as error:
+            if error.code == ExitCode.INTERRUPTED:
+                raise
             self._work.info(f"{step}: left out, as a web could not be solved: {error}")
-            goal, found, solved = self.goal, None, 0
+            found = None
         kept = found is not None and _pays(best, found)
-        self._note(step, layout, found, best, kept, solved)
+        self._note(step, layout, found, best, kept, solved + (found.solved if found else 0))
         if not kept or found is None:
             return best
-        self.goal = goal
+        self._bring(found)
         return found
 
-    def _found(self, best: Found, layout: Layout, start: Array) -> tuple[SearchGoal, Found | None, int]:
-        """The goal, the best web of a layout, corrected if it seems to pay, and how many webs were solved."""
-        nearest = best.missed > 0
-        found, solved = self._searched(layout, start, EVALUATIONS, nearest)
-        if found is None or not _pays(best, found):
-            return self.goal, found, solved
-        goal, found, again = self._corrected(found, nearest)
-        return goal, found, solved + again
-
-    def _corrected(self, found: Found, nearest: bool) -> tuple[SearchGoal, Found | None, int]:
-        """The goal with the errors of the cells for a web, the best web near it, how many were solved.
-
-        A deep groove is misjudged more than the shallower one that is best: the errors of the web that the
-        correction leads to are asked for again.
-        """
-        solved, before = 0, dict[str, float]()
-        goal, best = self._plain, found
-        for number in range(1, _CORRECTIONS + 1):
-            errors = self._errors.of(best, f"{self._name}-coarse-{number}")
-            if before and max(abs(errors[name] - before[name]) for name in errors) < _SAME_ERROR:
-                break
-            goal, before = self._plain.corrected(errors), errors
-            name, start = f"{self._name}-again-{number}", (best.layout, best.values)
-            again, more = search(self.model, *start, goal, name, self._work, _AGAIN, nearest)
-            solved += more
-            if again is None:
-                return goal, None, solved
-            best = again
-        return goal, best, solved
-
-    def _searched(
+    def _on_cells(
         self, layout: Layout, start: Array, evaluations: int, nearest: bool
-    ) -> tuple[Found | None, int]:
-        return search(self.model, layout, start, self.goal, self._name, self._work, evaluations, nearest)
+    ) -> tuple[Grown | None, int]:
+        goal = self._cells_goal
+        found, solved = search(self.model, layout, start, goal, self._name, self._work, evaluations, nearest)
+        if found is None:
+            return None, solved
+        told = {
+            name: value / self.model.original[name] * self._original[name] / self._factors.get(name, 1.0)
+            for name, value in found.responses.values.items()
+            if name in self._original and self.model.original[name]
+        }
+        return Grown(layout, found.values, found.objective, found.missed, told), solved
 
     @property
     def _name(self) -> str:
         return f"trial-{len(self.trials) + 1:02d}"
 
+    def _refined(self, web: Grown, name: str) -> Grown:
+        """A web of the cells, refined on body-fitted elements; one that was refined as it is."""
+        if web.exact is not None:
+            return web
+
+        def make() -> Json:
+            made = refined(
+                self.model.webs(), self._elements, web.layout, web.values, self._goal, self._work, _REFINED
+            )
+            return {
+                "values": made.values.tolist(),
+                "objective": made.merit,
+                "quantities": made.found.values,
+                "slopes": {name: slope.tolist() for name, slope in made.found.slopes.items()},
+                "solved": made.solved,
+            }
+
+        kept = self._work.once(name, make)
+        exact = Told(kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()})
+        missed = float(self._goal.excesses(exact.values).max(initial=0.0))
+        found = Grown(
+            web.layout,
+            np.array(kept["values"]),
+            kept["objective"],
+            missed if missed > _DOUBT else 0.0,
+            exact.values,
+            exact,
+            kept["solved"],
+        )
+        self._bring(found)
+        return found
+
+    def _bring(self, web: Grown) -> None:
+        """Let the cells tell the truth of a refined web, and overrate all others as they did that one."""
+        if web.exact is None:
+            return
+        quantities = set(self._plain.quantities)
+        cells = self.model.responses(self.model.web(web.layout), web.values, ()).values
+        before, now, truth = self.model.original, self._original, web.exact.values
+        factors = {
+            name: cells[name] / before[name] * now[name] / truth[name]
+            for name in quantities
+            if before[name] and truth[name]
+        }
+        self._factors, self._cells_goal = factors, self._plain.corrected(factors)
+
     def _note(
-        self, step: str, layout: Layout, found: Found | None, before: Found | None, kept: bool, solved: int
+        self, step: str, layout: Layout, found: Grown | None, before: Grown | None, kept: bool, solved: int
     ) -> None:
         gain = None if found is None or before is None else 100 * _gain(before, found)
         objective, missed = (None, 0.0) if found is None else (found.objective, 100 * found.missed)
@@ -230,25 +292,22 @@ class Growth:
         self._work.info(trial_text(trial))
 
 
-def _gain(before: Found, found: Found) -> float:
+def _gain(before: Grown, found: Grown) -> float:
     """What a web gains over another in the goal; over one that misses a limit, how much nearer it comes."""
     if before.missed > 0 or found.missed > 0:
         return before.missed - found.missed
     return before.objective - found.objective
 
 
-def _pays(before: Found, found: Found) -> bool:
+def _pays(before: Grown, found: Grown) -> bool:
     return (found.missed == 0 < before.missed) or _gain(before, found) >= LEAST_GAIN
 
 
-def _asked_and_reached(
-    asked: SearchLimit, corrected: SearchLimit, values: Mapping[str, float], original: Mapping[str, float]
-) -> str:
-    """A limit with what a web reaches of it, the errors of the cells allowed for."""
+def _asked_and_reached(asked: SearchLimit, told: Mapping[str, float], original: Mapping[str, float]) -> str:
+    """A limit with what a web reaches of it."""
     whole = original[asked.quantity]
-    error = corrected.value / asked.value if asked.value else 1.0
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
-    required, reached = size * asked.value, size * values[asked.quantity] / error
+    required, reached = size * asked.value, size * told[asked.quantity]
     return (
         f"{asked.quantity.replace('_', ' ')} {asked.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"
     )

@@ -19,6 +19,7 @@ from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.lsa import lsa
 from cranktopo.evaluate.safety_field import load_kinds, lsa_strength, unit_loads
+from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.stress_model import images_of
 from cranktopo.evaluate.superposition import extremes
@@ -91,9 +92,20 @@ class FilletFatigue:
             scene, surface, stress, [unit_loads(self.history, self.kinds) * s for s in signs]
         )
         forces, slopes = stress_adjoint(model, surface, found, moved, worth, self._elastic)
-        for field, force in zip(fields, forces, strict=True):
-            slopes += self._through_field(model, bend, twist, field, force)
-        return FilletSafety(least, smooth, slopes)
+        twisting = [field.kind == "torsion" for field in fields]
+
+        def through(torsion: bool) -> Array:
+            chosen = [
+                pair
+                for pair, own in zip(zip(fields, forces, strict=True), twisting, strict=True)
+                if own == torsion
+            ]
+            return sum(
+                (self._through_field(model, bend, twist, *pair) for pair in chosen), np.zeros_like(slopes)
+            )
+
+        one, other = side_by_side(lambda: through(True), lambda: through(False))
+        return FilletSafety(least, smooth, slopes + one + other)
 
     @property
     def _elastic(self) -> tuple[float, float]:

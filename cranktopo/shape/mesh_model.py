@@ -6,8 +6,8 @@ meshes; the gradients are those of these very numbers.
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ from cranktopo.shape.node_gradients import moments
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 
 Array = NDArray[np.float64]
+_RESIDUAL = 1e-4
+"""Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
 _ByNodes = dict[str, tuple[float, Array]]
 """Quantities by name with their derivatives by the nodes, (3, nodes)."""
 
@@ -46,6 +48,15 @@ class MeshResponses:
     values: dict[str, float]
     slopes: dict[str, Array]
     quality: float
+
+    def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
+        """The same with every quantity times its share, by default 1."""
+        share = {name: shares.get(name, 1.0) for name in self.values}
+        return replace(
+            self,
+            values={name: share[name] * value for name, value in self.values.items()},
+            slopes={name: share[name] * slope for name, slope in self.slopes.items()},
+        )
 
 
 class MeshModel:
@@ -128,10 +139,10 @@ class MeshModel:
         guess = self._before.get(kind)
         if kind == "torsion":
             side: Lateral = "odd" if mirrored else "none"
-            block = condense(model, scene, "antisymmetric", side, guess=guess)
+            block = condense(model, scene, "antisymmetric", side, None, guess, _RESIDUAL)
         else:
             side = "even" if mirrored else "none"
-            block = condense(model, scene, "symmetric", side, self._spin(model), guess)
+            block = condense(model, scene, "symmetric", side, self._spin(model), guess, _RESIDUAL)
         self._before[kind] = block.displacement
         return block
 

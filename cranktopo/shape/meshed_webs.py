@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,11 @@ _LEAST_QUALITY = 0.3
 """Least Jacobian of an element over its own in the new mesh, below which a new one is made."""
 _ON_THE_WAY = (0.5, 0.25)
 """Parts of a step at which a mesh is replaced that folds on the whole of it."""
+
+
+def rules_web(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> ParametricWeb:
+    """A web of the layout on no cells, for its bounds and manufacturing constraints."""
+    return ParametricWeb(layout, scene, limits, (np.zeros(0),) * 3)
 
 
 class MeshedWebs:
@@ -50,8 +54,7 @@ class MeshedWebs:
 
     def web(self, layout: Layout) -> ParametricWeb:
         """A web of the layout, for its bounds and manufacturing constraints."""
-        nowhere = (np.zeros(0),) * 3
-        return ParametricWeb(layout, self.scene, self.limits, nowhere)
+        return rules_web(layout, self.scene, self.limits)
 
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str] | None = None
@@ -67,7 +70,7 @@ class MeshedWebs:
         if old is None and self._renewed_on_the_way(web, values, quantities):
             old = self._moved(web.layout, values, quantities)
         if old is not None and old.quality >= _LEAST_QUALITY:
-            return self._shared(old)
+            return old.scaled(self._shares)
         return self._renewed(web, values, quantities, old)
 
     def _renewed_on_the_way(
@@ -99,12 +102,12 @@ class MeshedWebs:
         except CranktopoError:
             if old is None:
                 raise
-            return self._shared(old)
+            return old.scaled(self._shares)
         self._made, self.meshes = (web.layout, model), self.meshes + 1
         if old is not None:
             for name, value in old.values.items():
                 self._shares[name] = self._shares.get(name, 1.0) * value / new.values[name]
-        return self._shared(new)
+        return new.scaled(self._shares)
 
     def anchored(self, web: ParametricWeb, values: Array, truth: Mapping[str, float]) -> MeshResponses:
         """Quantities of a web that is known better: from here on they are told as shares of the truth.
@@ -128,11 +131,3 @@ class MeshedWebs:
             return self._made[1].responses(values, quantities)
         except CranktopoError:
             return None
-
-    def _shared(self, found: MeshResponses) -> MeshResponses:
-        share = {name: self._shares.get(name, 1.0) for name in found.values}
-        return replace(
-            found,
-            values={name: share[name] * value for name, value in found.values.items()},
-            slopes={name: share[name] * slope for name, slope in found.slopes.items()},
-        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -91,7 +91,12 @@ class SearchGoal:
         moved = tuple(replace(r, value=r.value * factors.get(r.quantity, 1.0)) for r in self.limits)
         return replace(self, scale=self.scale * factors.get(self.quantity, 1.0), limits=moved)
 
-    def reserved(self, share: float) -> SearchGoal:
-        """The same with limits that are tighter by a share of their values."""
-        moved = tuple(replace(r, value=r.value * (1 - r.sign * share)) for r in self.limits)
+    def reserved(self, share: float, quantities: Collection[str] | None = None) -> SearchGoal:
+        """The same with limits, or those of some quantities, that are tighter by a share of their values."""
+        moved = tuple(
+            replace(r, value=r.value * (1 - r.sign * share))
+            if quantities is None or r.quantity in quantities
+            else r
+            for r in self.limits
+        )
         return replace(self, limits=moved)

@@ -31,11 +31,13 @@ class Told:
 
     Attributes:
         fails_at: number of the finish whose mesh collapses.
+        finishes: how many were begun.
         goals: what the search on cells was asked for.
     """
 
     percent: list[dict[str, float]]
     fails_at: int = 0
+    finishes: int = 0
     goals: list[Any] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
 
@@ -45,13 +47,14 @@ class Told:
         values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
         return SimpleNamespace(scene=scene, values=values, evaluation={})
 
-    def best_values(self, webs: Any, layout: Any, start: Any, goal: Any, name: str, *_: Any) -> Any:
-        if name == f"finish-{self.fails_at}":
+    def refined(self, cells: Any, meshed: Any, layout: Any, start: Any, *_: Any) -> Any:
+        self.finishes += 1
+        if self.finishes == self.fails_at:
             raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
-        return start + 0.01, 5
+        return SimpleNamespace(values=start + 0.01, solved=5)
 
-    def growth(self, model: Any, goal: Any, errors: Any, work: Work) -> Any:
-        self.goals.append(goal)
+    def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: Work) -> Any:
+        self.goals.append(goals[0])
 
         def first(layout: Any, start: Any) -> Any:
             return SimpleNamespace(layout=layout, values=start)
@@ -74,12 +77,13 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
     scene = with_goal(load_scene("mikron-iiic"), maximise="fatigue_safety")
 
     def run(told: Told) -> ShapeOptimum:
-        cells = SimpleNamespace(original=ORIGINAL, model=SimpleNamespace(cases=load_cases(scene)))
+        model = SimpleNamespace(cases=load_cases(scene))
+        cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None)
         monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
         monkeypatch.setattr(stage, "web_model", lambda *_: cells)
-        monkeypatch.setattr(stage, "CellErrors", lambda *_: None)
+        monkeypatch.setattr(stage, "CoarseWebs", lambda *_: None)
         monkeypatch.setattr(stage, "Growth", told.growth)
-        monkeypatch.setattr(stage, "best_values", told.best_values)
+        monkeypatch.setattr(stage, "refined", told.refined)
         monkeypatch.setattr(stage, "MeshedWebs", Meshes)
         return optimise_shape(scene, goal_of(scene), None, Work(told.lines.append))
 
