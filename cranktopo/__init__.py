@@ -6,7 +6,7 @@ The stages, in the order in which data flows through them; each takes what the o
     -> fit_web -> evaluate_target -> compare
 
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
-`remodel_run`, `shape_design`, `resume_shape`, `start_loop`, `continue_loop`, `evaluate_targets`,
+`remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`,
 `study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `report_run`, `report_comparison`, `export_solid`,
 `summarise_runs`, `clean_runs`, `check_machine`. A name loads its module when it is first used, so that
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from cranktopo.loads import LoadCase, load_cases
     from cranktopo.optimise.stage import Optimum, Prepared, optimise_density, prepare
     from cranktopo.pipeline.accuracy import study_accuracy
+    from cranktopo.pipeline.bound import bound_of
     from cranktopo.pipeline.compare import compare_targets, report_comparison
     from cranktopo.pipeline.doctor import check_machine
     from cranktopo.pipeline.evaluate import MeshRequest, evaluate_target, evaluate_targets
@@ -86,6 +87,7 @@ _HOMES = {
     "WebTarget": "pipeline.run_webs",
     "web_target": "pipeline.run_webs",
     "resume_shape": "pipeline.shape",
+    "bound_of": "pipeline.bound",
     "export_solid": "cad.solid_files",
     "Target": "evaluate.targets",
     "resolve_target": "evaluate.targets",
@@ -141,6 +143,7 @@ __all__ = [
     "Target",
     "WebTarget",
     "assess_fatigue",
+    "bound_of",
     "check_machine",
     "checked_surface",
     "clean_runs",

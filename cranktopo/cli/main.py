@@ -28,6 +28,7 @@ COMMANDS = {
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
     "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, shape error.",
     "shape": "The best dimensions of a web that can be made, for a goal and limits: scene, STEP, drawing.",
+    "bound": "What no web of the envelope can beat, whatever its topology: proven, for a goal and limits.",
     "iterate": "The whole loop: remove a little, extract, re-model, evaluate, again inside the new solid.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
     "designs": "List the built-in designs, copy one to edit, or begin a new one with every key.",

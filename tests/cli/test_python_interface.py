@@ -38,6 +38,7 @@ BEHIND = {
     "extract": ["extract_surface"],
     "remodel": ["remodel_run"],
     "shape": ["web_target", "shape_design", "resume_shape", "shape_settings"],
+    "bound": ["bound_of"],
     "iterate": ["loop_scene", "loop_settings", "start_loop", "continue_loop"],
     "export": ["export_solid"],
     "runs": ["summarise_runs", "clean_runs"],

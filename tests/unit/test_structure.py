@@ -25,6 +25,7 @@ ORDER = [
     "effects",
     "fem",
     "optimise",
+    "bound",
     "surface",
     "meshing",
     "remodel",

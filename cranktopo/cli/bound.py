@@ -1,0 +1,49 @@
+"""`cranktopo bound`: what no web of an envelope can beat."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from cranktopo.cli.completion import designs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
+from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.parameters import CELL_MM
+from cranktopo.cli.verbosity import detail, info, verbosity_options
+from cranktopo.errors import ExitCode
+
+
+@click.command("bound")
+@click.argument("design", required=False, shell_complete=designs)
+@goal_options
+@click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge, mm; default: the design's.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
+def command(
+    design: str | None,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
+    resolution_mm: float | None,
+    as_json: bool,
+) -> ExitCode:
+    """Prove what no web of DESIGN's envelope can beat, whatever its topology, for a goal and limits.
+
+    The proof is about the optimiser's cells: every density between 0 and 1 in each of them counts as a web.
+    Limits that it cannot hold, such as fatigue safety, are left out, which is said and only makes the bound
+    looser. Without a goal it is the least mass at both stiffnesses of the original.
+
+    Example: cranktopo bound mikron-iiic --maximise torsion --limit "mass <= 95 %"
+    """
+    from cranktopo.pipeline.bound import bound_of
+    from cranktopo.report.tables.bound_text import bound_summary
+    from cranktopo.scene.loading import load_scene
+
+    scene = load_scene(design or DEFAULT_DESIGN)
+    if scene.goal is None and minimise is None and maximise is None:
+        minimise = "mass"
+    scene = with_goal_options(scene, minimise, maximise, limits)
+    found = bound_of(scene, resolution_mm, info, detail)
+    click.echo(json.dumps(found) if as_json else bound_summary(found))
+    return ExitCode.DONE if found["bound"]["possible"] else ExitCode.CRITERION_NOT_MET

@@ -1,0 +1,56 @@
+"""The bound of a design: what no web of its envelope can beat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from cranktopo.bound.result_json import bound_json
+from cranktopo.bound.stage import bound_model, prove
+from cranktopo.domain.build import laterally_symmetric
+from cranktopo.domain.resolution import available_memory_MiB, check_resolution
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.fem.precision import double_precision
+from cranktopo.scene import Scene
+from cranktopo.scene.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
+from cranktopo.scene.goal.wanted import wanted
+
+Info = Callable[[str], None]
+_CASES = 2
+_TABLES = (THROW, SUPPORTS, ENVELOPE, GOAL)
+
+
+def bound_of(
+    scene: Scene,
+    resolution_mm: float | None = None,
+    info: Info = lambda _: None,
+    detail: Info = lambda _: None,
+) -> dict[str, Any]:
+    """What no web of a scene's envelope can beat, for its goal and limits.
+
+    Args:
+        resolution_mm: largest cell edge; the scene's own by default.
+        info, detail: called with lines of progress.
+
+    Returns:
+        The object that `bound --json` prints.
+
+    Raises:
+        CranktopoError: no goal, one about which nothing can be proven, no envelope, or a failed solve.
+    """
+    goal = wanted(scene)
+    if goal is None:
+        raise CranktopoError(
+            "goal: a bound needs one.",
+            hint="Give --minimise mass, or --maximise torsion, or a [goal] table.",
+            code=ExitCode.USAGE,
+        )
+    assumed = assumptions(scene, _TABLES)
+    info(assumed_text(assumed))
+    cell_mm = resolution_mm or scene.optimise.resolution_mm
+    check_resolution(scene, cell_mm, laterally_symmetric(scene, "envelope"), _CASES, available_memory_MiB())
+    with double_precision():
+        model = bound_model(scene, cell_mm, goal)
+        nx, ny, nz = model.domain.grid.cells
+        info(f"{scene.name}: {nx} x {ny} x {nz} cells, {int((model.webs.design > 0).sum())} to fill")
+        return {**bound_json(model, prove(model, goal, detail)), "assumed": assumed_json(assumed)}

@@ -1,0 +1,177 @@
+"""The bound: nothing beats it, it is tight, and a bad proof is only looser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cranktopo.bound.energies import energies
+from cranktopo.bound.proof import Plane, best_proof, plane_of
+from cranktopo.bound.sizing import next_densities
+from cranktopo.bound.stage import Bound, BoundModel, bound_model, prove
+from cranktopo.bound.wanted import Ceiling
+from cranktopo.fem.precision import double_precision
+from cranktopo.fem.response import solve
+from cranktopo.optimise.material import CONTRAST
+from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene.goal import Limit
+from cranktopo.scene.goal.changing import with_goal
+from cranktopo.scene.goal.wanted import wanted
+from tests.physics.bound_cases import (
+    built_in_bodies,
+    loaded_bar,
+    pressed,
+    quantities_of,
+    quantities_of_body,
+    random_blobs,
+    random_webs,
+    simp_density,
+)
+from tests.physics.throw_cases import forged
+from tests.random_engines import random_engine
+
+Array = NDArray[np.float64]
+ENGINES = ("mikron-iiic", "opposed-piston", 1, 2, 3)
+CELL_MM = 6.0
+
+
+def found(scene: Scene, model: BoundModel, limits: tuple[str, ...] = (), **goal: str) -> Bound:
+    goal_found = wanted(with_goal(scene, limits=limits, **goal))
+    assert goal_found is not None
+    return prove(model, goal_found)
+
+
+@pytest.fixture(scope="module")
+def model(mikron: Scene) -> Iterator[BoundModel]:
+    with double_precision():
+        yield bound_model(mikron, CELL_MM)
+
+
+@pytest.fixture(scope="module")
+def lightest(mikron: Scene, model: BoundModel) -> Bound:
+    return found(mikron, model, minimise="mass")
+
+
+@pytest.fixture(scope="module")
+def planes(model: BoundModel, lightest: Bound) -> tuple[Plane, Plane]:
+    """What good displacements prove, and those of a uniform density."""
+    bad = model.solved(np.full(model.webs.design.shape, 0.5), None, 1e-3)
+    return model.plane(lightest.displacements), model.plane(bad)
+
+
+@pytest.fixture(scope="module")
+def made(mikron: Scene, model: BoundModel) -> list[Array]:
+    """Quantities of webs of every kind, over the original's."""
+    webs = [quantities_of(model, random_blobs(model, seed), 1.0 + seed % 3) for seed in range(6)]
+    webs += [quantities_of(model, fill) for fill in random_webs(model, 6, 3)]
+    webs += [quantities_of(model, simp_density(mikron, model, v, p), p) for v, p in ((0.3, 3.0), (0.2, 1.5))]
+    return webs + [quantities_of_body(model, cells) for _, cells in built_in_bodies(model)]
+
+
+def test_no_web_beats_the_inequality(planes: tuple[Plane, Plane], made: list[Array]) -> None:
+    """With no weights, and no tolerance: rounding is in the bound."""
+    draw = np.random.default_rng(0)
+    for plane in planes:
+        for _ in range(30):
+            weights = draw.exponential(size=5) * [1, 1, 1, 1, draw.choice([-1, 0, 1])]
+            least = plane.least(weights)[0]
+            assert all(least <= weights @ web for web in made)
+
+
+def test_no_web_is_lighter_than_the_lightest(lightest: Bound, made: list[Array], model: BoundModel) -> None:
+    as_stiff = [web for web in made if max(web[:2]) <= 1.0]
+    assert as_stiff
+    original = model.original.quantities["mass"]
+    assert lightest.value is not None
+    assert all(lightest.value <= original * web[2] for web in as_stiff)
+    assert 0.97 * lightest.reached < lightest.value <= lightest.reached * (1 + 1e-3) < original
+
+
+def test_a_bad_proof_is_a_proof(planes: tuple[Plane, Plane], lightest: Bound) -> None:
+    goal, ceilings = np.array([0.0, 0.0, 1.0, 0.0, 0.0]), lightest.wanted.ceilings
+    good, bad = (best_proof(plane, goal, ceilings, np.ones(len(ceilings))).value for plane in planes)
+    assert 0 < bad < 0.98 * good
+
+
+def test_stiffness_at_a_mass_and_per_mass(mikron: Scene, model: BoundModel, made: list[Array]) -> None:
+    torsion = found(mikron, model, ("bending none", "mass <= 100 %"), maximise="torsion")
+    per_mass = found(mikron, model, maximise="torsion_per_mass")
+    own = model.original.quantities
+    case = model.model.case_names.index("torsion")
+    assert torsion.value is not None
+    assert per_mass.value is not None
+    for web in made:
+        if web[2] <= 1.0:
+            assert own["torsion"] / web[case] <= torsion.value
+            if web[1 - case] <= 1.0:
+                assert own["torsion_per_mass"] / (web[case] * web[2]) <= per_mass.value
+    assert own["torsion"] < torsion.reached < torsion.value < 1.03 * torsion.reached
+    assert own["torsion_per_mass"] < per_mass.reached < per_mass.value < 1.04 * per_mass.reached
+
+
+def test_what_no_web_reaches_is_refuted(mikron: Scene, model: BoundModel) -> None:
+    assert found(mikron, model, ("torsion >= 400 %",), minimise="mass").value is None
+
+
+def test_a_die_leaves_less(mikron: Scene, lightest: Bound) -> None:
+    scene = forged(mikron)
+    with double_precision():
+        model = bound_model(scene, CELL_MM)
+        die = found(scene, model, minimise="mass")
+        plane = model.plane(die.displacements)
+        webs = [quantities_of(model, pressed(scene, model, seed), 2.0) for seed in range(4)]
+        assert model.webs.die is not None
+        assert die.value is not None
+        assert lightest.value is not None
+        assert die.value > lightest.value
+        for weights in np.random.default_rng(1).exponential(size=(20, 5)):
+            assert all(plane.least(weights)[0] <= weights @ web for web in webs)
+
+
+def test_the_best_bar_is_known() -> None:
+    """Layers under different forces: the bound comes from below and within 1 % of the closed form."""
+    with double_precision():
+        model, webs, least = loaded_bar()
+        density = np.full(webs.design.shape, 0.5)
+        ceilings = [Ceiling("mass", 1.0, webs.design.sum() / 4, Limit("mass", "<=", 1.0))]
+        weights, goal = np.ones(1), np.array([1.0, 0.0])
+        for _ in range(12):
+            moduli = jnp.asarray(CONTRAST + (1 - CONTRAST) * density)
+            u = solve(model, moduli, tolerance=1e-8).displacements
+            plane = plane_of(webs, ("end",), energies(model, webs, u), {"mass": 1.0}, {"end": 1.0})
+            proof = best_proof(plane, goal, ceilings, weights)
+            assert proof.value <= least
+            density, weights = next_densities(plane, 1, density, goal, ceilings, weights)
+        assert proof.value > 0.99 * least
+
+
+def throw_of(name: str | int) -> Scene:
+    scene = load_scene(name) if isinstance(name, str) else scene_from_dict(random_engine(name))
+    return scene.with_optimise(process="free", draft_deg=0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ENGINES)
+def test_two_hundred_webs_stay_below_the_bound(name: str | int) -> None:
+    """`python -m pytest -m slow tests/physics/test_bound.py -k two_hundred`"""
+    scene = throw_of(name)
+    cell_mm = scene.web.thickness_mm / 4
+    draw = np.random.default_rng(8)
+    with double_precision():
+        model = bound_model(scene, cell_mm)
+        plane = model.plane(found(scene, model, minimise="mass").displacements)
+        uniform = model.plane(model.solved(np.full(model.webs.design.shape, 0.5), None, 1e-3))
+        weights = draw.exponential(size=(40, 5))
+        least = [[p.least(w)[0] for w in weights] for p in (plane, uniform)]
+        webs = [(fill, 1.0) for fill in random_webs(model, 100, 5)]
+        webs += [(random_blobs(model, seed), 1.0 + seed % 3) for seed in range(90)]
+        for penalty in (1.0, 1.5, 2.0, 3.0, 4.0):
+            webs += [(simp_density(scene, model, v, penalty), penalty) for v in (0.35, 0.6)]
+        assert len(webs) >= 200
+        for density, power in webs:
+            web = quantities_of(model, density, power)
+            assert all(below <= w @ web for row in least for below, w in zip(row, weights, strict=True))
