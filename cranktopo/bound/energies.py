@@ -80,4 +80,5 @@ def _sizes(blocks: jax.Array, u: jax.Array) -> jax.Array:
             corners = near + jax.lax.slice_in_dim(corners, 1, size, axis=axis)
         return jnp.einsum("cxyz,cdz,dxyz->xyz", corners, blocks, corners)
 
-    return jax.lax.map(of_case, u)
+    sizes: jax.Array = jax.lax.map(of_case, u)
+    return sizes

@@ -18,7 +18,7 @@ from cranktopo.bound.proof import Plane, Proof, best_proof
 from cranktopo.bound.wanted import Ceiling
 
 Array = NDArray[np.float64]
-_LINES = 25
+_LINES = 13
 _SPAN = 3.0
 _ROUNDING = 1e-12
 
@@ -56,7 +56,10 @@ def lines_of(
 
 
 def least_product(lines: Sequence[Line], low: float, high: float) -> tuple[Proof, float]:
-    """A lower bound of compliance times mass between two masses, and the slope of a line through its corner."""
+    """A lower bound of compliance times mass between two masses, and the slope that suits its corner.
+
+    A convex curve through the corner on which no other product is smaller has that slope.
+    """
     slopes, offsets = np.array([line.slope for line in lines]), np.array([line.offset for line in lines])
     if low > high or np.isinf(offsets).any():
         return Proof(np.inf, lines[0].weights), 0.0
@@ -68,8 +71,9 @@ def least_product(lines: Sequence[Line], low: float, high: float) -> tuple[Proof
     above = offsets[:, None] - slopes[:, None] * masses
     products = masses * np.max(above, axis=0)
     worst = int(np.argmin(products))
+    slope = float(above[:, worst].max() / masses[worst])
     line = lines[int(np.argmax(above[:, worst]))]
-    return Proof(float(products[worst]) * (1 - _ROUNDING), line.weights), line.slope
+    return Proof(float(products[worst]) * (1 - _ROUNDING), line.weights), slope
 
 
 def mass_range(plane: Plane, mass: Array, ceilings: Sequence[Ceiling]) -> tuple[float, float]:

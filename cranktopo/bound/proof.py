@@ -24,7 +24,7 @@ from cranktopo.bound.webs import Webs
 
 Array = NDArray[np.float64]
 _CUTS = 60
-_ENOUGH = 1e-5
+_ENOUGH = 1e-4
 """Share of the bound by which better weights could still raise it when their search ends."""
 _LARGEST_WEIGHT = 1e4
 

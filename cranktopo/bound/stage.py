@@ -19,6 +19,7 @@ from cranktopo.bound.wanted import LINEAR, Ceiling, Wanted, wanted_of
 from cranktopo.bound.webs import Webs, webs_of
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.effects import plan, simulated_scene
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.model import ThrowModel, build_model
 from cranktopo.fem.response import solve
 from cranktopo.loads.cases import load_cases
@@ -135,6 +136,12 @@ def prove(model: BoundModel, goal: Goal, progress: Progress = lambda _: None) ->
         reached = wanted.told(search.values[-1], original)
         progress(f"step {len(search.values)}: {goal.quantity} {reached:.5g} with cells of any stiffness")
     proof = search.proof()
+    if proof.value <= 0 and goal.sense == "maximise":
+        raise CranktopoError(
+            f"bound: the displacements that were found prove nothing about {goal.quantity}.",
+            hint="Use smaller cells.",
+            code=ExitCode.NOT_CONVERGED,
+        )
     return Bound(
         wanted,
         None if np.isinf(proof.value) else wanted.told(proof.value, original),

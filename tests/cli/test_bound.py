@@ -47,7 +47,6 @@ def test_limits_that_no_web_keeps_are_refuted(capsys: Any) -> None:
     [
         (["--maximise", "fatigue_safety", *COARSE], ExitCode.INVALID_INPUT, "not for stress"),
         (["--resolution-mm", "12"], ExitCode.INVALID_INPUT, "too coarse"),
-        (["opposed-piston-variant-1", "--limit", "mass <= 3"], ExitCode.USAGE, "--limit needs a goal"),
     ],
 )
 def test_what_is_refused(arguments: list[str], code: ExitCode, text: str, capsys: Any) -> None:

@@ -40,6 +40,41 @@ def bound_summary(data: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def bound_line(data: Mapping[str, Any]) -> str:
+    """How far the result of a search is from the best possible web; empty where that is not known.
+
+    Args:
+        data: with `goal` and `bound` as shape.json holds them.
+    """
+    bound, reached = data.get("bound"), data["goal"]["reached_percent"]
+    if not bound or reached is None:
+        return ""
+    if "none" in bound:
+        return f"no bound: {bound['none']}"
+    if bound["value"] is None:
+        return "bound: no web of the envelope keeps these limits in the cells of the bound"
+    name, most = QUANTITIES[bound["quantity"]].label, bound["percent_of_original"] - 100
+    cell = bound["model"]["cell_mm"]
+    return (
+        f"{name} {reached - 100:+.1f} % of at most {most:+.1f} %, which no web of the envelope can beat, "
+        f"however it is made (proven on cells of {cell:.3g} mm)"
+    )
+
+
+def bound_table(data: Mapping[str, Any]) -> ResultTable:
+    """Original, result and bound on one scale, in percent of the original.
+
+    Args:
+        data: as for `bound_line`, with a bound.
+    """
+    rows = (
+        ("original", 100.0),
+        ("result", data["goal"]["reached_percent"]),
+        ("bound", data["bound"]["percent_of_original"]),
+    )
+    return ResultTable({"web": 0, "percent": 1}, tuple({"web": web, "percent": value} for web, value in rows))
+
+
 def _claim(data: Mapping[str, Any]) -> str:
     bound = data["bound"]
     if not bound["possible"]:
