@@ -59,6 +59,11 @@ def test_the_least_radius_is_at_the_end_of_the_longer_semi_axis() -> None:
     assert FilletSection(0.0, 0.0).least_radius_mm == 0.0
 
 
+def test_a_drawing_names_both_semi_axes() -> None:
+    assert str(FilletSection(2.5, 2.5)) == "R2.5"
+    assert str(FilletSection(2.5, 4.0)) == "ellipse 2.5 radial x 4 axial"
+
+
 def test_a_throw_without_fillets_has_no_ellipse_either() -> None:
     sharp = without(mikron(crankpin={"fillet_axial_mm": 4.0}), "fillets")
     assert all(journal.fillet == FilletSection(0.0, 0.0) for journal, _ in sharp.throw.journals)
