@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -161,7 +162,9 @@ class Growth:
             layout, start = with_free(best.layout, best.values, self.model.scene, (bore,))
             best = self._tried(best, layout, start, bore)
         for _ in range(_MOST_POCKETS):
-            before = best = self._refined(best, f"before-{len(self.trials) + 1:02d}")
+            with self._leaving_out("pockets"):
+                best = self._refined(best, f"before-{len(self.trials) + 1:02d}")
+            before = best
             for part, guess in self._pockets(best):
                 best = self._with(best, part, guess)
                 if best is not before:
@@ -175,7 +178,8 @@ class Growth:
         return best
 
     def _pockets(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
-        assert best.exact is not None
+        if best.exact is None:
+            return iter(())
         web = self.model.web(best.layout)
         paid = prices_of(self.model.scene, web, best.values, best.exact, self._goal)
         cells = self.model.responses(web, best.values, self._plain.quantities)
@@ -200,23 +204,37 @@ class Growth:
 
         A web that misses a limit is improved by what comes nearer, or keeps it.
         """
-        number, solved = len(self.trials) + 1, 0
+        found, solved = None, 0
+        with self._leaving_out(step):
+            found, solved, best = self._judged(best, layout, start)
+        kept = found is not None and _pays(best, found)
+        self._note(step, layout, found, best, kept, solved)
+        best = found if kept and found is not None else best
+        self._bring(best)
+        return best
+
+    def _judged(self, best: Grown, layout: Layout, start: Array) -> tuple[Grown | None, int, Grown]:
+        """The best web of a layout, how many were solved, and the web to compare it with.
+
+        Both are refined where the cells cannot tell which is better.
+        """
+        found, solved = self._on_cells(layout, start, EVALUATIONS, best.missed > 0)
+        if found is None or not LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
+            return found, solved, best
+        number = len(self.trials) + 1
+        best = self._refined(best, f"before-{number:02d}")
+        found = self._refined(found, f"refined-{number:02d}")
+        return found, solved + found.solved, best
+
+    @contextmanager
+    def _leaving_out(self, step: str) -> Iterator[None]:
+        """Go on without a step whose web cannot be solved."""
         try:
-            found, solved = self._on_cells(layout, start, EVALUATIONS, best.missed > 0)
-            if found is not None and LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
-                best = self._refined(best, f"before-{number:02d}")
-                found = self._refined(found, f"refined-{number:02d}")
+            yield
         except CranktopoError as error:
             if error.code == ExitCode.INTERRUPTED:
                 raise
             self._work.info(f"{step}: left out, as a web could not be solved: {error}")
-            found = None
-        kept = found is not None and _pays(best, found)
-        self._note(step, layout, found, best, kept, solved + (found.solved if found else 0))
-        if not kept or found is None:
-            return best
-        self._bring(found)
-        return found
 
     def _on_cells(
         self, layout: Layout, start: Array, evaluations: int, nearest: bool

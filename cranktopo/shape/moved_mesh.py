@@ -88,11 +88,16 @@ class MovedMesh:
         return np.array([np.abs(d).max() if len(d) else 0.0 for d in found])
 
     def at(self, values: Array) -> TetMesh:
-        """The mesh of the web with other values.
+        """The mesh of the web with other values; with its own it is as it was made.
+
+        There the nodes are off the faces by what the CAD kernel's edges are, and a flat element may fold when
+        they are put right.
 
         Raises:
             CranktopoError: the move is too large for this mesh.
         """
+        if np.array_equal(values, self.values):
+            return self.mesh
         start, moved = self.mesh.points_mm, np.zeros_like(self.mesh.points_mm)
         for _ in range(_ROUNDS):
             contacts = self._contacts(start + moved, values)
