@@ -20,6 +20,9 @@ from cranktopo.errors import ExitCode
 @click.argument("target", required=False, shell_complete=designs_and_runs)
 @goal_options
 @limit_options
+@click.option(
+    "--no-bound", is_flag=True, help="Do not prove how far the result is from the best possible web."
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
 @click.option(
     "--resume",
@@ -37,6 +40,7 @@ def command(
     out: Path | None,
     resume: str | None,
     as_json: bool,
+    no_bound: bool,
     **rules: Any,
 ) -> ExitCode:
     """Optimise the dimensions of the web of TARGET: outline, bevels, groove, pockets.
@@ -69,7 +73,7 @@ def command(
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"
         scene = with_goal_options(scene, minimise, maximise, limits)
-        settings = shape_settings(scene, usual_limits(scene, **rules))
+        settings = shape_settings(scene, usual_limits(scene, **rules), not no_bound)
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, info, found.begun)
     click.echo(json.dumps(run.data) if as_json else shape_summary(run.data, run.folder))

@@ -12,6 +12,7 @@ from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import check_device, double_precision
 from cranktopo.meshing.imported_body import half_throw_surface
+from cranktopo.pipeline.bound_beside import bound_beside
 from cranktopo.pipeline.drawing_file import export_drawing
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original, original_file
@@ -78,11 +79,17 @@ class ShapedRun:
         return all(limit["holds"] for limit in self.data["goal"]["limits"])
 
 
-def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
-    """Settings that suit a throw of any size."""
+def shape_settings(
+    scene: Scene, limits: ManufacturingLimits | None = None, bound: bool = True
+) -> ShapeSettings:
+    """Settings that suit a throw of any size.
+
+    Args:
+        bound: whether the result is told beside what no web of the envelope can beat.
+    """
     usual, scale = ShapeSettings(), usual_scale(scene)
     kept = limits or usual_limits(scene)
-    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept)
+    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept, bound=bound)
 
 
 def shape_design(
@@ -170,13 +177,21 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         optimum = optimise_shape(scene, goal, settings, work, start)
         judge = optimum.judge_seconds
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
+        bound = (
+            work.once("bound", lambda: bound_beside(scene, goal, settings.cell_mm, work))
+            if settings.bound
+            else None
+        )
+        seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
         info("writing the solid and the drawing")
         files = _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
+        told = shape_json(scene, optimum, begin, seconds)
         data = {
-            **shape_json(scene, optimum, begin, seconds),
+            **told,
+            "bound": bound and {**bound, "reached_percent": told["goal"]["reached_percent"]},
             "assumed": run.manifest().get("assumed", []),
             "files": {**files, "report": REPORT},
         }

@@ -1,0 +1,31 @@
+"""Original, result and bound on one scale."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cranktopo.report.figures.plot import Picture, picture
+from cranktopo.report.tables.result_table import ResultTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_COLOURS = {"original": "0.6", "result": "C0", "bound": "C3"}
+
+
+def bound_picture(table: ResultTable) -> Picture:
+    """Bars of the webs of a table with columns `web` and `percent`."""
+    told = ", ".join(f"{name} {percent:.1f} %" for name, percent in _rows(table))
+    return picture("bound", f"Of the original: {told}", _draw, table)
+
+
+def _rows(table: ResultTable) -> list[tuple[str, float]]:
+    return [(str(row["web"]), float(row["percent"] or 0.0)) for row in table.rows]
+
+
+def _draw(axes: Axes, table: ResultTable) -> None:
+    rows = _rows(table)
+    for name, percent in reversed(rows):
+        bar = axes.barh(name, percent, color=_COLOURS.get(name))
+        axes.bar_label(bar, [f"{percent - 100:+.1f} %"], padding=3)
+    axes.set(xlabel="% of the original", xlim=(0, 1.25 * max(percent for _, percent in rows)))
