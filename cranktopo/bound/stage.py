@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cranktopo.bound.energies import energies
 from cranktopo.bound.per_mass import least_product, lines_of, mass_range
 from cranktopo.bound.proof import Plane, Proof, best_proof, excluded, plane_of
-from cranktopo.bound.sizing import next_densities
+from cranktopo.bound.sizing import LEAST, next_densities
 from cranktopo.bound.wanted import LINEAR, Ceiling, Wanted, wanted_of
 from cranktopo.bound.webs import Webs, webs_of
 from cranktopo.domain.build import Domain, build_domain
@@ -25,6 +25,7 @@ from cranktopo.fem.response import solve
 from cranktopo.loads.cases import load_cases
 from cranktopo.optimise.assess import assess_original
 from cranktopo.optimise.assessment import Assessment
+from cranktopo.optimise.manufacturing import centres_mm
 from cranktopo.optimise.material import CONTRAST
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
@@ -32,7 +33,8 @@ from cranktopo.scene.goal import Goal
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 _STEPS = 40
-_TOLERANCE = 1e-3
+_TOLERANCE = 1e-2
+"""Relative residual of the solves: loose, as the proof asks for any displacements."""
 _SETTLED, _QUIET = 5e-4, 3
 """Change of the goal over so many steps at which the displacements no longer improve."""
 _HOPELESS = 900.0
@@ -123,14 +125,19 @@ class Bound:
     displacements: jax.Array
 
 
-def prove(model: BoundModel, goal: Goal, progress: Progress = lambda _: None) -> Bound:
+def prove(
+    model: BoundModel, goal: Goal, progress: Progress = lambda _: None, start: Array | None = None
+) -> Bound:
     """The bound of a goal on some cells; call inside `double_precision()`.
+
+    Args:
+        start: densities to begin with (nx, ny, nw), such as those of larger cells; uniform by default.
 
     Raises:
         CranktopoError: a goal about which nothing can be proven, or a failed solve.
     """
     began, wanted = time.perf_counter(), wanted_of(goal, model.original.quantities)
-    search, original = _Search(model, wanted), model.original.quantities[goal.quantity]
+    search, original = _Search(model, wanted, start), model.original.quantities[goal.quantity]
     while not search.settled:
         search.step()
         reached = wanted.told(search.values[-1], original)
@@ -158,14 +165,25 @@ def prove(model: BoundModel, goal: Goal, progress: Progress = lambda _: None) ->
     )
 
 
+def on_cells(coarse: BoundModel, density: Array, fine: BoundModel) -> Array:
+    """Densities of some cells (nx, ny, nw) on those of another model of the scene, linear in between."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    known, wanted = (centres_mm(model.domain) for model in (coarse, fine))
+    inside = [np.clip(at, own[0], own[-1]) for at, own in zip(wanted, known, strict=True)]
+    points = np.stack(np.meshgrid(*inside, indexing="ij"), axis=-1)
+    found: Array = np.maximum(RegularGridInterpolator(known, density)(points), LEAST)
+    return found
+
+
 class _Search:
     """Densities that become better step by step, and what the displacements of the last ones prove."""
 
-    def __init__(self, model: BoundModel, wanted: Wanted) -> None:
+    def __init__(self, model: BoundModel, wanted: Wanted, start: Array | None) -> None:
         self._model, self._wanted = model, wanted
         self._goal = _at(model, wanted.quantity)
         self._weights = np.ones(len(wanted.ceilings))
-        self.density = np.full(model.webs.design.shape, _START)
+        self.density = np.full(model.webs.design.shape, _START) if start is None else start
         self.u, self.plane = self._solved()
         self.values: list[float] = []
         self._refuted = False

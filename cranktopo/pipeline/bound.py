@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cranktopo.bound.result_json import bound_json
-from cranktopo.bound.stage import bound_model, prove
+from cranktopo.bound.stage import bound_model, on_cells, prove
 from cranktopo.domain.build import laterally_symmetric
 from cranktopo.domain.resolution import available_memory_MiB, check_resolution
 from cranktopo.errors import CranktopoError, ExitCode
@@ -17,6 +17,8 @@ from cranktopo.scene.goal.wanted import wanted
 
 Info = Callable[[str], None]
 _CASES = 2
+_FINE = 8
+"""Cells through the web from which on densities of cells twice as large are the start."""
 _TABLES = (THROW, SUPPORTS, ENVELOPE, GOAL)
 
 
@@ -51,6 +53,10 @@ def bound_of(
     check_resolution(scene, cell_mm, laterally_symmetric(scene, "envelope"), _CASES, available_memory_MiB())
     with double_precision():
         model = bound_model(scene, cell_mm, goal)
+        start = None
+        if cell_mm <= scene.web.thickness_mm / _FINE:
+            coarse = bound_model(scene, 2 * cell_mm, goal)
+            start = on_cells(coarse, prove(coarse, goal).density, model)
         nx, ny, nz = model.domain.grid.cells
         info(f"{scene.name}: {nx} x {ny} x {nz} cells, {int((model.webs.design > 0).sum())} to fill")
-        return {**bound_json(model, prove(model, goal, detail)), "assumed": assumed_json(assumed)}
+        return {**bound_json(model, prove(model, goal, detail, start)), "assumed": assumed_json(assumed)}
