@@ -1,0 +1,61 @@
+"""Direct against multigrid solver of the body-fitted evaluation, and what a fatigue field takes.
+
+    python -m tests.benchmarks.evaluation_solvers [ENGINE]
+
+Seconds of both condensations (assembly and mesh apart), the same torsional stiffness, as Markdown; then one
+fatigue field on the default mesh.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from unittest.mock import patch
+
+from cranktopo.effects import planned_scene
+from cranktopo.evaluate import linear
+from cranktopo.evaluate.condense import condense
+from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.evaluation import default_element_size_mm
+from cranktopo.evaluate.safety_field import fatigue_field
+from cranktopo.evaluate.side_by_side import side_by_side
+from cranktopo.evaluate.support_stiffness import torsional_stiffness_Nm_per_rad
+from cranktopo.evaluate.targets import Target
+from cranktopo.meshing.solid_mesh import mesh_throw
+from cranktopo.scene import load_scene
+from cranktopo.units import MPA_PER_GPA
+
+SIZES = (2.8, 2.25, 1.9, 1.5, 1.0)
+"""Element sizes over the default one."""
+METHODS = {"direct": sys.maxsize, "multigrid CG": 0}
+
+
+def main(engine: str = "mikron-iiic") -> None:
+    """Print the table as Markdown."""
+    scene = planned_scene(load_scene(engine), ("fillets",))
+    print("| element mm | unknowns | solver | s | torsion kN m/rad |\n|---|---|---|---|---|")
+    for share in SIZES:
+        size = share * default_element_size_mm(scene)
+        mesh = mesh_throw(scene, size).mesh
+        model = assemble(mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+        for name, most in METHODS.items():
+            with patch.object(linear, "DIRECT_LIMIT", most):
+                began = time.perf_counter()
+                twist, _ = side_by_side(
+                    lambda m=model, h=mesh: condense(
+                        m, scene, "antisymmetric", "odd" if h.mirrored else "none"
+                    ),
+                    lambda m=model, h=mesh: condense(m, scene, "symmetric", "even" if h.mirrored else "none"),
+                )
+                seconds = time.perf_counter() - began
+            stiffness = torsional_stiffness_Nm_per_rad(twist, "free") / 1000
+            cells = (f"{size:.3g}", f"{model.nodes_mm.size:,}", name, f"{seconds:.2f}", f"{stiffness:.6f}")
+            print(f"| {' | '.join(cells)} |", flush=True)
+    began = time.perf_counter()
+    field = fatigue_field(Target(engine, scene), "lsa")
+    nodes = field.model.quality.nodes
+    print(f"\nfatigue field: {nodes:,} nodes, {time.perf_counter() - began:.1f} s")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
