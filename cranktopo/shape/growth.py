@@ -232,8 +232,6 @@ class Growth:
         try:
             yield
         except CranktopoError as error:
-            if error.code == ExitCode.INTERRUPTED:
-                raise
             self._work.info(f"{step}: left out, as a web could not be solved: {error}")
 
     def _on_cells(

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.errors import CranktopoError
 from cranktopo.remodel.dimensions import with_free
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -203,8 +203,6 @@ class _Finish:
             try:
                 found = self._finished(rounds[-1], number)
             except CranktopoError as error:
-                if error.code == ExitCode.INTERRUPTED:
-                    raise
                 self._work.info(f"finish {number} ended early, the best web before it stands: {error}")
                 break
             if found is None:

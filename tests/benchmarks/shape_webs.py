@@ -1,4 +1,4 @@
-"""The best dimensions against the re-model of a density, for the same goal and limits, on four engines.
+"""The best dimensions against the re-model of a density and the bound, for the same limits, on four engines.
 
     python -m tests.benchmarks.shape_webs [ENGINE:GOAL...]
 
@@ -16,12 +16,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from cranktopo.pipeline.evaluate import evaluate_target
 from cranktopo.pipeline.optimise import optimise_design
 from cranktopo.pipeline.remodel import remodel_run
 from cranktopo.pipeline.shape import shape_design
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.goal.changing import with_goal
+from cranktopo.shape.body_fitted import evaluated_web
+from cranktopo.store import Work
 
 OWN: dict[str, dict[str, Any]] = {
     "wide": {
@@ -44,6 +45,7 @@ OWN: dict[str, dict[str, Any]] = {
     },
 }
 HEAD = ("engine", "goal", "web", "mass %", "torsion %", "bending %", "torsion per mass %", "safety %")
+NAMES = ("mass", "torsion", "bending", "torsion_per_mass", "fatigue_safety")
 MORE = ("limits missed by %", "webs solved", "s")
 TASKS = [
     f"{name}:{goal}"
@@ -74,16 +76,14 @@ def webs(name: str, goal: str) -> Iterator[tuple[str, dict[str, float], str]]:
         run = optimise_design(scene, Path(folder) / "density")
         remodel_run(str(run.folder), evaluated=False)
         seconds = time.perf_counter() - began
-        found = evaluate_target(str(run.folder / "remodel" / f"{scene.name}-remodel.toml"))
+        remodel = load_scene(str(run.folder / "remodel" / f"{scene.name}-remodel.toml"))
+        found = evaluated_web(remodel, True, None, "re-model", Work()).values
         before = shaped["values"]["original"]
-        values = {
-            "mass": found.throw_kg,
-            "torsion": found.torsion_Nm_per_rad,
-            "bending": found.bending_N_per_mm,
-            "torsion_per_mass": found.torsion_Nm_per_rad / found.throw_kg,
-        }
-        change = {key: 100 * (value / before[key] - 1) for key, value in values.items()}
+        change = {key: 100 * (found[key] / before[key] - 1) for key in NAMES}
         yield "re-model of a density", change, f"- | - | {seconds:.0f}"
+        bound = shaped["bound"]
+        if bound and bound["quantity"] in NAMES:
+            yield "bound", {bound["quantity"]: bound["percent_of_original"] - 100}, "- | - | -"
 
 
 def main() -> None:
@@ -92,8 +92,7 @@ def main() -> None:
     for task in sys.argv[1:] or TASKS:
         name, goal = task.split(":")
         for web, change, told in webs(name, goal):
-            names = ("mass", "torsion", "bending", "torsion_per_mass", "fatigue_safety")
-            cells = [f"{change[key]:+.2f}" if key in change else "-" for key in names]
+            cells = [f"{change[key]:+.2f}" if key in change else "-" for key in NAMES]
             print(f"| {name} | {goal} | {web} | {' | '.join(cells)} | {told} |", flush=True)
 
 
