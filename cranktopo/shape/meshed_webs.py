@@ -116,10 +116,10 @@ class MeshedWebs:
             truth: its quantities by a finer evaluation.
         """
         found = self.responses(web, values)
-        for name in found.values.keys() & truth.keys():
-            if found.values[name]:
-                self._shares[name] = self._shares.get(name, 1.0) * truth[name] / found.values[name]
-        return self.responses(web, values)
+        both = found.values.keys() & truth.keys()
+        shares = {name: truth[name] / found.values[name] for name in both if found.values[name]}
+        self._shares |= {name: self._shares.get(name, 1.0) * share for name, share in shares.items()}
+        return found.scaled(shares)
 
     def _moved(
         self, layout: Layout, values: Array, quantities: Collection[str] | None

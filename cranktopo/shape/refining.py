@@ -24,7 +24,7 @@ from cranktopo.store import Work
 Array = NDArray[np.float64]
 _MISSED = 3.0
 """What a relative excess of a limit costs in the goal when two webs are compared: above any usual price."""
-_SHORTER = 0.25
+SHORTER = 0.25
 """Factor on the reach after a step that did not pay."""
 _SAME_MM = 1e-3
 
@@ -132,7 +132,7 @@ def refined(
     best, solved, reach = Refined(start, found, merit(goal, found.values), 1), 1, extent.reach
     for _ in range(extent.steps):
         effort = Effort(extent.evaluations, reach, nearest=True)
-        values, more = _stepped(cells, layout, best, goal, work, effort)
+        values, more = stepped(cells, layout, best.values, best.found, goal, work, effort)
         solved += more
         if values is None or np.abs(values - best.values).max() < _SAME_MM:
             break
@@ -140,12 +140,12 @@ def refined(
             found = meshed.responses(web, values, goal.quantities)
         except CranktopoError as error:
             work.info(f"a web on the way could not be solved ({error}): a shorter step instead")
-            reach *= _SHORTER
+            reach *= SHORTER
             continue
         solved += 1
         gain = best.merit - merit(goal, found.values)
         if gain <= 0:
-            reach *= _SHORTER
+            reach *= SHORTER
             continue
         best = Refined(values, found, merit(goal, found.values), solved)
         if gain < extent.settled:
@@ -153,11 +153,16 @@ def refined(
     return replace(best, solved=solved)
 
 
-def _stepped(
-    cells: Webs, layout: Layout, best: Refined, goal: SearchGoal, work: Work, effort: Effort
+def stepped(
+    cells: Webs, layout: Layout, at: Array, exact: Quantities, goal: SearchGoal, work: Work, effort: Effort
 ) -> tuple[Array | None, int]:
-    """The best web by cells that are brought to the best one's truth, and how many were solved."""
-    rough = cells.responses(cells.web(layout), best.values, goal.quantities)
-    matched, private = MatchedWebs(cells, best.values, rough, best.found), Work(work.info, {}, work.check)
-    values, solved = best_values(lambda: matched, layout, best.values, goal, "step", private, effort)
+    """The best web by cells that are brought to the truth of one web, and how many were solved.
+
+    Args:
+        at: (n,) parameters of the web that is known exactly.
+        exact: its quantities.
+    """
+    rough = cells.responses(cells.web(layout), at, goal.quantities)
+    matched, private = MatchedWebs(cells, at, rough, exact), Work(work.info, {}, work.check)
+    values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
     return values, solved + 1

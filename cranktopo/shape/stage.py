@@ -8,7 +8,7 @@ evaluated on the default mesh, the coarse numbers are brought to that truth, and
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,15 +23,15 @@ from cranktopo.remodel.read_web import WebRead
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
-from cranktopo.shape.coarse_webs import CoarseWebs
 from cranktopo.shape.free_bores import bored, not_on_cells
+from cranktopo.shape.fresh_webs import FreshWebs, coarse_shares
 from cranktopo.shape.goal_in_model import goal_on_cells, search_goal_of
 from cranktopo.shape.growth import Growth, Trial
 from cranktopo.shape.mesh_model import MeshResponses
 from cranktopo.shape.meshed_webs import MeshedWebs
 from cranktopo.shape.prices import Prices
-from cranktopo.shape.refining import Refinement, refined
-from cranktopo.shape.search import prices_of, shaped_scene
+from cranktopo.shape.refining import SHORTER, merit, stepped
+from cranktopo.shape.search import Effort, prices_of, shaped_scene
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.start import scene_start
 from cranktopo.shape.web_model import WebModel, web_model
@@ -42,8 +42,8 @@ HELD = 5e-4
 """Relative excess with which a limit still counts as kept by the evaluation."""
 _SETTLED = 1e-3
 """Relative gain in the goal below which a round that keeps the limits is the last."""
-_FINISH = Refinement(4, 20, 3.0, 2e-4)
-"""Of each finish: short, as the evaluation after it corrects the coarse elements."""
+_FINISH = Effort(20, 0.8, nearest=True)
+"""Of each finish: so near that cells brought to the evaluated web tell another one within 0.1 %."""
 _FILLET_FRACTION = 0.6
 """Elements of the finish on a fillet over its radius: coarse, as its safety is brought to the truth."""
 _SAFE = 5e-4
@@ -155,7 +155,8 @@ def optimise_shape(
         search_goal_of(chosen_for, cells.original, original.values, cases),
         search_goal_of(chosen_for, known, original.values, cases),
     )
-    coarse = CoarseWebs(scene, settings.limits, settings.mesh_mm, original.values, work)
+    shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, original.values))
+    coarse = FreshWebs(scene, settings.limits, settings.mesh_mm, shares)
     growth = Growth(cells, coarse, goals, original.values, work)
     start = start or scene_start(scene, settings.limits)
     bores = bored(scene, start.sizes)
@@ -183,7 +184,8 @@ class _Finish:
         settings: ShapeSettings,
         work: Work,
     ) -> None:
-        self._cells, self._scene, self._goal, self._layout = cells, cells.scene, goal, layout
+        self._cells, self._scene = cells, cells.scene
+        self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
         self._fatigue = "fatigue_safety" in goal.quantities
 
@@ -198,33 +200,37 @@ class _Finish:
 
     def rounds(self, start: Array) -> tuple[Round, ...]:
         """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
-        rounds = [self._evaluated(start, 0, 0)]
+        rounds, effort = [self._evaluated(start, 0, 0)], _FINISH
         for number in range(1, self._settings.rounds + 1):
+            before = rounds[_best(rounds, self._goal)]
             try:
-                found = self._finished(rounds[-1], number)
+                found = self._finished(before, number, effort)
             except CranktopoError as error:
                 self._work.info(f"finish {number} ended early, the best web before it stands: {error}")
                 break
             if found is None:
                 break
             rounds.append(found)
-            if _settled(rounds, self._goal):
+            gain = merit(self._goal, before.web.values) - merit(self._goal, found.web.values)
+            if gain < _SETTLED and (found.held or before.held):
                 break
+            if gain < 0:
+                effort = replace(effort, reach=SHORTER * effort.reach)
         return tuple(rounds)
 
-    def _finished(self, before: Round, number: int) -> Round | None:
+    def _finished(self, before: Round, number: int, effort: Effort) -> Round | None:
+        """The best web near one that was evaluated, by its gradients; None where there is none."""
+
         def make() -> Json:
-            meshed = self.webs()
-            meshed.anchored(meshed.web(self._layout), before.values, before.web.values)
             goal = self._goal.reserved(_SAFE).reserved(_SCATTER, ("fatigue_safety",))
-            made = refined(self._cells.webs(), meshed, self._layout, before.values, goal, self._work, _FINISH)
-            return {"values": made.values.tolist(), "solved": made.solved}
+            cells, exact, at = self._cells.webs(), self.anchored(before), before.values
+            values, solved = stepped(cells, self._layout, at, exact, goal, self._work, effort)
+            return {"values": None if values is None else values.tolist(), "solved": solved + 1}
 
         kept = self._work.once(f"finish-{number}", make)
-        values = np.array(kept["values"])
-        if (values == before.values).all():
+        if kept["values"] is None or kept["values"] == before.values.tolist():
             return None
-        return self._evaluated(values, number, kept["solved"])
+        return self._evaluated(np.array(kept["values"]), number, kept["solved"])
 
     def _evaluated(self, values: Array, number: int, solved: int) -> Round:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
@@ -234,15 +240,7 @@ class _Finish:
         return found
 
 
-def _settled(rounds: Sequence[Round], goal: SearchGoal) -> bool:
-    """Whether the last web keeps every limit and gains next to nothing over the one before."""
-    if not rounds[-1].held:
-        return False
-    before, now = (goal.objective(found.web.values) for found in rounds[-2:])
-    return before - now < _SETTLED
-
-
-def _best(rounds: tuple[Round, ...], goal: SearchGoal) -> int:
+def _best(rounds: Sequence[Round], goal: SearchGoal) -> int:
     """The held round with the best goal by the evaluation, the first of equals; else the nearest to held."""
     held = [index for index, found in enumerate(rounds) if found.held]
     if held:

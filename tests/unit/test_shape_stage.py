@@ -47,11 +47,11 @@ class Told:
         values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
         return SimpleNamespace(scene=scene, values=values, evaluation={})
 
-    def refined(self, cells: Any, meshed: Any, layout: Any, start: Any, *_: Any) -> Any:
+    def stepped(self, cells: Any, layout: Any, at: Any, *_: Any) -> Any:
         self.finishes += 1
         if self.finishes == self.fails_at:
             raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
-        return SimpleNamespace(values=start + 0.01, solved=5)
+        return at + 0.01, 5
 
     def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: Work) -> Any:
         self.goals.append(goals[0])
@@ -81,9 +81,9 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None)
         monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
         monkeypatch.setattr(stage, "web_model", lambda *_: cells)
-        monkeypatch.setattr(stage, "CoarseWebs", lambda *_: None)
+        monkeypatch.setattr(stage, "coarse_shares", lambda *_: {})
         monkeypatch.setattr(stage, "Growth", told.growth)
-        monkeypatch.setattr(stage, "refined", told.refined)
+        monkeypatch.setattr(stage, "stepped", told.stepped)
         monkeypatch.setattr(stage, "MeshedWebs", Meshes)
         return optimise_shape(scene, goal_of(scene), None, Work(told.lines.append))
 
@@ -114,8 +114,9 @@ def test_the_most_safety_keeps_mass_and_stiffness_and_takes_bending_for_it_on_ce
 
 def test_the_safest_web_counts_only_if_it_keeps_the_limits(shaped: Shaped) -> None:
     heavy = {"fatigue_safety": 115.0, "mass": 101.0}
-    found = shaped(Told([{"fatigue_safety": 101.0}, heavy, {"fatigue_safety": 109.0}]))
-    assert (found.best, len(found.rounds)) == (2, 3)
+    safer = {"fatigue_safety": 109.0}
+    found = shaped(Told([{"fatigue_safety": 101.0}, heavy, safer, safer]))
+    assert (found.best, len(found.rounds)) == (2, 4)
     none = shaped(Told([heavy, {**heavy, "mass": 100.2}, *[heavy] * 3]))
     assert (none.best, none.result.held) == (1, False)
 

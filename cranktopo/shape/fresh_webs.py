@@ -1,4 +1,4 @@
-"""Webs on coarse body-fitted elements, each on its own mesh, as shares of the original web on such a mesh.
+"""Webs on body-fitted elements, each on its own mesh.
 
 A mesh of its own costs less than moving another's far; nothing is remembered from web to web.
 """
@@ -20,35 +20,28 @@ from cranktopo.scene import Scene
 from cranktopo.shape.free_bores import kept_features
 from cranktopo.shape.mesh_model import MeshModel, MeshResponses
 from cranktopo.shape.meshed_webs import rules_web
-from cranktopo.store import Json, Work
+from cranktopo.store import Json
 
 Array = NDArray[np.float64]
 
 
-class CoarseWebs:
-    """Such webs of a throw, without fatigue; the original is evaluated once."""
+class FreshWebs:
+    """Webs of a throw, each on its own mesh, without fatigue."""
 
     def __init__(
         self,
         scene: Scene,
         limits: ManufacturingLimits,
         element_size_mm: float,
-        original: Mapping[str, float],
-        work: Work,
+        shares: Mapping[str, float] | None = None,
     ) -> None:
-        """Evaluate the original web.
+        """Say how webs are meshed.
 
         Args:
-            original: its quantities by a finer evaluation, to which the coarse numbers are brought.
-
-        Raises:
-            CranktopoError: impossible geometry, or a failed solve.
+            shares: factors by quantity that bring the numbers of the mesh to finer ones.
         """
         self._scene, self._limits, self._size = scene, limits, element_size_mm
-        coarse = work.once("original-coarse", self._original)
-        shares = {name: original[name] / value for name, value in coarse.items()}
-        both = {f"{name}_per_mass": share for name, share in shares.items()}
-        self._shares = {**shares, **both}
+        self._shares = shares or {}
 
     @property
     def scene(self) -> Scene:
@@ -68,8 +61,20 @@ class CoarseWebs:
         found = MeshModel(self._scene, web.layout, values, self._size).responses(values, quantities)
         return found.scaled(self._shares)
 
-    def _original(self) -> Json:
-        scene = self._scene
-        target = Target(scene.name, planned_scene(scene, kept_features(scene)))
-        found, supports = evaluate_on_mesh(target, self._size).stiffness, scene.supports
-        return {"torsion": found.torsion[supports.torsion], "bending": found.bending[supports.bending]}
+
+def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
+    """Factors by quantity that bring the original web on a coarse mesh to a finer evaluation.
+
+    Args:
+        original: its quantities by the latter.
+
+    Raises:
+        CranktopoError: impossible geometry, or a failed solve.
+    """
+    target = Target(scene.name, planned_scene(scene, kept_features(scene)))
+    found, supports = evaluate_on_mesh(target, element_size_mm).stiffness, scene.supports
+    torsion, bending = found.torsion[supports.torsion], found.bending[supports.bending]
+    assert torsion is not None
+    assert bending is not None
+    shares = {"torsion": original["torsion"] / torsion, "bending": original["bending"] / bending}
+    return {**shares, **{f"{name}_per_mass": share for name, share in shares.items()}}
