@@ -58,6 +58,11 @@ class MeshResponses:
             slopes={name: share[name] * slope for name, slope in self.slopes.items()},
         )
 
+    def brought_to(self, truth: Mapping[str, float]) -> MeshResponses:
+        """The same as shares of a truth: its values where it tells them, with slopes in proportion."""
+        both = self.values.keys() & truth.keys()
+        return self.scaled({name: truth[name] / self.values[name] for name in both if self.values[name]})
+
 
 class MeshModel:
     """A web of a layout on one mesh, as functions of its parameters."""

@@ -24,11 +24,10 @@ from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.shape.free_bores import bored, not_on_cells
-from cranktopo.shape.fresh_webs import FreshWebs, coarse_shares
 from cranktopo.shape.goal_in_model import goal_on_cells, search_goal_of
 from cranktopo.shape.growth import Growth, Trial
 from cranktopo.shape.mesh_model import MeshResponses
-from cranktopo.shape.meshed_webs import MeshedWebs
+from cranktopo.shape.meshed_webs import MeshedWebs, coarse_shares
 from cranktopo.shape.prices import Prices
 from cranktopo.shape.refining import SHORTER, merit, stepped
 from cranktopo.shape.search import Effort, prices_of, shaped_scene
@@ -45,7 +44,7 @@ _SETTLED = 1e-3
 _FINISH = Effort(20, 0.8, nearest=True)
 """Of each finish: so near that cells brought to the evaluated web tell another one within 0.1 %."""
 _FILLET_FRACTION = 0.6
-"""Elements of the finish on a fillet over its radius: coarse, as its safety is brought to the truth."""
+"""Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
 _SAFE = 5e-4
 """Part of a limit that the search keeps in reserve, for the rounding of the dimensions."""
 _SCATTER = 5e-3
@@ -58,7 +57,7 @@ class ShapeSettings:
 
     Attributes:
         cell_mm: cells on which features are chosen.
-        mesh_mm: elements on which trials are judged and the dimensions finished.
+        mesh_mm: elements on which trials are judged and gradients taken.
         rounds: most finishes, each followed by an evaluation.
         element_size_mm: of the evaluation; by default that of `evaluate`.
         bound: whether the result is told beside what no web of the envelope can beat.
@@ -156,7 +155,7 @@ def optimise_shape(
         search_goal_of(chosen_for, known, original.values, cases),
     )
     shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, original.values))
-    coarse = FreshWebs(scene, settings.limits, settings.mesh_mm, shares)
+    coarse = MeshedWebs(scene, settings.limits, settings.mesh_mm, shares=shares)
     growth = Growth(cells, coarse, goals, original.values, work)
     start = start or scene_start(scene, settings.limits)
     bores = bored(scene, start.sizes)
@@ -167,7 +166,7 @@ def optimise_shape(
     rounds = finish.rounds(first)
     best = _best(rounds, stated)
     found = finish.anchored(rounds[best])
-    web = finish.webs().web(layout)
+    web = cells.web(layout)
     paid = prices_of(scene, web, rounds[best].values, found, stated)
     return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(growth.trials), found, paid)
 
@@ -189,14 +188,11 @@ class _Finish:
         self._original, self._settings, self._work = original, settings, work
         self._fatigue = "fatigue_safety" in goal.quantities
 
-    def webs(self) -> MeshedWebs:
-        fraction = _FILLET_FRACTION if self._fatigue else None
-        return MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
-
     def anchored(self, web: Round) -> MeshResponses:
-        """The quantities of a web as the evaluation tells them, with gradients of the coarse mesh."""
-        webs = self.webs()
-        return webs.anchored(webs.web(self._layout), web.values, web.web.values)
+        """The quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
+        fraction = _FILLET_FRACTION if self._fatigue else None
+        webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
+        return webs.responses(webs.web(self._layout), web.values).brought_to(web.web.values)
 
     def rounds(self, start: Array) -> tuple[Round, ...]:
         """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""

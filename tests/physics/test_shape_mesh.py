@@ -17,10 +17,8 @@ from cranktopo.evaluate.surface import outer_surface, surface_stress
 from cranktopo.evaluate.unit_fields import unit_fields
 from cranktopo.loads.histories import load_history
 from cranktopo.remodel.family import Layout
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.shape.mesh_model import MeshModel, MeshResponses
-from cranktopo.shape.meshed_webs import MeshedWebs
 from cranktopo.shape.node_gradients import centrifugal_slopes
 from cranktopo.shape.stress_adjoint import stress_adjoint
 from cranktopo.units import MPA_PER_GPA
@@ -174,30 +172,6 @@ def test_a_moved_mesh_tells_the_change_that_a_new_mesh_tells(case: Case) -> None
         assert moved.values[name] == pytest.approx(fresh.values[name], rel=1e-4), name
     for name in ("torsion", "bending"):
         assert moved.values[name] == pytest.approx(fresh.values[name], rel=3e-3), name
-
-
-@pytest.mark.slow
-def test_a_mesh_that_suffers_is_replaced_without_a_jump(case: Case) -> None:
-    """Two moves are sought on both sides of the least quality."""
-    webs, direction = MeshedWebs(case.scene, ManufacturingLimits(), COARSE_MM), directions(case, 1)[0]
-    web, wanted = webs.web(case.layout), ("torsion",)
-    first = webs.responses(web, case.values, wanted)
-    assert "bending" not in first.values
-    moved = MeshModel(case.scene, case.layout, case.values, COARSE_MM).moved
-    low, high = 0.5, 1.0
-    while moved.quality(moved.at(case.values + high * direction)) > 0.3:
-        low, high = high, 1.2 * high
-    while high - low > 1e-3:
-        middle = (low + high) / 2
-        sound = moved.quality(moved.at(case.values + middle * direction)) > 0.3
-        low, high = (middle, high) if sound else (low, middle)
-    before, after = (webs.responses(web, case.values + reach * direction, wanted) for reach in (low, high))
-    assert before.quality == pytest.approx(0.3, abs=0.01)
-    assert after.quality == pytest.approx(1.0)
-    assert webs.meshes == 2
-    change = after.values["torsion"] - before.values["torsion"]
-    predicted = (before.slopes["torsion"] + after.slopes["torsion"]) / 2 @ direction * (high - low)
-    assert change == pytest.approx(predicted, abs=1e-6 * first.values["torsion"])
 
 
 def test_a_move_that_folds_the_mesh_is_refused(case: Case) -> None:

@@ -14,7 +14,7 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.shape.meshed_webs import rules_web
+from cranktopo.shape.meshed_webs import MeshedWebs
 from cranktopo.shape.refining import MatchedWebs, Refinement, Told, merit, refined
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 from cranktopo.store import Work
@@ -45,7 +45,7 @@ class Bowls:
     solved: int = 0
 
     def web(self, layout: Layout) -> ParametricWeb:
-        return rules_web(layout, self.scene, ManufacturingLimits())
+        return MeshedWebs(self.scene, ManufacturingLimits(), 10.0).web(layout)
 
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Told:
         if values[4] > self.widest_mm:

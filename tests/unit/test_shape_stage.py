@@ -12,6 +12,7 @@ import pytest
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.loads.cases import load_cases
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.goal import Goal
 from cranktopo.scene.goal.changing import with_goal
@@ -65,8 +66,8 @@ class Told:
 class Meshes(MeshedWebs):
     """Webs that are known without a mesh."""
 
-    def anchored(self, web: Any, values: Any, truth: Mapping[str, float]) -> MeshResponses:
-        return MeshResponses(dict(truth), {name: np.zeros(len(values)) for name in truth}, 1.0)
+    def responses(self, web: Any, values: Any, quantities: Any = None) -> MeshResponses:
+        return MeshResponses(dict(ORIGINAL), {name: np.zeros(len(values)) for name in ORIGINAL}, 1.0)
 
 
 Shaped = Callable[[Told], ShapeOptimum]
@@ -78,7 +79,8 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
 
     def run(told: Told) -> ShapeOptimum:
         model = SimpleNamespace(cases=load_cases(scene))
-        cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None)
+        web = MeshedWebs(scene, ManufacturingLimits(), 10.0).web
+        cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None, web=web)
         monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
         monkeypatch.setattr(stage, "web_model", lambda *_: cells)
         monkeypatch.setattr(stage, "coarse_shares", lambda *_: {})
