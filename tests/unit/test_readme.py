@@ -53,7 +53,7 @@ def test_readme_has_a_picture_and_leads_to_every_page_without_generated_parts() 
 def test_commands_exist() -> None:
     used = set(re.findall(r"(?:^\$ |`|/bin/)cranktopo ([a-z]+)", TEXT, re.M))
     assert used <= set(COMMANDS)
-    assert {"optimise", "remodel", "compare", "export"} <= used
+    assert {"optimise", "loads", "plan", "shape", "compare", "export"} <= used
 
 
 def test_ci_runs_the_commands_of_readme_and_contributing() -> None:
