@@ -182,21 +182,6 @@ def best_values(
         CranktopoError: a failed solve.
     """
 
-    kept = _kept(webs, layout, start, goal, name, work, effort)
-    return None if kept["values"] is None else np.array(kept["values"]), kept["evaluations"]
-
-
-def _kept(
-    webs: Callable[[], Webs],
-    layout: Layout,
-    start: Array,
-    goal: SearchGoal,
-    name: str,
-    work: Work,
-    effort: Effort,
-) -> Json:
-    """What a search found as plain data, and why it found nothing."""
-
     def make() -> Json:
         model = webs()
         task = _Search(model, layout, goal)
@@ -209,7 +194,8 @@ def _kept(
         values = [float(value) for value in best[2]] if best and kept else None
         return {"values": values, "evaluations": task.evaluations, "why": why}
 
-    return work.once(name, make)
+    kept = work.once(name, make)
+    return None if kept["values"] is None else np.array(kept["values"]), kept["evaluations"]
 
 
 def search(
