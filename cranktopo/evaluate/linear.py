@@ -1,8 +1,8 @@
 """Sparse symmetric solves: direct for small systems, two-level p-multigrid CG for large ones.
 
 SuperLU is the quickest to about 12 000 unknowns and then grows fast in time and memory; conjugate gradients
-with linear tetrahedra as the coarse level grow about linearly ("Evaluation solvers", docs/pages/archive.md).
-Both need nothing but SciPy.
+with linear tetrahedra as the coarse level grow about linearly ("Solvers of the evaluation",
+docs/pages/benchmarks.md). Both need nothing but SciPy.
 """
 
 from __future__ import annotations

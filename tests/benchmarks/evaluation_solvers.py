@@ -1,9 +1,8 @@
-"""Direct against multigrid solver of the body-fitted evaluation, and what a fatigue field takes.
+"""Direct against multigrid solver of the body-fitted evaluation.
 
     python -m tests.benchmarks.evaluation_solvers [ENGINE]
 
-Seconds of both condensations (assembly and mesh apart), the same torsional stiffness, as Markdown; then one
-fatigue field on the default mesh.
+Seconds of both condensations, mesh and assembly apart, as Markdown.
 """
 
 from __future__ import annotations
@@ -17,10 +16,8 @@ from cranktopo.evaluate import linear
 from cranktopo.evaluate.condense import condense
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.evaluation import default_element_size_mm
-from cranktopo.evaluate.safety_field import fatigue_field
 from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.support_stiffness import torsional_stiffness_Nm_per_rad
-from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import load_scene
 from cranktopo.units import MPA_PER_GPA
@@ -51,10 +48,6 @@ def main(engine: str = "mikron-iiic") -> None:
             stiffness = torsional_stiffness_Nm_per_rad(twist, "free") / 1000
             cells = (f"{size:.3g}", f"{model.nodes_mm.size:,}", name, f"{seconds:.2f}", f"{stiffness:.6f}")
             print(f"| {' | '.join(cells)} |", flush=True)
-    began = time.perf_counter()
-    field = fatigue_field(Target(engine, scene), "lsa")
-    nodes = field.model.quality.nodes
-    print(f"\nfatigue field: {nodes:,} nodes, {time.perf_counter() - began:.1f} s")
 
 
 if __name__ == "__main__":
