@@ -26,7 +26,7 @@ def bound_json(model: BoundModel, bound: Bound) -> dict[str, Any]:
             "quantity": goal.quantity,
             "value": bound.value,
             "unit": QUANTITIES[goal.quantity].unit,
-            "percent_of_original": None if bound.value is None else 100 * bound.value / bound.original,
+            "percent_of_original": bound.percent,
             "possible": bound.value is not None,
         },
         "variable_stiffness": {

@@ -124,6 +124,11 @@ class Bound:
     density: Array
     displacements: jax.Array
 
+    @property
+    def percent(self) -> float | None:
+        """The value in percent of the original's; None where no web keeps all limits."""
+        return None if self.value is None else 100 * self.value / self.original
+
 
 def prove(
     model: BoundModel, goal: Goal, progress: Progress = lambda _: None, start: Array | None = None

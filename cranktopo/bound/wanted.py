@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.scene.goal import Goal, Limit
+from cranktopo.scene.goal.quantities import STIFFNESS_OF
 
 LINEAR = ("mass", "inertia", "unbalance")
 STIFFNESSES = ("torsion", "bending")
-_MOTIONS = {"pin_displacement": "bending", "twist": "torsion"}
 
 
 @dataclass(frozen=True)
@@ -105,8 +105,8 @@ def _ceiling(limit: Limit, original: Mapping[str, float]) -> Ceiling | str:
         return Ceiling(limit.quantity, sign, share, limit)
     if limit.quantity.endswith("_per_mass"):
         return "a least stiffness per mass is not convex"
-    if limit.quantity in _MOTIONS and limit.sense == "<=":
-        return Ceiling(_MOTIONS[limit.quantity], 1.0, share, limit)
+    if limit.quantity in STIFFNESS_OF and limit.sense == "<=":
+        return Ceiling(STIFFNESS_OF[limit.quantity], 1.0, share, limit)
     if limit.quantity in STIFFNESSES and limit.sense == ">=":
         return Ceiling(limit.quantity, 1.0, 1 / share, limit)
     return "a web may not be too stiff: that is not convex"

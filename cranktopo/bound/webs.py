@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.bound.wanted import LINEAR
 from cranktopo.domain.build import Domain
 from cranktopo.fem.model import ThrowModel
 from cranktopo.optimise.forging_constraint import Parting
@@ -119,7 +120,7 @@ def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> Webs:
     layers = slice(*domain.web_layers)
     design = np.asarray(designable(scene, domain))
     known = quantities(model, scene.material.density_kg_m3)
-    sums = {name: known[name] for name in ("mass", "inertia", "unbalance")}
+    sums = {name: known[name] for name in LINEAR}
     solid = jnp.asarray(domain.fixed)
     return Webs(
         fixed=domain.fixed,

@@ -47,8 +47,8 @@ class Condensed:
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         further: section forces of the half throw that answer the further loads, shape (m, k).
-        solve: from nodal forces on the model, shape (unknowns, k), and a first guess to fields with the
-            section fixed; the matrix is factorised already.
+        solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed; the
+            matrix is factorised already.
     """
 
     motions: tuple[int, ...]
@@ -58,7 +58,7 @@ class Condensed:
     load_compliance: float
     displacement: Array
     further: Array
-    solve: Callable[[Array, Array | None], Array]
+    solve: Callable[[Array], Array]
 
     def index(self, *motions: int) -> list[int]:
         """Positions of motions in this block."""
@@ -71,7 +71,6 @@ def condense(
     parity: Parity,
     lateral: Lateral,
     further: Array | None = None,
-    guess: Array | None = None,
     residual: float = RESIDUAL_LIMIT,
 ) -> Condensed:
     """Condense the half throw to the motions of its rigid section.
@@ -80,7 +79,6 @@ def condense(
         model: half throw, or its half x >= 0 when lateral is not "none".
         further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
-        guess: displacements of a body nearly the same, as `Condensed.displacement`.
         residual: largest accepted relative residual of a solve.
 
     Raises:
@@ -99,10 +97,7 @@ def condense(
     whole, turned = _stress_free(model.nodes_mm, motions, section, held)
     bent = rigid @ turned
     forces = np.column_stack([-(model.stiffness @ bent), *([mean] if loaded else []), others])
-    if guess is not None:
-        count = len(motions)
-        guess = np.column_stack([guess[:, :count] @ turned - bent, guess[:, count:]])
-    fields = solve(forces, guess)
+    fields = solve(forces)
     bending = turned.shape[1]
     units = whole + (fields[:, :bending] + bent) @ turned.T
     fields = np.column_stack([units, fields[:, bending:]])
@@ -120,17 +115,15 @@ def condense(
     )
 
 
-def _solver(
-    model: Elasticity, free: NDArray[np.intp], residual: float
-) -> Callable[[Array, Array | None], Array]:
+def _solver(model: Elasticity, free: NDArray[np.intp], residual: float) -> Callable[[Array], Array]:
     """From nodal forces to displacements, all but the free unknowns at zero."""
     corners = free[free < model.prolongation.shape[1]]
     stiffness, prolongation = model.stiffness[free][:, free], model.prolongation[free][:, corners]
     inner = symmetric_solver(stiffness, prolongation, residual=residual)
 
-    def solve(forces: Array, guess: Array | None) -> Array:
+    def solve(forces: Array) -> Array:
         fields = np.zeros(forces.shape)
-        fields[free] = inner(forces[free], None if guess is None else guess[free])
+        fields[free] = inner(forces[free])
         return fields
 
     return solve

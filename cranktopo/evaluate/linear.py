@@ -49,7 +49,7 @@ def solve_symmetric(
     Raises:
         CranktopoError: singular matrix, or a residual above the limit.
     """
-    return symmetric_solver(matrix, prolongation, method)(loads, None)
+    return symmetric_solver(matrix, prolongation, method)(loads)
 
 
 def symmetric_solver(
@@ -57,7 +57,7 @@ def symmetric_solver(
     prolongation: sp.csr_matrix,
     method: str = "auto",
     residual: float = RESIDUAL_LIMIT,
-) -> Callable[[Array, Array | None], Array]:
+) -> Callable[[Array], Array]:
     """What solves a symmetric positive definite system again and again, factorised once.
 
     Args:
@@ -65,8 +65,7 @@ def symmetric_solver(
         residual: largest accepted relative residual.
 
     Returns:
-        A function from loads, shape (n, k), and a first guess to solutions; it raises what `solve_symmetric`
-        does.
+        A function from loads, shape (n, k), to solutions; it raises what `solve_symmetric` does.
 
     Raises:
         CranktopoError: singular matrix.
@@ -74,11 +73,8 @@ def symmetric_solver(
     direct = method == "direct" or (method == "auto" and matrix.shape[0] <= DIRECT_LIMIT)
     factor = _factorise(matrix) if direct else _cycle(matrix, prolongation)
 
-    def solve(loads: Array, guess: Array | None) -> Array:
-        if direct:
-            solution = factor(loads)
-        else:
-            solution = _conjugate_gradients(matrix, loads, factor, guess, _AIM * residual)
+    def solve(loads: Array) -> Array:
+        solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor, _AIM * residual)
         _check_residual(matrix, loads, solution, residual)
         return solution
 
@@ -118,8 +114,8 @@ def _cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Callable[[Arra
 
     def cycle(residual: Array) -> Array:
         x = smooth(residual)
-        x += times(prolongation, coarse(times(restriction, residual - times(matrix, x))))
-        return x + smooth(residual - times(matrix, x))
+        x += _times(prolongation, coarse(_times(restriction, residual - _times(matrix, x))))
+        return x + smooth(residual - _times(matrix, x))
 
     return cycle
 
@@ -136,7 +132,7 @@ def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
         step = inverse * residual / centre
         x = step
         for _ in range(_SMOOTHING - 1):
-            residual = residual - times(matrix, step)
+            residual = residual - _times(matrix, step)
             following = 1.0 / (2 * centre / half - rho)
             step = following * rho * step + 2 * following / half * (inverse * residual)
             rho = following
@@ -159,21 +155,19 @@ def _conjugate_gradients(
     matrix: sp.csr_matrix,
     loads: Array,
     cycle: Callable[[Array], Array],
-    guess: Array | None,
     tolerance: float,
 ) -> Array:
     """Preconditioned CG, all right-hand sides in step; those that are solved leave."""
-    solution = np.zeros_like(loads) if guess is None else guess.copy()
-    residual = loads if guess is None else loads - times(matrix, guess)
+    solution = np.zeros_like(loads)
     goal = tolerance * np.linalg.norm(loads, axis=0)
-    columns = np.flatnonzero(np.linalg.norm(residual, axis=0) > goal)
-    x, residual = (np.asfortranarray(array[:, columns]) for array in (solution, residual))
+    columns = np.flatnonzero(goal > 0)
+    x, residual = (np.asfortranarray(array[:, columns]) for array in (solution, loads))
     direction, energy = np.zeros_like(x), np.zeros(len(columns))
     for _ in range(_CG_CYCLES if len(columns) else 0):
         z = cycle(residual)
         following = (residual * z).sum(axis=0)
         direction = z + following / np.where(energy > 0, energy, 1.0) * direction
-        image, energy = times(matrix, direction), following
+        image, energy = _times(matrix, direction), following
         curvature = (direction * image).sum(axis=0)
         step = energy / np.where(curvature > 0, curvature, 1.0)
         x += step * direction
@@ -189,6 +183,6 @@ def _conjugate_gradients(
     return solution
 
 
-def times(matrix: sp.csr_matrix, columns: Array) -> Array:
+def _times(matrix: sp.csr_matrix, columns: Array) -> Array:
     """Product with each column, which SciPy does twice as fast as that with all at once."""
     return np.stack([matrix @ column for column in np.asfortranarray(columns).T]).T

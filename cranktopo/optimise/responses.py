@@ -29,6 +29,7 @@ from cranktopo.fem.response import (
 )
 from cranktopo.loads.load_case import LoadCase
 from cranktopo.optimise.material import Interpolation
+from cranktopo.scene.goal.quantities import MOTIONS
 from cranktopo.units import NMM_PER_NM
 
 
@@ -138,15 +139,12 @@ def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
     )
     per_mass = ratio(f"{case.name}_per_mass", "N m/(rad kg)" if torsion else "N/(mm kg)", stiffness, mass)
     motion = Response(
-        _MOTIONS.get(case.name, f"{case.name}_{'twist' if torsion else 'displacement'}"),
+        MOTIONS.get(case.name, f"{case.name}_{'twist' if torsion else 'displacement'}"),
         "deg" if torsion else "mm",
         lambda design: design.works[index] / load * turn,
         stiffest="least",
     )
     return [stiffness, per_mass, motion]
-
-
-_MOTIONS = {"bending": "pin_displacement", "torsion": "twist"}
 
 
 def ratio(name: str, unit: str, above: Response, below: Response) -> Response:

@@ -9,11 +9,10 @@ from cranktopo.bound.result_json import bound_json
 from cranktopo.bound.stage import bound_model, on_cells, prove
 from cranktopo.domain.build import laterally_symmetric
 from cranktopo.domain.resolution import available_memory_MiB, check_resolution
-from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.precision import double_precision
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
-from cranktopo.scene.goal.wanted import wanted
+from cranktopo.scene.goal.wanted import needed
 
 Info = Callable[[str], None]
 _CASES = 2
@@ -40,13 +39,7 @@ def bound_of(
     Raises:
         CranktopoError: no goal, one about which nothing can be proven, no envelope, or a failed solve.
     """
-    goal = wanted(scene)
-    if goal is None:
-        raise CranktopoError(
-            "goal: a bound needs one.",
-            hint="Give --minimise mass, or --maximise torsion, or a [goal] table.",
-            code=ExitCode.USAGE,
-        )
+    goal = needed(scene, "bound", "torsion")
     assumed = assumptions(scene, _TABLES)
     info(assumed_text(assumed))
     cell_mm = resolution_mm or scene.optimise.resolution_mm

@@ -28,7 +28,7 @@ def bound_beside(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> Json:
     return {
         "quantity": goal.quantity,
         "value": bound.value,
-        "percent_of_original": None if bound.value is None else 100 * bound.value / bound.original,
+        "percent_of_original": bound.percent,
         "dropped": [str(limit) for limit, _ in bound.wanted.dropped],
         "model": {
             "cell_mm": cell_mm,

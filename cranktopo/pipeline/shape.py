@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from cranktopo.cad.solid_files import export_solid, surface_of
-from cranktopo.errors import CranktopoError, ExitCode, invalid
+from cranktopo.errors import invalid
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import check_device, double_precision
 from cranktopo.meshing.imported_body import half_throw_surface
@@ -36,7 +36,7 @@ from cranktopo.scene.assumed import (
     assumptions,
 )
 from cranktopo.scene.goal import Goal
-from cranktopo.scene.goal.wanted import wanted
+from cranktopo.scene.goal.wanted import needed
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.scene.scale import usual_scale
 from cranktopo.scene.writing import toml_text
@@ -160,14 +160,7 @@ def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene
 
 
 def _goal(scene: Scene) -> Goal:
-    goal = wanted(scene)
-    if goal is None:
-        raise CranktopoError(
-            "goal: a shape optimisation needs one.",
-            hint="Give --minimise mass, or --maximise torsion_per_mass, or a [goal] table.",
-            code=ExitCode.USAGE,
-        )
-    return goal
+    return needed(scene, "shape optimisation", "torsion_per_mass")
 
 
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead, info: Info) -> ShapedRun:

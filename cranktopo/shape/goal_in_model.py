@@ -8,12 +8,11 @@ from math import degrees
 
 from cranktopo.loads.load_case import LoadCase
 from cranktopo.scene.goal import Goal, Limit, QuantityName
+from cranktopo.scene.goal.quantities import STIFFNESS_OF
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 
 FOR_SAFETY: QuantityName = "bending"
 """The goal on cells where the fatigue safety is the goal."""
-_STIFFNESS_OF = {"pin_displacement": "bending", "twist": "torsion"}
-"""Deformations under the engine's load, which are that load over a stiffness."""
 
 
 def goal_on_cells(goal: Goal) -> Goal:
@@ -48,7 +47,7 @@ def search_goal_of(
 def _search_limits(
     limit: Limit, original: Mapping[str, float], truth: Mapping[str, float], cases: tuple[LoadCase, ...]
 ) -> Iterator[SearchLimit]:
-    quantity = _STIFFNESS_OF.get(limit.quantity, limit.quantity)
+    quantity = STIFFNESS_OF.get(limit.quantity, limit.quantity)
     if quantity not in original:
         return
     if quantity == limit.quantity:

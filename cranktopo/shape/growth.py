@@ -93,6 +93,7 @@ class Grown:
         objective: the goal, with what slightly missed limits cost; smaller is better.
         missed: by how much it misses its limits, relative; 0 where it keeps them.
         told: its quantities in the numbers of the evaluation.
+        factors: by how much the cells overrate them; the same is taken for webs that grow from it.
         exact: these by body-fitted elements; None while only the cells have told them.
         solved: webs solved to refine it.
     """
@@ -102,6 +103,7 @@ class Grown:
     objective: float
     missed: float
     told: Mapping[str, float]
+    factors: Mapping[str, float]
     exact: Told | None = None
     solved: int = 0
 
@@ -127,7 +129,6 @@ class Growth:
         self.model, self.trials = model, list[Trial]()
         self._elements, self._original, self._work = elements, original, work
         self._cells_goal, self._goal = goals
-        self._plain, self._factors = self._cells_goal, dict[str, float]()
 
     def first(self, layout: Layout, start: Array) -> Grown:
         """The best web of the start's layout by cells; the nearest to its limits where none keeps them.
@@ -136,7 +137,7 @@ class Growth:
             CranktopoError: no web keeps the rules (exit code 6).
         """
         name = self._name
-        found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, nearest=True)
+        found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, {}, nearest=True)
         self._note("outline", layout, found, None, found is not None, solved)
         if found is None:
             raise why_nothing(name, self._work)
@@ -182,9 +183,9 @@ class Growth:
             return iter(())
         web = self.model.web(best.layout)
         paid = prices_of(self.model.scene, web, best.values, best.exact, self._goal)
-        cells = self.model.responses(web, best.values, self._plain.quantities)
+        cells = self.model.responses(web, best.values, self._cells_goal.quantities)
         found = Found(best.layout, best.values, best.objective, cells)
-        return pocket_starts(self.model, found, self._cells_goal, paid)
+        return pocket_starts(self.model, found, self._cells_goal.corrected(best.factors), paid)
 
     def _ends(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
         there = {part.label for part in best.layout.parts}
@@ -209,16 +210,14 @@ class Growth:
             found, solved, best = self._judged(best, layout, start)
         kept = found is not None and _pays(best, found)
         self._note(step, layout, found, best, kept, solved)
-        best = found if kept and found is not None else best
-        self._bring(best)
-        return best
+        return found if kept and found is not None else best
 
     def _judged(self, best: Grown, layout: Layout, start: Array) -> tuple[Grown | None, int, Grown]:
         """The best web of a layout, how many were solved, and the web to compare it with.
 
         Both are refined where the cells cannot tell which is better.
         """
-        found, solved = self._on_cells(layout, start, EVALUATIONS, best.missed > 0)
+        found, solved = self._on_cells(layout, start, EVALUATIONS, best.factors, best.missed > 0)
         if found is None or not LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
             return found, solved, best
         number = len(self.trials) + 1
@@ -235,18 +234,19 @@ class Growth:
             self._work.info(f"{step}: left out, as a web could not be solved: {error}")
 
     def _on_cells(
-        self, layout: Layout, start: Array, evaluations: int, nearest: bool
+        self, layout: Layout, start: Array, evaluations: int, factors: Mapping[str, float], nearest: bool
     ) -> tuple[Grown | None, int]:
-        goal = self._cells_goal
+        """The best web of a layout by cells that overrate it by these factors, and how many were solved."""
+        goal = self._cells_goal.corrected(factors)
         found, solved = search(self.model, layout, start, goal, self._name, self._work, evaluations, nearest)
         if found is None:
             return None, solved
         told = {
-            name: value / self.model.original[name] * self._original[name] / self._factors.get(name, 1.0)
+            name: value / self.model.original[name] * self._original[name] / factors.get(name, 1.0)
             for name, value in found.responses.values.items()
             if name in self._original and self.model.original[name]
         }
-        return Grown(layout, found.values, found.objective, found.missed, told), solved
+        return Grown(layout, found.values, found.objective, found.missed, told, factors), solved
 
     @property
     def _name(self) -> str:
@@ -272,31 +272,27 @@ class Growth:
         kept = self._work.once(name, make)
         exact = Told(kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()})
         missed = float(self._goal.excesses(exact.values).max(initial=0.0))
-        found = Grown(
+        values = np.array(kept["values"])
+        return Grown(
             web.layout,
-            np.array(kept["values"]),
+            values,
             kept["objective"],
             missed if missed > _DOUBT else 0.0,
             exact.values,
+            self._factors(web.layout, values, exact.values),
             exact,
             kept["solved"],
         )
-        self._bring(found)
-        return found
 
-    def _bring(self, web: Grown) -> None:
-        """Let the cells tell the truth of a refined web, and overrate all others as they did that one."""
-        if web.exact is None:
-            return
-        quantities = set(self._plain.quantities)
-        cells = self.model.responses(self.model.web(web.layout), web.values, ()).values
-        before, now, truth = self.model.original, self._original, web.exact.values
-        factors = {
+    def _factors(self, layout: Layout, values: Array, truth: Mapping[str, float]) -> dict[str, float]:
+        """By how much the cells overrate each quantity of the goal for a web whose truth is known."""
+        cells = self.model.responses(self.model.web(layout), values, ()).values
+        before, now = self.model.original, self._original
+        return {
             name: cells[name] / before[name] * now[name] / truth[name]
-            for name in quantities
+            for name in set(self._cells_goal.quantities)
             if before[name] and truth[name]
         }
-        self._factors, self._cells_goal = factors, self._plain.corrected(factors)
 
     def _note(
         self, step: str, layout: Layout, found: Grown | None, before: Grown | None, kept: bool, solved: int

@@ -92,17 +92,12 @@ class FilletFatigue:
             scene, surface, stress, [unit_loads(self.history, self.kinds) * s for s in signs]
         )
         forces, slopes = stress_adjoint(model, surface, found, moved, worth, self._elastic)
-        twisting = [field.kind == "torsion" for field in fields]
+        pairs = list(zip(fields, forces, strict=True))
 
         def through(torsion: bool) -> Array:
-            chosen = [
-                pair
-                for pair, own in zip(zip(fields, forces, strict=True), twisting, strict=True)
-                if own == torsion
-            ]
-            return sum(
-                (self._through_field(model, bend, twist, *pair) for pair in chosen), np.zeros_like(slopes)
-            )
+            chosen = [pair for pair in pairs if (pair[0].kind == "torsion") == torsion]
+            found = (self._through_field(model, bend, twist, *pair) for pair in chosen)
+            return sum(found, np.zeros_like(slopes))
 
         one, other = side_by_side(lambda: through(True), lambda: through(False))
         return FilletSafety(least, smooth, slopes + one + other)
@@ -152,7 +147,7 @@ class FilletFatigue:
         else:
             spring = support_spring(scene, scene.supports.bending)
             motion = bending_motion(block, section, scene.supports.bending, spring)
-        adjoint = block.solve(force[:, None], None)[:, 0] + units @ motion
+        adjoint = block.solve(force[:, None])[:, 0] + units @ motion
         moved, load = field.displacement_mm, np.zeros(len(adjoint))
         slopes = -work_slopes(model, *self._elastic, moved, adjoint)
         if kind == "bending":

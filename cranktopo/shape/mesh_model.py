@@ -7,7 +7,7 @@ meshes; the gradients are those of these very numbers.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,20 +42,17 @@ class MeshResponses:
             stiffnesses per mass; fatigue_safety where it is wanted: smooth, and the least one for the
             first web asked for.
         slopes: the same, each (parameters,), per mm or degree.
-        quality: least Jacobian of an element over its own in the new mesh; make a new one when it falls.
     """
 
     values: dict[str, float]
     slopes: dict[str, Array]
-    quality: float
 
     def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
         """The same with every quantity times its share, by default 1."""
         share = {name: shares.get(name, 1.0) for name in self.values}
-        return replace(
-            self,
-            values={name: share[name] * value for name, value in self.values.items()},
-            slopes={name: share[name] * slope for name, slope in self.slopes.items()},
+        return MeshResponses(
+            {name: share[name] * value for name, value in self.values.items()},
+            {name: share[name] * slope for name, slope in self.slopes.items()},
         )
 
     def brought_to(self, truth: Mapping[str, float]) -> MeshResponses:
@@ -89,10 +86,10 @@ class MeshModel:
         self._layout = layout
         self.moved = MovedMesh(meshed.mesh, self.scene, layout, values)
         self._parts = 2 if meshed.mesh.mirrored else 1
-        self._missing = _exact(meshed) - self._parts * moments(self._model(self.moved.mesh))[0]
+        self._unmoved = self._model(self.moved.mesh)
+        self._missing = _exact(meshed) - self._parts * moments(self._unmoved)[0]
         self._fatigue = FilletFatigue(self.scene) if fillet_fraction is not None else None
         self._smoothing = 0.0
-        self._before: dict[str, Array] = {}
 
     def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
         """Quantities of the web with these values, and their gradients.
@@ -105,7 +102,7 @@ class MeshModel:
             CranktopoError: the mesh folds, or a failed solve.
         """
         mesh = self.moved.at(values)
-        model = self._model(mesh)
+        model = self._unmoved if mesh is self.moved.mesh else self._model(mesh)
         scene = scene_at(self.scene, self._layout, values)
         found = {**self._masses(model), **self._solved(model, scene, mesh.mirrored, quantities)}
         motion = self.moved.velocities(mesh, values)
@@ -115,7 +112,7 @@ class MeshModel:
             ratio = numbers[name] / numbers["mass"]
             numbers[f"{name}_per_mass"] = ratio
             slopes[f"{name}_per_mass"] = (slopes[name] - ratio * slopes["mass"]) / numbers["mass"]
-        return MeshResponses(numbers, slopes, self.moved.quality(mesh))
+        return MeshResponses(numbers, slopes)
 
     def _solved(
         self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
@@ -140,16 +137,11 @@ class MeshModel:
         return found
 
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Condensed:
-        """The block of a stiffness, from the displacements of the web before."""
-        guess = self._before.get(kind)
+        """The block of a stiffness."""
         if kind == "torsion":
-            side: Lateral = "odd" if mirrored else "none"
-            block = condense(model, scene, "antisymmetric", side, None, guess, _RESIDUAL)
-        else:
-            side = "even" if mirrored else "none"
-            block = condense(model, scene, "symmetric", side, self._spin(model), guess, _RESIDUAL)
-        self._before[kind] = block.displacement
-        return block
+            return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
+        side: Lateral = "even" if mirrored else "none"
+        return condense(model, scene, "symmetric", side, self._spin(model), _RESIDUAL)
 
     def _model(self, mesh: TetMesh) -> Elasticity:
         material = self.scene.material

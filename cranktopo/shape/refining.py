@@ -143,11 +143,12 @@ def refined(
             reach *= SHORTER
             continue
         solved += 1
-        gain = best.merit - merit(goal, found.values)
+        now = Refined(values, found, merit(goal, found.values), solved)
+        gain = best.merit - now.merit
         if gain <= 0:
             reach *= SHORTER
             continue
-        best = Refined(values, found, merit(goal, found.values), solved)
+        best = now
         if gain < extent.settled:
             break
     return replace(best, solved=solved)

@@ -12,8 +12,9 @@ from cranktopo.scene.goal.outcome import goal_json, limit_outcomes
 from cranktopo.shape.goal_in_model import goal_on_cells
 from cranktopo.shape.holding import held_by
 from cranktopo.shape.rules import rule_unit, rules_at
+from cranktopo.shape.search import HELD
 from cranktopo.shape.sensitivities import dimensions, sensitivities_json
-from cranktopo.shape.stage import HELD, ShapeOptimum
+from cranktopo.shape.stage import ShapeOptimum
 
 SCHEMA_VERSION = 1
 _PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}

@@ -1,8 +1,8 @@
 """The stage: a scene and a goal -> the dimensions of the best web that can be made.
 
-Features are chosen on cells, which are fast but know no fillets, err beside pockets and tell no fatigue. The
-dimensions are then finished on body-fitted elements with all limits. These are coarse, so the result is
-evaluated on the default mesh, the coarse numbers are brought to that truth, and the finish goes on.
+Features are chosen on cells, which are fast but know no fillets, err beside pockets and tell no fatigue;
+small gains are proven on coarse body-fitted elements. The web is then evaluated on the default mesh with all
+limits, and each finish is a short search beside the evaluated web, by the gradients of coarse elements.
 """
 
 from __future__ import annotations
@@ -30,15 +30,13 @@ from cranktopo.shape.mesh_model import MeshResponses
 from cranktopo.shape.meshed_webs import MeshedWebs, coarse_shares
 from cranktopo.shape.prices import Prices
 from cranktopo.shape.refining import SHORTER, merit, stepped
-from cranktopo.shape.search import Effort, prices_of, shaped_scene
+from cranktopo.shape.search import HELD, Effort, prices_of, shaped_scene
 from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.shape.start import scene_start
 from cranktopo.shape.web_model import WebModel, web_model
 from cranktopo.store import Json, Work
 
 Array = NDArray[np.float64]
-HELD = 5e-4
-"""Relative excess with which a limit still counts as kept by the evaluation."""
 _SETTLED = 1e-3
 """Relative gain in the goal below which a round that keeps the limits is the last."""
 _FINISH = Effort(20, 0.8, nearest=True)

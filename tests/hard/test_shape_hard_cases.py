@@ -161,7 +161,7 @@ class Plane:
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> MeshResponses:
         slope = np.array([-30.0 if "fillet" in name else 1.0 for name in web.layout.names])
         slope[0] = -1.0
-        return MeshResponses({"mass": float(slope @ values) + 500.0}, {"mass": slope}, 1.0)
+        return MeshResponses({"mass": float(slope @ values) + 500.0}, {"mass": slope})
 
 
 def test_fillets_grow_no_further_than_their_shoulders_let_them(mikron: Scene) -> None:

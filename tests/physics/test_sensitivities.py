@@ -128,7 +128,7 @@ def test_with_a_goal_only_what_is_against_it_holds() -> None:
     slopes = {"mass": np.full(count, 0.01), "torsion": np.full(count, 2.0)}
     slopes["mass"][[layout.names.index(n) for n in ("bevel-journal.depth", "groove.draft")]] = -0.01
     slopes["torsion"][layout.names.index("half_width_1")] = -1.0
-    found = MeshResponses({"mass": 1.7, "torsion": 100.0}, slopes, 1.0)
+    found = MeshResponses({"mass": 1.7, "torsion": 100.0}, slopes)
     goal = SearchGoal("mass", 1.0, 1.6, (SearchLimit("torsion", ">=", 100.0),))
     wanted = goal, found, {"mass": 1.6, "torsion": 100.0}
     told = holders(scene, web, values, wanted)
@@ -147,5 +147,5 @@ def test_a_rule_holds_only_in_its_direction(gain: float, held: tuple[str, ...]) 
     at = rules.names.index("least wall beside the groove, 3 mm")
     values[place] -= rules.excess[at] / rules.slopes[at, place]
     slopes = {"mass": np.full(len(values), gain)}
-    wanted = SearchGoal("mass", 1.0, 1.6, ()), MeshResponses({"mass": 1.7}, slopes, 1.0), {"mass": 1.6}
+    wanted = SearchGoal("mass", 1.0, 1.6, ()), MeshResponses({"mass": 1.7}, slopes), {"mass": 1.6}
     assert holders(scene, web, values, wanted)["groove.height"] == held

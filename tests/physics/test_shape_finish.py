@@ -45,7 +45,7 @@ class Brittle:
             raise CranktopoError("mesh: an element folds.", hint="Smaller steps.", code=ExitCode.SOLVER)
         self.solved += 1
         slopes = {"mass": np.ones(len(values)), "torsion": np.eye(len(values))[4]}
-        return MeshResponses({"mass": values.sum(), "torsion": values[4]}, slopes, 1.0)
+        return MeshResponses({"mass": values.sum(), "torsion": values[4]}, slopes)
 
 
 def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> None:

@@ -60,11 +60,11 @@ class Bowls:
         return Told({k: v for k, (v, _) in found.items()}, {k: s for k, (_, s) in found.items()})
 
 
-def bowls(**changes: object) -> tuple[Bowls, Bowls]:
+def bowls(widest_mm: float = np.inf) -> tuple[Bowls, Bowls]:
     """A rough model with another bowl that knows no torsion, and the true one."""
     scene = load_scene("mikron-iiic")
     rough = Bowls(scene, ROUGH, np.array([1.5, 0.7, 1.2]), knows_torsion=False)
-    return rough, Bowls(scene, TRUE, np.array([1.0, 1.0, 1.4]), **changes)  # type: ignore[arg-type]
+    return rough, Bowls(scene, TRUE, np.array([1.0, 1.0, 1.4]), widest_mm=widest_mm)
 
 
 def test_a_matched_web_has_the_value_and_the_slopes_of_the_exact_one() -> None:

@@ -67,7 +67,7 @@ class Meshes(MeshedWebs):
     """Webs that are known without a mesh."""
 
     def responses(self, web: Any, values: Any, quantities: Any = None) -> MeshResponses:
-        return MeshResponses(dict(ORIGINAL), {name: np.zeros(len(values)) for name in ORIGINAL}, 1.0)
+        return MeshResponses(dict(ORIGINAL), {name: np.zeros(len(values)) for name in ORIGINAL})
 
 
 Shaped = Callable[[Told], ShapeOptimum]

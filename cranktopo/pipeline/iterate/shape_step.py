@@ -20,7 +20,7 @@ from cranktopo.scene.goal import Goal
 from cranktopo.scene.goal.changing import with_goal
 from cranktopo.scene.goal.outcome import limit_outcomes
 from cranktopo.scene.goal.wanted import wanted
-from cranktopo.shape.stage import HELD
+from cranktopo.shape.search import HELD
 from cranktopo.store import RESULT_FILES, SHAPE, Json, RunStore, open_run, read_json
 
 

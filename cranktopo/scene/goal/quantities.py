@@ -27,6 +27,9 @@ QuantityName = Literal[
 ]
 Better = Literal["low", "high"]
 Optimiser = Literal["density", "shape"]
+MOTIONS = {"bending": "pin_displacement", "torsion": "twist"}
+"""Motion of each load case's load: the load over the stiffness."""
+STIFFNESS_OF = {motion: stiffness for stiffness, motion in MOTIONS.items()}
 _DEG_PER_RAD = 180 / pi
 
 

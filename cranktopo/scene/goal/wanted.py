@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene.goal.limit import Goal, Limit, read_limits
 from cranktopo.scene.goal.quantities import QUANTITIES, QuantityName
 from cranktopo.scene.goal.table import LimitsTable
@@ -29,6 +30,25 @@ def wanted(scene: Scene) -> Goal | None:
     said = {name for name in QUANTITIES if getattr(scene.goal.limits, name) is not None}
     more = tuple(limit for limit in _default(scene, quantity) if limit.quantity not in said)
     return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*given, *more))
+
+
+def needed(scene: Scene, task: str, example: str) -> Goal:
+    """The goal of a scene for a task that needs one.
+
+    Args:
+        example: a quantity that it might maximise, for the message.
+
+    Raises:
+        CranktopoError: the scene has none (exit code 2).
+    """
+    goal = wanted(scene)
+    if goal is None:
+        raise CranktopoError(
+            f"goal: a {task} needs one.",
+            hint=f"Give --minimise mass, or --maximise {example}, or a [goal] table.",
+            code=ExitCode.USAGE,
+        )
+    return goal
 
 
 def judged_by_evaluation(scene: Scene) -> bool:
