@@ -114,12 +114,12 @@ def _worst(result: CgResult) -> float:
 
 
 def _check_numbers(system: System, names: tuple[str, ...]) -> None:
-    least, largest, finite = _extreme_values(system.moduli, system.forces)
+    least, largest, numbers, finite = _extreme_values(system.moduli, system.forces)
     least, largest = float(least), float(largest)
-    if not (least >= 0 and 0 < largest < float("inf")):
+    if not (numbers and least >= 0 and largest > 0):
         raise CranktopoError(
-            f"solver: relative moduli from {least:.3g} to {largest:.3g}; all must be finite, none negative "
-            "and one positive.",
+            f"solver: relative moduli from {least:.3g} to {largest:.3g}{'' if numbers else ' or no number'}; "
+            "all must be finite, none negative and one positive.",
             hint="Check the densities and the material.",
             code=ExitCode.SOLVER,
         )
@@ -132,9 +132,13 @@ def _check_numbers(system: System, names: tuple[str, ...]) -> None:
 
 
 @jax.jit
-def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Least and largest modulus, and whether the forces of each case are finite."""
-    return jnp.min(moduli), jnp.max(moduli), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
+def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, ...]:
+    """Least and largest modulus, whether all are finite, and whether the forces of each case are.
+
+    A compiled minimum may pass over what is not a number; a sum does not.
+    """
+    finite = jnp.isfinite(jnp.sum(moduli)), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
+    return jnp.min(moduli), jnp.max(moduli), *finite
 
 
 def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[str, ...]) -> None:

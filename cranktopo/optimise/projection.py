@@ -28,10 +28,12 @@ class Projection:
 
 
 def projected(density: jax.Array, beta: float | jax.Array, threshold: float = THRESHOLD) -> jax.Array:
-    """Smoothed Heaviside projection; steeper with beta.
+    """Smoothed Heaviside projection, not below 0; steeper with beta.
 
     Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011, equation 9.
     """
     low = jnp.tanh(beta * threshold)
     high = jnp.tanh(beta * (1.0 - threshold))
-    return (low + jnp.tanh(beta * (density - threshold))) / (low + high)
+    step = (low + jnp.tanh(beta * (density - threshold))) / (low + high)
+    # Rounding may leave void below 0, of which no fractional power exists; its slope stays.
+    return step + jax.lax.stop_gradient(jnp.maximum(step, 0.0) - step)

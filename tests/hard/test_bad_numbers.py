@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.fem.lattice import Lattice
 from cranktopo.fem.response import compliances, solve
 from tests.hard import fields
 from tests.hard.cases import THROW_LOADS, Block, cases
 from tests.hard.outcome import direct
+from tests.physics.throw_cases import clamped_beam
 
 FIELD = fields.two_phase(fields.blobs(0.4), 1e-6)
 
@@ -24,6 +26,14 @@ def test_moduli(float64: None, value: float) -> None:
     with pytest.raises(CranktopoError, match="relative moduli") as caught:
         solve(Block("", FIELD).model(), jnp.asarray(moduli))
     assert caught.value.code == ExitCode.SOLVER
+
+
+def test_one_modulus_among_many(float64: None) -> None:
+    """So many that a compiled minimum passes over it."""
+    lattice = Lattice((12, 28, 16), 1.0, 1.0, (1.0,) * 16, 0.3)
+    moduli = jnp.ones(lattice.cells).at[10, 0, 8].set(jnp.nan)
+    with pytest.raises(CranktopoError, match="or no number"):
+        solve(clamped_beam(lattice, 1, 2, 1000.0), moduli)
 
 
 def test_no_stiffness_at_all(float64: None) -> None:

@@ -81,13 +81,10 @@ def random_webs(model: BoundModel, count: int, seed: int) -> Iterator[Array]:
         yield smooth_step(web.inside_mm(np.array(values))[0], grid.largest_edge_mm)[0]
 
 
-def simp_density(scene: Scene, model: BoundModel, volume_fraction: float, penalty: float) -> Array:
+def simp_density(scene: Scene, model: BoundModel, penalty: float, **settings: float) -> Array:
     """What the density optimisation makes of the scene on the same cells (nx, ny, nw)."""
-    settings = {"volume_fraction": volume_fraction, "max_iterations": 12, "penalty": penalty}
-    found = optimise_density(
-        prepare(scene.with_optimise(resolution_mm=model.scene.optimise.resolution_mm, **settings))
-    )
-    return found.design.physical
+    told = {"resolution_mm": model.scene.optimise.resolution_mm, "max_iterations": 12, "penalty": penalty}
+    return optimise_density(prepare(scene.with_optimise(**told | settings))).design.physical
 
 
 def pressed(scene: Scene, model: BoundModel, seed: int) -> Array:

@@ -14,14 +14,14 @@ from cranktopo.bound.proof import Plane, best_proof, plane_of
 from cranktopo.bound.sizing import next_densities
 from cranktopo.bound.stage import Bound, BoundModel, bound_model, prove
 from cranktopo.bound.wanted import Ceiling
-from cranktopo.domain.resolution import thinnest_wall_mm
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import solve
 from cranktopo.optimise.material import CONTRAST
-from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene import Scene
 from cranktopo.scene.goal import Limit
 from cranktopo.scene.goal.changing import with_goal
 from cranktopo.scene.goal.wanted import wanted
+from cranktopo.scene.loading import builtin_designs
 from tests.physics.bound_cases import (
     loaded_bar,
     own_body,
@@ -33,10 +33,9 @@ from tests.physics.bound_cases import (
     simp_density,
 )
 from tests.physics.throw_cases import forged
-from tests.random_engines import random_engine
+from tests.studies.bound_proof import THROWS, Judged, cells_of, judged_webs, proven, stay_above, throw_of
 
 Array = NDArray[np.float64]
-ENGINES = ("mikron-iiic", "opposed-piston", 1, 2, 3)
 CELL_MM = 4.5
 
 
@@ -69,7 +68,10 @@ def made(mikron: Scene, model: BoundModel) -> list[Array]:
     """Quantities of webs of every kind, over the original's."""
     webs = [quantities_of(model, random_blobs(model, seed), 1.0 + seed % 3) for seed in range(6)]
     webs += [quantities_of(model, fill) for fill in random_webs(model, 6, 3)]
-    webs += [quantities_of(model, simp_density(mikron, model, v, p), p) for v, p in ((0.3, 3.0), (0.35, 2.0))]
+    webs += [
+        quantities_of(model, simp_density(mikron, model, p, volume_fraction=v), p)
+        for v, p in ((0.3, 3.0), (0.35, 2.0))
+    ]
     return [*webs, quantities_of_body(model, own_body(model))]
 
 
@@ -150,29 +152,30 @@ def test_the_best_bar_is_known() -> None:
         assert proof.value > 0.99 * least
 
 
-def throw_of(name: str | int) -> Scene:
-    scene = load_scene(name) if isinstance(name, str) else scene_from_dict(random_engine(name))
-    return scene.with_optimise(process="free", draft_deg=0.0)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", THROWS)
+def test_two_hundred_webs_stay_below_the_bound(name: str) -> None:
+    """`python -m pytest -m slow tests/physics/test_bound.py -k two_hundred`"""
+    with double_precision():
+        scene = throw_of(name)
+        model = cells_of(scene)
+        webs = list(judged_webs(scene, model))
+        assert len(webs) >= 200
+        assert stay_above(model, np.full(model.webs.design.shape, 0.5), webs)
+        for goal in proven(scene, model, webs):
+            assert goal.holds
+            assert len(goal.told) > 1
+            assert stay_above(model, goal.bound.density, webs)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ENGINES)
-def test_two_hundred_webs_stay_below_the_bound(name: str | int) -> None:
-    """`python -m pytest -m slow tests/physics/test_bound.py -k two_hundred`"""
-    scene = throw_of(name)
-    cell_mm = min(scene.web.thickness_mm / 4, thinnest_wall_mm(scene) / 2)
-    draw = np.random.default_rng(8)
+@pytest.mark.parametrize("name", builtin_designs())
+def test_no_built_in_web_beats_its_bound(name: str) -> None:
     with double_precision():
-        model = bound_model(scene, cell_mm)
-        plane = model.plane(found(scene, model, minimise="mass").displacements)
-        uniform = model.plane(model.solved(np.full(model.webs.design.shape, 0.5), None, 1e-3))
-        weights = draw.exponential(size=(40, 5))
-        least = [[p.least(w)[0] for w in weights] for p in (plane, uniform)]
-        webs = [(fill, 1.0) for fill in random_webs(model, 100, 5)]
-        webs += [(random_blobs(model, seed), 1.0 + seed % 3) for seed in range(90)]
-        for penalty in (2.0, 2.5, 3.0, 3.5, 4.0):
-            webs += [(simp_density(scene, model, v, penalty), penalty) for v in (0.35, 0.6)]
-        assert len(webs) >= 200
-        for density, power in webs:
-            web = quantities_of(model, density, power)
-            assert all(below <= w @ web for row in least for below, w in zip(row, weights, strict=True))
+        scene = throw_of(name)
+        model = cells_of(scene)
+        own = Judged("original", quantities_of_body(model, own_body(model)))
+        for goal in proven(scene, model, [own]):
+            assert goal.holds
+            assert goal.told
+            assert stay_above(model, goal.bound.density, [own])

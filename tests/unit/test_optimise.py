@@ -77,6 +77,23 @@ def test_projection_is_a_step_in_the_limit(float64: None) -> None:
     np.testing.assert_allclose(projected(density, 1e4), [0, 0, 0, 0.5, 1, 1], atol=1e-9)
 
 
+def test_projected_void_has_powers_and_slopes(float64: None) -> None:
+    """Rounding would leave it at -1e-17, whose power 1.5 is no number; its own slope is kept."""
+
+    def powers(density: jax.Array, beta: float) -> jax.Array:
+        return jnp.sum(projected(density, beta) ** 1.5)
+
+    density = jnp.linspace(0, 1e-15, 64)
+    for beta in (1.0, 4.0, 8.0, 16.0):
+        value, slopes = jax.jit(jax.value_and_grad(powers))(density, beta)
+        assert float(jax.jit(projected)(density, beta).min()) >= 0
+        assert np.isfinite(value)
+        assert np.isfinite(slopes).all()
+        steep = jax.jit(jax.grad(lambda x, b: jnp.sum(projected(x, b))))(density, beta)
+        expected = beta / np.cosh(beta / 2) ** 2 / (2 * np.tanh(beta / 2))
+        np.testing.assert_allclose(steep, expected, rtol=1e-6)
+
+
 def test_moduli_of_full_and_empty_designs(chain: Interpolation) -> None:
     first, last = chain.web_layers
     full = relative_moduli(chain, jnp.ones(chain.design.shape))
