@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cranktopo.errors import CranktopoError, ExitCode, invalid
-from cranktopo.scene.goal import Goal, Limit
+from cranktopo.scene.goal import Goal, Limit, QuantityName
 from cranktopo.scene.goal.quantities import STIFFNESS_OF
 
 LINEAR = ("mass", "inertia", "unbalance")
-STIFFNESSES = ("torsion", "bending")
+STIFFNESSES: tuple[QuantityName, ...] = ("torsion", "bending")
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.evaluate import warn_missed
-from cranktopo.cli.options import FATIGUE_METHODS, mesh_options
+from cranktopo.cli.options import FATIGUE_METHODS, bound_option, mesh_options
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.formats import PLOTS
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     type=Choice(FATIGUE_METHODS),
     help="Also assess the fatigue safety by this method; see 'cranktopo fatigue --help'.",
 )
+@bound_option
 @mesh_options
 @verbosity_options
 def command(
@@ -60,6 +61,7 @@ def command(
     page: Path | None,
     stress: bool,
     method: FatigueMethod | None,
+    no_bound: bool,
     element_size_mm: float | None,
     accuracy: float | None,
     budget: float | None,
@@ -84,19 +86,20 @@ def command(
         from cranktopo.report.pages.report_file import check_report_path
 
         check_report_path(page)
-    from cranktopo.pipeline.compare import compare_targets, report_comparison
+    from cranktopo.pipeline.compare import compare_targets, comparison_bound, report_comparison
     from cranktopo.pipeline.evaluate import MeshRequest
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
     found = compare_targets(targets, baseline, wanted, method, design, info, align)
     click.echo(_text(found.comparison, "json" if as_json else form))
+    bound = None if no_bound or (plot or page) is None else comparison_bound(found, info)
     if plot is not None:
         from cranktopo.report.figures.scatter import plot_stiffness_over_mass
 
-        plot_stiffness_over_mass(found.comparison, plot)
+        plot_stiffness_over_mass(found.comparison, plot, bound)
         info(f"plot: {plot}")
     if page is not None:
-        report_comparison(found, page, ["cranktopo", *sys.argv[1:]], info if stress else None)
+        report_comparison(found, page, ["cranktopo", *sys.argv[1:]], info if stress else None, bound)
         info(f"report: {page}")
     warn_missed(found.missed, accuracy)
 

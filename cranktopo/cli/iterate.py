@@ -10,7 +10,13 @@ from typing import Any
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, limit_options, refuse_beside_resume
+from cranktopo.cli.options import (
+    DEFAULT_DESIGN,
+    bound_option,
+    limit_options,
+    refuse_beside_resume,
+    with_bound_option,
+)
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.errors import ExitCode
@@ -37,6 +43,7 @@ from cranktopo.errors import ExitCode
 )
 @limit_options
 @click.option("--no-shape", is_flag=True, help="End with the loop: leave the shape optimisation out.")
+@bound_option
 @click.option("--element-size-mm", type=CELL_MM, help="Of the evaluation.")
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
@@ -51,6 +58,7 @@ def command(
     least_transition_mm: float | None,
     element_size_mm: float | None,
     no_shape: bool,
+    no_bound: bool,
     out: Path | None,
     resume: str | None,
     as_json: bool,
@@ -82,6 +90,7 @@ def command(
         scene = load_scene(name)
         scene = loop_scene(scene) if process is None else scene.with_optimise(process=process)
         scene = scene.with_optimise(volume_fraction=volume_fraction, resolution_mm=resolution_mm)
+        scene = with_bound_option(scene, no_bound)
         settings = loop_settings(
             scene,
             steps,

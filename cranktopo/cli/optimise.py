@@ -12,7 +12,14 @@ import click
 
 from cranktopo.cli.completion import designs, runs
 from cranktopo.cli.goal_options import goal_options, with_goal_options
-from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
+from cranktopo.cli.options import (
+    DEFAULT_DESIGN,
+    bound_option,
+    percent,
+    refuse_beside_resume,
+    seconds,
+    with_bound_option,
+)
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice, Number
 from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
 from cranktopo.errors import ExitCode
@@ -66,6 +73,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="With a goal: let the limits hold in the cells, without an evaluation of the surface.",
 )
+@bound_option
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
 @click.option(
@@ -110,6 +118,7 @@ def _scene(
     accuracy: float | None,
     budget: float | None,
     no_evaluation: bool,
+    no_bound: bool,
     **settings: Any,
 ) -> Scene:
     """The design with what the options change; `settings` are named as in `[optimise]`."""
@@ -122,7 +131,7 @@ def _scene(
 
     evaluated = False if no_evaluation else None
     scene = load_scene(name).with_optimise(**settings, limits_by_evaluation=evaluated)
-    scene = with_goal_options(scene, minimise, maximise, limits)
+    scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
     if settings["volume_fraction"] is not None and scene.goal is not None:
         raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
     if no_evaluation and scene.goal is None:

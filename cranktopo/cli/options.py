@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
@@ -10,9 +10,24 @@ from click.core import ParameterSource
 from cranktopo.cli.parameters import CELL_MM, Number
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 
+if TYPE_CHECKING:
+    from cranktopo.scene import Scene
+
 DEFAULT_DESIGN = "mikron-iiic"
 FATIGUE_METHODS = ("lsa", "fkm", "m53")
 _TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
+
+
+bound_option = click.option(
+    "--no-bound", is_flag=True, help="Do not prove how far the result is from the best possible web."
+)
+
+
+def with_bound_option(scene: Scene, no_bound: bool) -> Scene:
+    """The scene without its bound where the option leaves it out."""
+    from cranktopo.effects import switched
+
+    return switched(scene, "bound", "off") if no_bound else scene
 
 
 def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:

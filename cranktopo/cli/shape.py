@@ -11,7 +11,13 @@ import click
 
 from cranktopo.cli.completion import designs_and_runs, runs
 from cranktopo.cli.goal_options import goal_options, with_goal_options
-from cranktopo.cli.options import DEFAULT_DESIGN, limit_options, refuse_beside_resume
+from cranktopo.cli.options import (
+    DEFAULT_DESIGN,
+    bound_option,
+    limit_options,
+    refuse_beside_resume,
+    with_bound_option,
+)
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.errors import ExitCode
 
@@ -20,9 +26,7 @@ from cranktopo.errors import ExitCode
 @click.argument("target", required=False, shell_complete=designs_and_runs)
 @goal_options
 @limit_options
-@click.option(
-    "--no-bound", is_flag=True, help="Do not prove how far the result is from the best possible web."
-)
+@bound_option
 @click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
 @click.option(
     "--resume",
@@ -72,8 +76,8 @@ def command(
         scene, text = found.design, design_text(name) if found.run is None else None
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"
-        scene = with_goal_options(scene, minimise, maximise, limits)
-        settings = shape_settings(scene, usual_limits(scene, **rules), not no_bound)
+        scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
+        settings = shape_settings(scene, usual_limits(scene, **rules))
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, info, found.begun)
     click.echo(json.dumps(run.data) if as_json else shape_summary(run.data, run.folder))

@@ -1,9 +1,9 @@
 """Which physics a scene calls for, and why."""
 
-from cranktopo.effects.cost import Cost, CostRates, Effort, effort
+from cranktopo.effects.cost import Cost, CostRates, Effort, bound_cell_mm, effort
 from cranktopo.effects.effect import Effect, EffectPlan
 from cranktopo.effects.planning import plan, planned_scene
-from cranktopo.effects.simulated import simulated_scene
+from cranktopo.effects.simulated import simulated_scene, switched
 
 __all__ = [
     "Cost",
@@ -11,8 +11,10 @@ __all__ = [
     "Effect",
     "EffectPlan",
     "Effort",
+    "bound_cell_mm",
     "effort",
     "plan",
     "planned_scene",
     "simulated_scene",
+    "switched",
 ]

@@ -11,6 +11,9 @@ from cranktopo.domain.resolution import estimated_cells
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.goal.wanted import judged_by_evaluation
+from cranktopo.scene.scale import usual_scale
+
+_BOUND_CELL_MM = 4.0
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,15 @@ class Cost:
         return ", ".join(parts) if parts else "nothing"
 
 
+def bound_cell_mm(scene: Scene) -> float:
+    """Cells on which the bound beside a result is proven: those of the run, but not below 4 mm.
+
+    Smaller ones move it by less than what a result lacks (docs/pages/bound.md). A throw of unusual size has
+    them in proportion.
+    """
+    return max(scene.optimise.resolution_mm, _BOUND_CELL_MM / usual_scale(scene))
+
+
 @dataclass(frozen=True)
 class CostRates:
     """Rates that turn solves and cells into seconds; measured ones may replace these orders of magnitude.
@@ -53,6 +65,7 @@ class CostRates:
         moves: how often limits are moved until they hold by the evaluation; one to three on the built-in
             engines.
         iterations_per_move: designs until an optimisation has converged again.
+        bound_steps: designs until the searches of a bound beside a result have settled.
         seconds_per_evaluation: a body-fitted evaluation of the default size with its coarser mesh, on two
             cores (docs/pages/accuracy.md).
     """
@@ -62,6 +75,7 @@ class CostRates:
     seconds_per_element: float = 5e-4
     moves: int = 2
     iterations_per_move: int = 10
+    bound_steps: int = 30
     seconds_per_evaluation: float = 10.0
 
 
@@ -126,6 +140,13 @@ class Costing:
         throw = self._scene.throw
         cells = _fillet_elements(throw.main_journal) + _fillet_elements(throw.crankpin)
         return Cost(2.0, cells, 1.2 * cells * self._rates.seconds_per_element)
+
+    def bound(self) -> Cost:
+        """Searches on cells of their own, once for both load cases."""
+        edge = bound_cell_mm(self._scene)
+        cells = round(estimated_cells(self._scene, edge, self._mirrored, _target(self._scene)))
+        solves = 2 * self._rates.bound_steps
+        return Cost(float(solves), cells, cells * self._rates.seconds_per_cell_solve * solves)
 
     def _optimiser_seconds(self, cells: int) -> float:
         solves = self._effort.designs * (self._effort.iterations + self._effort.more_iterations)

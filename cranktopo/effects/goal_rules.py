@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 
+from cranktopo.effects.cost import Cost
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
 from cranktopo.errors import invalid
@@ -33,6 +34,22 @@ def wants_safety(goal: Goal | None) -> str:
     limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]
     users = [f"{goal.sense} {goal.quantity}"] if goal.quantity == "fatigue_safety" else limits
     return f"the goal needs it: {', '.join(users)}" if users else ""
+
+
+def bound(facts: Facts) -> Estimate:
+    """What no web of the envelope can beat: wanted beside every result that it can be told of."""
+    absent = "the scene has no [envelope]" if facts.scene.envelope is None else ""
+    if facts.goal is not None and facts.goal.quantity == "fatigue_safety":
+        absent = "nothing is proven about stress"
+    return Estimate(
+        None,
+        "",
+        "how far a result is from the best possible web",
+        Cost() if absent else facts.costing.bound(),
+        absent=absent,
+        needed="" if absent else "it tells when to stop",
+        impossible=absent,
+    )
 
 
 def check_goal_cases(facts: Facts, goal: Goal, cases: Collection[str]) -> None:

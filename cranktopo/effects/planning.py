@@ -10,7 +10,7 @@ from cranktopo.effects.cost import Costing, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan, Switch
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
-from cranktopo.effects.goal_rules import check_goal_cases
+from cranktopo.effects.goal_rules import bound, check_goal_cases
 from cranktopo.effects.simulated import Feature, simulated_scene
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene import Scene
@@ -31,6 +31,7 @@ _RULES: dict[str, Callable[[Facts], Estimate]] = {
     "lateral_symmetry": structure_rules.lateral_symmetry,
     "manufacturing_constraint": structure_rules.manufacturing_constraint,
     "fatigue": structure_rules.fatigue,
+    "bound": bound,
 }
 LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
 

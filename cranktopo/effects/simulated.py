@@ -30,13 +30,13 @@ def simulated_scene(scene: Scene, plan: EffectPlan, kept: Collection[Feature] = 
         if feature not in plan.enabled and feature not in kept:
             scene = without(scene, feature)
     if "lateral_symmetry" not in plan.enabled:
-        scene = _switched(scene, "lateral_symmetry", "off")
+        scene = switched(scene, "lateral_symmetry", "off")
     if "manufacturing_constraint" in plan.enabled:
-        scene = _switched(scene, "manufacturing_constraint", "on")
+        scene = switched(scene, "manufacturing_constraint", "on")
     return scene
 
 
-def _switched(scene: Scene, effect: str, state: Switch) -> Scene:
+def switched(scene: Scene, effect: str, state: Switch) -> Scene:
     """The scene with one effect switched; the same object when it is so already."""
     if getattr(scene.effects, effect) == state:
         return scene

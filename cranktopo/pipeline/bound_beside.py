@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
-from cranktopo.bound.stage import bound_model, prove
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from cranktopo.bound.curve import stiffest, stiffness_percent
+from cranktopo.bound.stage import Bound, BoundModel, bound_model, prove
+from cranktopo.bound.wanted import STIFFNESSES
+from cranktopo.effects import bound_cell_mm
 from cranktopo.errors import CranktopoError
+from cranktopo.fem.precision import double_precision
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.remodel.dimensions import free_dimensions
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
-from cranktopo.store import Json, Work
+from cranktopo.store import Json
+
+Info = Callable[[str], None]
+_MASSES, _BEYOND = 9, 0.08
+"""Points of a curve over the mass, and how far it goes beyond original and result."""
 
 
-def bound_beside(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> Json:
+def bound_beside(scene: Scene, goal: Goal, cell_mm: float, info: Info) -> Json:
     """What no web of the envelope can beat, however it is made; call inside `double_precision()`.
 
     Returns:
@@ -19,19 +31,63 @@ def bound_beside(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> Json:
     """
     if free_dimensions(scene):
         return {"none": "dimensions of the throw are free, and the bound is about webs between its journals"}
-    work.info(f"bound: what no web of the envelope can beat, on cells of {cell_mm:.3g} mm")
     try:
-        model = bound_model(scene.with_optimise(process="free", draft_deg=0.0), cell_mm, goal)
-        bound = prove(model, goal)
+        model = _model(scene, goal, cell_mm, info)
+        return _entry(model, goal, prove(model, goal))
     except CranktopoError as error:
         return {"none": error.message}
+
+
+def bounds_beside(scene: Scene, reached: Mapping[str, float], goal: Goal | None, info: Info) -> Json:
+    """The same beside a web whose goal may be no more than stiffness: statements, and curves over the mass.
+
+    Args:
+        reached: mass, stiffnesses and the goal's quantity as far as they are known, % of the original's.
+        goal: what was wanted; without one it is the largest of each stiffness at the web's own mass.
+
+    Returns:
+        The entry `bound` of metrics.json; `none` says why there is no bound.
+    """
+    try:
+        with double_precision():
+            return _bounds(scene, reached, goal, info)
+    except CranktopoError as error:
+        return {"none": error.message}
+
+
+def _bounds(scene: Scene, reached: Mapping[str, float], goal: Goal | None, info: Info) -> Json:
+    model, statements, start = _model(scene, goal, bound_cell_mm(scene), info), [], None
+    if goal is not None and goal.quantity in reached:
+        bound = prove(model, goal)
+        statements.append({**_entry(model, goal, bound), "reached_percent": reached[goal.quantity]})
+        start = bound.density
+    mass = reached["mass"]
+    masses = np.linspace((1 - _BEYOND) * min(mass, 100.0), (1 + _BEYOND) * max(mass, 100.0), _MASSES).tolist()
+    curves: Json = {"mass_percent": masses}
+    for name in (name for name in STIFFNESSES if name in reached):
+        wanted = stiffest(name, mass)
+        bound = prove(model, wanted, start=start)
+        start, curves[f"{name}_percent"] = bound.density, stiffness_percent(model, bound, masses)
+        if goal is None:
+            entry = {"at_mass_percent": mass, "reached_percent": reached[name]}
+            statements.append({**_entry(model, wanted, bound), **entry})
+    return {"statements": statements, "stiffest": curves}
+
+
+def _model(scene: Scene, goal: Goal | None, cell_mm: float, info: Info) -> BoundModel:
+    info(f"bound: what no web of the envelope can beat, on cells of {cell_mm:.3g} mm")
+    return bound_model(scene.with_optimise(process="free", draft_deg=0.0), cell_mm, goal)
+
+
+def _entry(model: BoundModel, goal: Goal, bound: Bound) -> Json:
+    grid, scene = model.domain.grid, model.scene
     return {
         "quantity": goal.quantity,
         "value": bound.value,
         "percent_of_original": bound.percent,
         "dropped": [str(limit) for limit, _ in bound.wanted.dropped],
         "model": {
-            "cell_mm": cell_mm,
-            "error_percent": model_error_percent(scene, model.domain.grid.largest_edge_mm),
+            "cell_mm": scene.optimise.resolution_mm,
+            "error_percent": model_error_percent(scene, grid.largest_edge_mm),
         },
     }

@@ -13,16 +13,19 @@ from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.targets import Target, resolve_targets
 from cranktopo.loads import LoadCase, analyse, load_cases
 from cranktopo.meshing.imported_body import half_throw_surface
+from cranktopo.pipeline.bound_beside import bounds_beside
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.evaluated_goal import evaluated_goals
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
 from cranktopo.report.comparison import Comparison, Entry, check_same_supports, compare
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
 from cranktopo.report.pages.report_file import check_report_path, write_report
+from cranktopo.report.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.report.tables.undercut_table import DesignUndercuts
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene
 from cranktopo.scene.scale import usual_scale
+from cranktopo.store import Json
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.surface.undercuts import half_throw_undercuts
 from cranktopo.triangles.shells import shell_volumes_mm3
@@ -78,27 +81,49 @@ def compare_targets(
     return ComparedTargets(comparison, tuple(targets), found.missed)
 
 
+def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Json | None:
+    """What no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
+
+    Returns:
+        As `bound` of metrics.json; None where the baseline is no design with an envelope, the targets have
+        other throws or envelopes, or the design's effects leave the bound out.
+    """
+    comparison, base = found.comparison, found.targets[found.comparison.baseline]
+    scene = base.scene
+    alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in found.targets)
+    if base.file is not None or not alike or plan(scene)["bound"].state == "off":
+        return None
+    best = comparison.leading(TORSION_PER_MASS)
+    reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
+    return bounds_beside(scene, reached, None, info)
+
+
 def report_comparison(
     found: ComparedTargets,
     path: Path,
     command: Sequence[str] = (),
     stress_progress: Info | None = None,
+    bound: Json | None = None,
 ) -> None:
     """Write the page of a comparison as HTML or Markdown.
 
     Args:
         path: .html or .md.
         stress_progress: where given, all targets are solved for the baseline's load cases too.
+        bound: from `comparison_bound`, drawn over the mass.
 
     Raises:
         CranktopoError: a bad path, or a failed solve of the stresses.
     """
     check_report_path(path)
-    write_report(comparison_page(comparison_record(found, command, stress_progress)), path)
+    write_report(comparison_page(comparison_record(found, command, stress_progress, bound)), path)
 
 
 def comparison_record(
-    found: ComparedTargets, command: Sequence[str] = (), stress_progress: Info | None = None
+    found: ComparedTargets,
+    command: Sequence[str] = (),
+    stress_progress: Info | None = None,
+    bound: Json | None = None,
 ) -> ComparisonRecord:
     """Everything that the page of a comparison shows; arguments as `report_comparison`."""
     scene = found.targets[found.comparison.baseline].scene
@@ -116,6 +141,7 @@ def comparison_record(
         command=" ".join(command),
         written=timestamp(),
         versions=versions(),
+        bound=bound,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,14 @@ from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.assess import assess, assess_original
+from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.continuation import with_limit
 from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
+from cranktopo.pipeline.bound_beside import bounds_beside
 from cranktopo.pipeline.evaluated_limits import EvaluatedGoal
 from cranktopo.pipeline.goal_by_evaluation import (
     evaluated_goal,
@@ -55,6 +57,7 @@ from cranktopo.scene.goal.sentence import goal_text
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import (
+    Json,
     KeptWork,
     RunStore,
     Work,
@@ -258,6 +261,10 @@ def _finish(
     if case is not None:
         metrics["goal"] = told_by_evaluation(metrics["goal"], case, state, failure)
         metrics["seconds"]["evaluation"] = evaluation_seconds(case)
+    if prepared.plan["bound"].state == "on":
+        metrics["bound"] = _bound(run, scene, metrics, result, original)
+        now, before = time.perf_counter(), now
+        metrics["seconds"]["bound"] = now - before
     metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)
     designs = snapshots(run, domain, problem.chain)
@@ -268,6 +275,20 @@ def _finish(
     metrics["seconds"] |= {"total": end - began, "report": end - now}
     run.write_metrics(metrics)
     return metrics
+
+
+def _bound(
+    run: RunStore, scene: Scene, metrics: Mapping[str, Any], result: Assessment, original: Assessment
+) -> Json:
+    """What no web of the envelope can beat, beside the result in percent of the original."""
+    if metrics["status"] != "converged":
+        return {"none": "the run has not converged"}
+    own = original.quantities
+    reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
+    goal = wanted(scene)
+    if goal is not None and metrics["goal"]["reached_percent"] is not None:
+        reached[goal.quantity] = metrics["goal"]["reached_percent"]
+    return bounds_beside(scene, reached, goal, run.log)
 
 
 def _surface(prepared: Prepared, design: loop.WebDensities) -> tuple[CheckedSurface | None, str]:

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from cranktopo.cad.solid_files import export_solid, surface_of
+from cranktopo.effects import plan
 from cranktopo.errors import invalid
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.fem.precision import check_device, double_precision
@@ -79,17 +80,11 @@ class ShapedRun:
         return all(limit["holds"] for limit in self.data["goal"]["limits"])
 
 
-def shape_settings(
-    scene: Scene, limits: ManufacturingLimits | None = None, bound: bool = True
-) -> ShapeSettings:
-    """Settings that suit a throw of any size.
-
-    Args:
-        bound: whether the result is told beside what no web of the envelope can beat.
-    """
+def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
+    """Settings that suit a throw of any size."""
     usual, scale = ShapeSettings(), usual_scale(scene)
     kept = limits or usual_limits(scene)
-    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept, bound=bound)
+    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept)
 
 
 def shape_design(
@@ -171,8 +166,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         judge = optimum.judge_seconds
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
         bound = (
-            work.once("bound", lambda: bound_beside(scene, goal, settings.cell_mm, work))
-            if settings.bound
+            work.once("bound", lambda: bound_beside(scene, goal, settings.cell_mm, info))
+            if plan(scene, goal=goal)["bound"].state == "on"
             else None
         )
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())

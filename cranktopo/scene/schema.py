@@ -115,6 +115,8 @@ class Effects(SceneTable):
     """Forging, casting or milling constraint of the density optimisation; needs `optimise.process`."""
     fatigue: EffectState = "auto"
     """Fatigue safety in the plan and in `compare`."""
+    bound: EffectState = "auto"
+    """What no web of the envelope can beat, proven and told beside a result."""
 
 
 class Weights(SceneTable):

@@ -58,7 +58,6 @@ class ShapeSettings:
         mesh_mm: elements on which trials are judged and gradients taken.
         rounds: most finishes, each followed by an evaluation.
         element_size_mm: of the evaluation; by default that of `evaluate`.
-        bound: whether the result is told beside what no web of the envelope can beat.
     """
 
     cell_mm: float = 4.0
@@ -66,7 +65,6 @@ class ShapeSettings:
     rounds: int = 4
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
-    bound: bool = True
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,7 +19,8 @@ from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.report.comparison import Entry, compare
 from cranktopo.report.quantities import SAFETY, TORSION
 from cranktopo.report.tables.fatigue_tables import FatigueComparison
-from cranktopo.scene.loading import designs_folder
+from cranktopo.scene import Scene
+from cranktopo.scene.loading import design_text, designs_folder
 
 NAMES = ["opposed-piston", "opposed-piston-casting"]
 
@@ -40,6 +42,38 @@ def evaluated(name: str, torsion: float, error: float) -> Evaluation:
 @pytest.fixture(autouse=True)
 def _without_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cranktopo.pipeline.evaluate.evaluate", invented)
+    monkeypatch.setattr("cranktopo.pipeline.compare.bounds_beside", lambda *_: None)
+
+
+def test_what_no_web_can_beat(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the leading web at its mass, as a curve in the plots; not asked for where it is switched off."""
+    asked: list[dict[str, float]] = []
+
+    def bounds(scene: Scene, reached: dict[str, float], *_: object) -> dict[str, Any]:
+        asked.append(reached)
+        entry = {"quantity": "torsion", "value": 1.0, "percent_of_original": 108.0, "dropped": []}
+        told = {"reached_percent": reached["torsion"], "at_mass_percent": 75.0, "model": {"cell_mm": 4.0}}
+        curves = {"mass_percent": [70.0, 100.0], "torsion_percent": [None, 115.0]}
+        return {"statements": [entry | told], "stiffest": curves}
+
+    monkeypatch.setattr("cranktopo.pipeline.compare.bounds_beside", bounds)
+    path = tmp_path / "page.html"
+    command = ["compare", NAMES[0], str(copied(NAMES[0], tmp_path)), "--baseline", NAMES[0], "--quiet"]
+    assert main([*command, "--report", str(path), "--plot", str(tmp_path / "plot.png")]) == 0
+    assert len(asked) == 1
+    assert set(asked[0]) == {"mass", "torsion", "bending"}
+    assert "of at most +8.0 % at this mass" in path.read_text(encoding="utf-8")
+    assert main([*command, "--report", str(path), "--no-bound"]) == 0
+    assert len(asked) == 1
+    assert "of at most" not in path.read_text(encoding="utf-8")
+
+
+def copied(name: str, folder: Path) -> Path:
+    """The same design under another name."""
+    text = design_text(name)
+    path = folder / "copy.toml"
+    path.write_text(re.sub("^name = .*$", 'name = "copy"', text, count=1, flags=re.M), encoding="utf-8")
+    return path
 
 
 def test_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

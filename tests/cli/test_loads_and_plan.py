@@ -162,4 +162,4 @@ def test_plan_json(capsys):
     code, out, _ = run(capsys, "plan", "--json")
     payload = json.loads(out)
     assert code == 0
-    assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (1, "mikron-iiic", 12)
+    assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (1, "mikron-iiic", 13)

@@ -28,7 +28,7 @@ from cranktopo.scene import Scene
 from cranktopo.store import load_checkpoint
 
 COARSE = ["--resolution-mm", "4.5"]
-SHORT = ["optimise", "--volume-fraction", "0.3", *COARSE, "--max-iterations", "12"]
+SHORT = ["optimise", "--volume-fraction", "0.3", *COARSE, "--max-iterations", "12", "--no-bound"]
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +93,29 @@ def test_mass_and_stiffness_beat_the_original_web(metrics: dict[str, Any]) -> No
     gain = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
     assert gain["bending"] > 5.0
     assert gain["torsion"] > 5.0
+
+
+def test_the_result_beside_its_bound(metrics: dict[str, Any]) -> None:
+    """Of each stiffness at the run's own mass, and above it along the whole curve."""
+    bound, original = metrics["bound"], metrics["original_web"]
+    mass = 100 * metrics["mass_kg"]["throw"] / original["mass_kg"]["throw"]
+    assert [entry["quantity"] for entry in bound["statements"]] == ["torsion", "bending"]
+    for entry in bound["statements"]:
+        name = entry["quantity"]
+        key = next(key for key in metrics["load_cases"][name] if key.startswith("stiffness"))
+        own, before = (cases["load_cases"][name][key] for cases in (metrics, original))
+        assert entry["at_mass_percent"] == pytest.approx(mass, abs=0.01)
+        assert entry["reached_percent"] == pytest.approx(100 * own / before)
+        assert 100 < entry["reached_percent"] < entry["percent_of_original"] < 130
+        curve = bound["stiffest"][f"{name}_percent"]
+        assert curve == sorted(curve)
+        at_mass = np.interp(mass, bound["stiffest"]["mass_percent"], curve)
+        assert at_mass == pytest.approx(entry["percent_of_original"], rel=1e-3)
+        assert np.interp(100.0, bound["stiffest"]["mass_percent"], curve) > 100.0
+
+
+def test_a_run_without_its_bound(short: Path) -> None:
+    assert "bound" not in json.loads((short / "metrics.json").read_text())
 
 
 def test_surface_is_a_solid_of_the_design_s_mass(run: Path, metrics: dict[str, Any]) -> None:

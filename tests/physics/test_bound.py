@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cranktopo.bound.curve import stiffest, stiffness_percent
 from cranktopo.bound.energies import energies
 from cranktopo.bound.proof import Plane, best_proof, plane_of
 from cranktopo.bound.sizing import next_densities
 from cranktopo.bound.stage import Bound, BoundModel, bound_model, prove
-from cranktopo.bound.wanted import Ceiling
+from cranktopo.bound.wanted import STIFFNESSES, Ceiling
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import solve
 from cranktopo.optimise.material import CONTRAST
@@ -114,6 +115,17 @@ def test_stiffness_at_a_mass_and_per_mass(mikron: Scene, model: BoundModel, made
                 assert own["torsion_per_mass"] / (web[case] * web[2]) <= per_mass.value
     assert own["torsion"] < torsion.reached < torsion.value < 1.03 * torsion.reached
     assert own["torsion_per_mass"] < per_mass.reached < per_mass.value < 1.04 * per_mass.reached
+
+
+def test_no_web_is_above_the_curve_over_the_mass(mikron: Scene, model: BoundModel, made: list[Array]) -> None:
+    """From the displacements of one bound, at every other mass."""
+    for name in STIFFNESSES:
+        bound, case = prove(model, stiffest(name, 95.0)), model.model.case_names.index(name)
+        percent = [100 * web[2] for web in made]
+        for web, most in zip(made, stiffness_percent(model, bound, percent), strict=True):
+            assert most is not None
+            assert 100 / web[case] <= most
+        assert stiffness_percent(model, bound, [1.0, 95.0]) == [None, pytest.approx(bound.percent, rel=1e-3)]
 
 
 def test_what_no_web_reaches_is_refuted(mikron: Scene, model: BoundModel) -> None:

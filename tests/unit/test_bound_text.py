@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from cranktopo.report.figures.bound_scale import bound_picture
-from cranktopo.report.tables.bound_text import bound_line, bound_table
+from cranktopo.report.pages.bound_section import bound_sections
+from cranktopo.report.tables.bound_text import bound_lines, bound_table
 
-BOUND = {"quantity": "mass", "value": 1.29, "percent_of_original": 81.4, "model": {"cell_mm": 3.0}}
-
-
-def data(bound: Any) -> dict[str, Any]:
-    return {"goal": {"minimise": "mass", "reached_percent": 89.3}, "bound": bound}
+BOUND = {
+    "quantity": "mass",
+    "value": 1.29,
+    "percent_of_original": 81.4,
+    "reached_percent": 89.3,
+    "model": {"cell_mm": 3.0},
+}
+AT_MASS = {**BOUND, "quantity": "torsion", "percent_of_original": 120.0, "at_mass_percent": 90.0}
 
 
 def test_a_result_beside_its_bound() -> None:
-    told = data(BOUND)
-    assert bound_line(told).startswith(
-        "mass -10.7 % of at most -18.6 %, which no web of the envelope can beat"
-    )
-    assert [(row["web"], row["percent"]) for row in bound_table(told).rows] == [
+    (line,) = bound_lines({"bound": BOUND})
+    assert line.startswith("mass -10.7 % of at most -18.6 %, which no web of the envelope can beat")
+    assert [(row["web"], row["percent"]) for row in bound_table(BOUND).rows] == [
         ("original", 100.0),
         ("result", 89.3),
         ("bound", 81.4),
     ]
-    assert "result 89.3 %, bound 81.4 %" in bound_picture(bound_table(told)).alt
+    assert "result 89.3 %, bound 81.4 %" in bound_picture(bound_table(BOUND), "mass").alt
+
+
+def test_each_statement_is_told() -> None:
+    data = {"bound": {"statements": [BOUND, AT_MASS, {**BOUND, "reached_percent": None}]}}
+    mass, torsion = bound_lines(data)
+    assert mass.startswith("mass -10.7 %")
+    assert torsion.startswith("torsional stiffness -10.7 % of at most +20.0 % at this mass, which no web")
+    (section,) = bound_sections(data, "cells")
+    assert [picture.name for picture in section.pictures] == ["bound-mass", "bound-torsion"]
 
 
 def test_where_there_is_no_bound() -> None:
-    assert bound_line(data(None)) == ""
-    assert bound_line(data({"none": "dimensions of the throw are free"})).startswith("no bound: dimensions")
-    assert "no web of the envelope keeps" in bound_line(data({**BOUND, "value": None}))
+    assert bound_lines({"bound": None}) == bound_lines({}) == []
+    assert bound_lines({"bound": {"none": "dimensions are free"}}) == ["no bound: dimensions are free"]
+    (line,) = bound_lines({"bound": {**BOUND, "value": None}})
+    assert "no web of the envelope keeps" in line

@@ -38,7 +38,7 @@ def test_bending_and_torsion_are_on(scene):
 
 def test_default_scene():
     on = {"bending", "torsion", "reciprocating_inertia", "rotating_rod_mass"}
-    on |= {"bores", "lateral_symmetry", "manufacturing_constraint", "fillets", "fatigue"}
+    on |= {"bores", "lateral_symmetry", "manufacturing_constraint", "fillets", "fatigue", "bound"}
     assert plan(MIKRON).enabled == on | {"tangential"}
     built_in = load_scene("mikron-iiic")
     assert plan(built_in).enabled == on

@@ -5,7 +5,14 @@ from __future__ import annotations
 import pytest
 from matplotlib.figure import Figure
 
-from cranktopo.report.figures.scatter import Point, draw_stiffness_over_mass, equal_ratio_factors
+from cranktopo.report.figures.scatter import (
+    LABELS,
+    Point,
+    draw_stiffness_over_mass,
+    equal_ratio_factors,
+    most_by_label,
+)
+from cranktopo.report.quantities import TORSION
 
 
 @pytest.mark.parametrize(
@@ -28,6 +35,19 @@ def test_every_point_is_between_two_lines(ratios: list[float]) -> None:
     assert lines[0] < min(ratios) or lines[0] == pytest.approx(step)  # then the line below it is the axis
     assert max(ratios) < lines[-1] < max(ratios) + 1.001 * step
     assert any(line == pytest.approx(1.0) for line in lines) or max(ratios) > 10
+
+
+def test_the_curve_of_a_bound_is_that_of_the_original() -> None:
+    label = LABELS[TORSION]
+    bound = {"stiffest": {"mass_percent": [40.0, 90.0, 110.0], "torsion_percent": [None, 105.0, 125.0]}}
+    most = most_by_label(bound, {label: Point("original", 2.0, 100.0)})
+    assert list(most) == [label]
+    assert most[label].mass_kg == pytest.approx((1.8, 2.2))
+    assert most[label].stiffness == pytest.approx((105.0, 125.0))
+    axes = Figure().add_subplot()
+    draw_stiffness_over_mass(axes, [Point("original", 2.0, 100.0)], 0, label, most[label])
+    assert axes.lines[-1].get_ydata()[1] == pytest.approx(125.0)
+    assert most_by_label(None, {}) == most_by_label({"none": "no envelope"}, {}) == {}
 
 
 def test_a_point_at_160_percent_has_a_line_above_it() -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cranktopo.cad.volume import web_volume_mm3
-from cranktopo.effects import planned_scene
+from cranktopo.effects import plan, planned_scene, switched
 from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Evaluation, Info, evaluate
@@ -16,6 +16,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import read_half_throw
 from cranktopo.optimise import stage
 from cranktopo.optimise.notices import baseline_notice
+from cranktopo.pipeline.bound_beside import bounds_beside
 from cranktopo.pipeline.iterate.outcome import Outcome
 from cranktopo.pipeline.iterate.settings import Settings, loop_settings
 from cranktopo.pipeline.iterate.shape_step import shape_scene, shape_step
@@ -34,7 +35,7 @@ from cranktopo.report.pages.iterate_page import iterate_page
 from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.tables.result_table import comma_separated
 from cranktopo.report.tables.run_text import LOOP_FILES
-from cranktopo.report.tables.steps_table import shape_line, steps_table
+from cranktopo.report.tables.steps_table import best_row, shape_line, steps_table
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.assumed import assumptions, stored_assumptions
@@ -45,6 +46,7 @@ from cranktopo.store import (
     LOOP,
     RESULT_FILES,
     SHAPE,
+    Json,
     RunStore,
     check_destination,
     open_run,
@@ -133,6 +135,8 @@ def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume:
         if settings.shape:
             check()
             outcome = _handed_over(run, scene, outcome, info)
+        outcome = replace(outcome, bound=_bound(_without_goal(scene), outcome, info))
+        _write_page(run, outcome)
         data = outcome.as_json()
         write_json(run.path / RESULT_FILES[LOOP], data)
         write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(data["steps"])) + "\n")
@@ -151,8 +155,15 @@ def _handed_over(run: RunStore, scene: Scene, outcome: Outcome, info: Info) -> O
     line = shape_line(outcome.as_json())
     info(line)
     run.log(line)
-    _write_page(run, outcome)
     return outcome
+
+
+def _bound(scene: Scene, outcome: Outcome, info: Info) -> Json | None:
+    """What no web of the envelope can beat, beside the best web of the loop."""
+    best = best_row(outcome.as_json())
+    if best is None or plan(scene)["bound"].state == "off":
+        return None
+    return bounds_beside(scene, best["percent_of_original"], None, info)
 
 
 def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Callable[[], None]) -> Outcome:
@@ -286,7 +297,7 @@ def _bounded(folder: Path, number: int, scenes: Sequence[Scene], settings: Setti
         envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
         scene = scene.model_copy(update={"envelope": envelope})
     fraction = min(target / volume, MOST_KEPT)
-    return scene.with_optimise(volume_fraction=fraction), fraction
+    return switched(scene, "bound", "off").with_optimise(volume_fraction=fraction), fraction
 
 
 def _envelope_mm3(scene: Scene) -> float:

@@ -10,7 +10,7 @@ from cranktopo.pipeline.iterate.settings import Settings
 from cranktopo.pipeline.iterate.shape_step import ShapeStep
 from cranktopo.pipeline.iterate.step import LoopStep
 from cranktopo.scene.assumed import Assumption, assumed_json
-from cranktopo.store import SHAPE
+from cranktopo.store import SHAPE, Json
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,7 @@ class Outcome:
         lost: why the last step has no result; empty where every step has.
         assumed: what the design does not say and is assumed.
         shaped: the shape optimisation that the loop handed over to, once it has ended.
+        bound: what no web of the envelope can beat, beside the best web, once it is proven.
     """
 
     folder: Path
@@ -37,6 +38,7 @@ class Outcome:
     lost: str = ""
     assumed: tuple[Assumption, ...] = ()
     shaped: ShapeStep | None = None
+    bound: Json | None = None
 
     @property
     def rows(self) -> tuple[LoopStep, ...]:
@@ -59,6 +61,7 @@ class Outcome:
             "assumed": assumed_json(self.assumed),
             "steps": [{"name": self._name(step), **step.as_json(original)} for step in self.rows],
             "shape": None if self.shaped is None else self.shaped.as_json(),
+            "bound": self.bound,
         }
 
     def _name(self, step: LoopStep) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from cranktopo.report.figures.plot import Picture, picture
 from cranktopo.report.tables.result_table import ResultTable
+from cranktopo.scene.goal import QUANTITIES, QuantityName
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -13,21 +14,22 @@ if TYPE_CHECKING:
 _COLOURS = {"original": "0.6", "result": "C0", "bound": "C3"}
 
 
-def bound_picture(table: ResultTable) -> Picture:
+def bound_picture(table: ResultTable, quantity: QuantityName) -> Picture:
     """Bars of the webs of a table with columns `web` and `percent`."""
     told = ", ".join(f"{name} {percent:.1f} %" for name, percent in _rows(table))
-    return picture("bound", f"Of the original: {told}", _draw, table)
+    name = QUANTITIES[quantity].label
+    return picture(f"bound-{quantity}", f"{name} of the original: {told}", _draw, table, name)
 
 
 def _rows(table: ResultTable) -> list[tuple[str, float]]:
     return [(str(row["web"]), float(row["percent"] or 0.0)) for row in table.rows]
 
 
-def _draw(axes: Axes, table: ResultTable) -> None:
+def _draw(axes: Axes, table: ResultTable, name: str) -> None:
     rows = _rows(table)
     for name, percent in reversed(rows):
         bar = axes.barh(name, percent, color=_COLOURS.get(name))
         axes.bar_label(bar, [name], label_type="center", color="white")
         axes.bar_label(bar, [f"{percent - 100:+.1f} %"], padding=3)
     axes.set_yticks([])
-    axes.set(xlabel="% of the original", xlim=(0, 1.25 * max(percent for _, percent in rows)))
+    axes.set(xlabel=f"{name}, % of the original", xlim=(0, 1.25 * max(percent for _, percent in rows)))

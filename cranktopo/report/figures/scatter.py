@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count, cycle
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cranktopo.formats import PLOTS
 from cranktopo.report.comparison import Comparison
@@ -33,11 +33,22 @@ class Point:
     stiffness: float
 
 
-def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
+@dataclass(frozen=True)
+class Most:
+    """What no web of the envelope can beat, over the mass; the stiffness in the unit of the axis."""
+
+    mass_kg: tuple[float, ...]
+    stiffness: tuple[float, ...]
+
+
+def plot_stiffness_over_mass(
+    comparison: Comparison, path: Path, bound: Mapping[str, Any] | None = None
+) -> None:
     """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
 
     Args:
         path: .png, .svg or .pdf; replaced only when the plot is complete.
+        bound: whose curves are drawn, where there is one; the baseline is then the original.
 
     Raises:
         CranktopoError: another suffix, no such folder, or the file cannot be written.
@@ -48,30 +59,65 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path) -> None:
 
     figure = Figure(figsize=(11, 4.8), layout="constrained")
     FigureCanvasAgg(figure)
-    for axes, (label, points) in zip(figure.subplots(1, 2), scatter_points(comparison).items(), strict=True):
-        draw_stiffness_over_mass(axes, points, comparison.baseline, label)
+    plots = scatter_points(comparison)
+    most = most_by_label(bound, {label: points[comparison.baseline] for label, points in plots.items()})
+    for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
+        draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=130)
 
 
-def draw_stiffness_over_mass(axes: Axes, points: Sequence[Point], baseline: int, label: str) -> None:
+def draw_stiffness_over_mass(
+    axes: Axes, points: Sequence[Point], baseline: int, label: str, most: Most | None = None
+) -> None:
     """Draw stiffness over mass with lines of equal stiffness per mass.
 
     Args:
         baseline: number of the point that counts as 100 %.
+        most: drawn above the points where it is known.
     """
     masses = [point.mass_kg for point in points]
     stiffness = [point.stiffness for point in points]
     x_range = 0.92 * min(masses), 1.08 * max(masses)
-    y_range = 0.88 * min(stiffness), 1.12 * max(stiffness)
+    y_range = 0.88 * min(stiffness), 1.12 * max([*stiffness, *_at(most, masses)])
     axes.set(xlim=x_range, ylim=y_range, xlabel="mass of the throw, kg", ylabel=label)
     ratio = stiffness[baseline] / masses[baseline]
     for factor in equal_ratio_factors([s / m / ratio for s, m in zip(stiffness, masses, strict=True)]):
         _equal_ratio(axes, factor, factor * ratio, x_range, y_range[1])
     for point, marker in zip(points, cycle(_MARKERS), strict=False):
         axes.scatter([point.mass_kg], [point.stiffness], marker=marker, label=point.name, zorder=2)
+    if most is not None:
+        axes.plot(most.mass_kg, most.stiffness, color="C3", label="no web of the envelope is above")
     axes.legend(fontsize=8, loc="lower right")
     axes.set_title(f"dashed: equal stiffness per mass, % of {points[baseline].name}", fontsize=9)
+
+
+def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
+    """What a curve says within the range of the masses."""
+    if most is None:
+        return []
+    pairs = zip(most.mass_kg, most.stiffness, strict=True)
+    return [stiffness for mass, stiffness in pairs if min(masses) <= mass <= max(masses)]
+
+
+def most_by_label(bound: Mapping[str, Any] | None, baseline: Mapping[str, Point]) -> dict[str, Most]:
+    """The curves of a bound by the label of their stiffness.
+
+    Args:
+        bound: as metrics.json holds it; None where there is none.
+        baseline: the original in each plot.
+    """
+    curves, found = (bound or {}).get("stiffest", {}), {}
+    for stiffness, label in LABELS.items():
+        if label in baseline and f"{stiffness.key}_percent" in curves:
+            own, most = baseline[label], curves[f"{stiffness.key}_percent"]
+            pairs = [(m, s) for m, s in zip(curves["mass_percent"], most, strict=True) if s is not None]
+            masses, values = (tuple(row) for row in zip(*pairs, strict=True)) if pairs else ((), ())
+            found[label] = Most(
+                tuple(own.mass_kg * mass / 100 for mass in masses),
+                tuple(own.stiffness * value / 100 for value in values),
+            )
+    return found
 
 
 def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:

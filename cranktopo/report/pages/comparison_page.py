@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from cranktopo.effects import EffectPlan
 from cranktopo.loads import LoadAnalysis, LoadCase
 from cranktopo.report.comparison import Comparison
 from cranktopo.report.figures.accuracy_plot import error_picture
 from cranktopo.report.figures.scatter import scatter_points
+from cranktopo.report.pages.bound_section import bound_sections
 from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import (
     assumed_tables,
@@ -58,6 +60,7 @@ class ComparisonRecord:
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
         written: when, ISO 8601.
+        bound: beside the entry that is stiffest in torsion per mass, as `bound` of metrics.json.
     """
 
     comparison: Comparison
@@ -70,6 +73,7 @@ class ComparisonRecord:
     command: str
     written: str
     versions: Mapping[str, str | None]
+    bound: Mapping[str, Any] | None = None
 
 
 def comparison_page(record: ComparisonRecord) -> Page:
@@ -78,6 +82,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
     best = comparison.leading(TORSION_PER_MASS)
     scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed), first=best) if bodies else None
+    leader = comparison.entries[best].name
     others = [e.name for row, e in enumerate(comparison.entries) if row != comparison.baseline]
     return Page(
         title=f"{', '.join(others)} against {comparison.base.name}",
@@ -85,7 +90,10 @@ def comparison_page(record: ComparisonRecord) -> Page:
         headline=_headline(comparison),
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(comparison.entries))),
         sections=(
-            _variants(comparison, record.undercuts),
+            _variants(comparison, record.undercuts, record.bound),
+            *bound_sections(
+                {"bound": record.bound}, f"{comparison.base.name} and {leader} in the body-fitted evaluation"
+            ),
             *_goals(comparison),
             _accuracy(comparison),
             stress_section(scene3d, f"{record.command} --stress"),
@@ -148,7 +156,9 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     return Fact(label, comparison.entries[row].name, note, status)
 
 
-def _variants(comparison: Comparison, undercuts: Sequence[DesignUndercuts]) -> Section:
+def _variants(
+    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: Mapping[str, Any] | None
+) -> Section:
     tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
     published = published_table(comparison)
     if published is not None:
@@ -161,7 +171,7 @@ def _variants(comparison: Comparison, undercuts: Sequence[DesignUndercuts]) -> S
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design." + _safety(comparison),
         tuple(tables),
-        scatter_pictures(scatter_points(comparison), comparison.baseline),
+        scatter_pictures(scatter_points(comparison), comparison.baseline, bound),
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from cranktopo.report.figures.plot import Picture
 from cranktopo.report.figures.steps_plot import steps_figure
+from cranktopo.report.pages.bound_section import bound_sections
 from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import (
     assumed_tables,
@@ -49,7 +50,12 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: t
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
         headline=_headline(data),
         facts=(*_facts(data), Fact("Ended", f"{_done(data)} steps", data["stop_reason"], "neutral")),
-        sections=(_steps(data), _provenance(data, manifest), versions_section(manifest["versions"])),
+        sections=(
+            _steps(data),
+            *bound_sections(data, "the body-fitted evaluation"),
+            _provenance(data, manifest),
+            versions_section(manifest["versions"]),
+        ),
         scene3d=Scene3D(bodies, first=_shown_step(data)),
         picture=gallery_picture(bodies),
     )

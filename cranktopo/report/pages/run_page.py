@@ -11,6 +11,7 @@ from cranktopo.report.figures.picture import views_figure
 from cranktopo.report.figures.plot import Picture, picture
 from cranktopo.report.figures.scatter import LABELS, Point
 from cranktopo.report.pages.accuracy_section import accuracy_section
+from cranktopo.report.pages.bound_section import bound_sections
 from cranktopo.report.pages.page import Page, Section
 from cranktopo.report.pages.remodel_page import remodel_section
 from cranktopo.report.pages.sections import (
@@ -54,6 +55,7 @@ def run_page(record: RunRecord) -> Page:
         facts=facts(record),
         sections=(
             *_goal(metrics),
+            *bound_sections(metrics, "the optimiser's own cells"),
             _variants(metrics),
             _convergence(record),
             loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
@@ -110,7 +112,7 @@ def _variants(metrics: Mapping[str, Any]) -> Section:
                 ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
             ),
         ),
-        scatter_pictures(points, 0),
+        scatter_pictures(points, 0, metrics.get("bound")),
     )
 
 

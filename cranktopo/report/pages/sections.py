@@ -9,7 +9,7 @@ from cranktopo.loads import LoadAnalysis
 from cranktopo.report.figures.loads_plot import PANELS
 from cranktopo.report.figures.picture import gallery_figure
 from cranktopo.report.figures.plot import Picture, picture
-from cranktopo.report.figures.scatter import Point, draw_stiffness_over_mass
+from cranktopo.report.figures.scatter import Point, draw_stiffness_over_mass, most_by_label
 from cranktopo.report.pages.page import Section
 from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
 from cranktopo.report.viewer.scene3d import ShownBody
@@ -62,11 +62,26 @@ def effects_section(effects: Sequence[Mapping[str, Any]]) -> Section:
     )
 
 
-def scatter_pictures(points: Mapping[str, Sequence[Point]], baseline: int) -> tuple[Picture, ...]:
-    """Stiffness over mass, one plot per stiffness; points by its label, `baseline` the one of 100 %."""
+def scatter_pictures(
+    points: Mapping[str, Sequence[Point]], baseline: int, bound: Mapping[str, Any] | None = None
+) -> tuple[Picture, ...]:
+    """Stiffness over mass, one plot per stiffness.
+
+    Args:
+        points: by the label of the stiffness.
+        baseline: number of the point that counts as 100 %.
+        bound: whose curves are drawn, where there is one; the baseline is then the original.
+    """
+    most = most_by_label(bound, {label: row[baseline] for label, row in points.items()})
     return tuple(
         picture(
-            f"scatter-{label.split()[0]}", _words(label, row), draw_stiffness_over_mass, row, baseline, label
+            f"scatter-{label.split()[0]}",
+            _words(label, row),
+            draw_stiffness_over_mass,
+            row,
+            baseline,
+            label,
+            most.get(label),
         )
         for label, row in points.items()
     )

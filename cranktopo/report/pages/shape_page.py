@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.report.figures.bound_scale import bound_picture
 from cranktopo.report.figures.plot import picture
 from cranktopo.report.figures.rounds_plot import draw_goal, draw_worst_limit
+from cranktopo.report.pages.bound_section import bound_sections
 from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import (
     assumed_tables,
@@ -17,7 +17,6 @@ from cranktopo.report.pages.sections import (
     versions_section,
 )
 from cranktopo.report.quantities import Quantity
-from cranktopo.report.tables.bound_text import bound_line, bound_table
 from cranktopo.report.tables.goal_table import limits_table
 from cranktopo.report.tables.price_words import prices_doubt, prices_table
 from cranktopo.report.tables.shape_tables import (
@@ -45,7 +44,7 @@ def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tup
         facts=tuple(_fact(data, QUANTITIES_TOLD[key], key) for key in named_first(data)),
         sections=(
             _wanted(data),
-            *_bound(data),
+            *bound_sections(data, "the body-fitted evaluation"),
             _dimensions(data),
             _search(data),
             _provenance(data, manifest),
@@ -79,24 +78,6 @@ def _wanted(data: Mapping[str, Any]) -> Section:
             ("Original and result, fillets included", changes_table(data)),
             ("Limits, by the body-fitted evaluation", limits_table(goal)),
             ("What limits, rules and bounds cost", prices_table(data)),
-        ),
-    )
-
-
-def _bound(data: Mapping[str, Any]) -> tuple[Section, ...]:
-    """How far it is from the best possible web, where that was asked for."""
-    line = bound_line(data)
-    if not line:
-        return ()
-    known = "none" not in data["bound"] and data["bound"]["value"] is not None
-    return (
-        Section(
-            "bound",
-            "How far from the best possible web",
-            f"{line[:1].upper()}{line[1:]}. Original and result are those of the body-fitted evaluation; the "
-            "bound is a change against the original in the cells of the density optimisation.",
-            tables=(("In percent of the original", bound_table(data)),) if known else (),
-            pictures=(bound_picture(bound_table(data)),) if known else (),
         ),
     )
 

@@ -40,37 +40,51 @@ def bound_summary(data: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def bound_line(data: Mapping[str, Any]) -> str:
-    """How far the result of a search is from the best possible web; empty where that is not known.
+def bound_lines(data: Mapping[str, Any]) -> list[str]:
+    """How far a result is from the best possible web, a line for each statement.
 
     Args:
-        data: with `goal` and `bound` as shape.json holds them.
+        data: with `bound` as shape.json, metrics.json or iterate.json holds it.
     """
-    bound, reached = data.get("bound"), data["goal"]["reached_percent"]
-    if not bound or reached is None:
-        return ""
+    return [statement_line(entry) for entry in statements(data)]
+
+
+def statements(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The bounds beside a result, none where they were not asked for.
+
+    Args:
+        data: with `bound` as shape.json, metrics.json or iterate.json holds it.
+    """
+    bound = data.get("bound") or {"statements": []}
+    found = bound.get("statements", [bound])
+    return [entry for entry in found if "none" in entry or entry["reached_percent"] is not None]
+
+
+def statement_line(bound: Mapping[str, Any]) -> str:
+    """How far a result is from what no web can beat in one quantity."""
     if "none" in bound:
         return f"no bound: {bound['none']}"
+    reached = bound["reached_percent"]
     if bound["value"] is None:
         return "bound: no web of the envelope keeps these limits in the cells of the bound"
     name, most = QUANTITIES[bound["quantity"]].label, bound["percent_of_original"] - 100
-    cell = bound["model"]["cell_mm"]
+    cell, at = bound["model"]["cell_mm"], " at this mass" if "at_mass_percent" in bound else ""
     return (
-        f"{name} {reached - 100:+.1f} % of at most {most:+.1f} %, which no web of the envelope can beat, "
+        f"{name} {reached - 100:+.1f} % of at most {most:+.1f} %{at}, which no web of the envelope can beat, "
         f"however it is made (proven on cells of {cell:.3g} mm)"
     )
 
 
-def bound_table(data: Mapping[str, Any]) -> ResultTable:
+def bound_table(bound: Mapping[str, Any]) -> ResultTable:
     """Original, result and bound on one scale, in percent of the original.
 
     Args:
-        data: as for `bound_line`, with a bound.
+        bound: a statement that has one.
     """
     rows = (
         ("original", 100.0),
-        ("result", data["goal"]["reached_percent"]),
-        ("bound", data["bound"]["percent_of_original"]),
+        ("result", bound["reached_percent"]),
+        ("bound", bound["percent_of_original"]),
     )
     return ResultTable({"web": 0, "percent": 1}, tuple({"web": web, "percent": value} for web, value in rows))
 

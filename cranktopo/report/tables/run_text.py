@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from cranktopo.report.tables.bound_text import bound_lines
 from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table, unjudged_line
 from cranktopo.report.tables.length_text import length_lines
 from cranktopo.report.tables.result_table import terminal
@@ -41,6 +42,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
         masses = f"{now:14.3f}{before:14.3f}{percent_change(now, before):+10.1f} %"
         lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
     lines += _goal_lines(metrics)
+    lines += ["", *bound_lines(metrics)] if bound_lines(metrics) else []
     seconds = metrics["seconds"]
     report = f", report {seconds['report']:.1f} s" if "report" in seconds else ""
     lines += [
@@ -63,6 +65,7 @@ def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
     for caption, table in steps_tables(data["steps"]):
         lines += [caption, terminal(table), ""]
     lines.append(steps_estimate(data["steps"]))
+    lines += bound_lines(data)
     lines += [f"ended: {data['stop_reason']}", *filter(None, [shape_line(data)]), best_line(data)]
     lines += [f"note: {notice}" for notice in data.get("notices", ())]
     best = best_row(data)

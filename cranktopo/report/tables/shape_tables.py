@@ -17,7 +17,7 @@ from cranktopo.report.quantities import (
     UNBALANCE,
     Quantity,
 )
-from cranktopo.report.tables.bound_text import bound_line
+from cranktopo.report.tables.bound_text import bound_lines
 from cranktopo.report.tables.goal_table import broken_limits, limits_table
 from cranktopo.report.tables.price_words import price_sentences
 from cranktopo.report.tables.result_table import ResultTable, terminal
@@ -126,7 +126,7 @@ def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
     lines = [
         shape_headline(data),
         data["stop_reason"],
-        *([bound_line(data)] if bound_line(data) else []),
+        *bound_lines(data),
         "",
         terminal(changes_table(data)),
         "",
