@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -14,17 +15,24 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode
 
 _TRIANGLE = 2
+_ALONE = threading.RLock()
+"""gmsh keeps one state for the whole process."""
 
 
 @contextmanager
 def cad_session(what: str) -> Iterator[Any]:
     """A fresh gmsh model, yielding the gmsh module; everything in it is gone afterwards.
 
-    Single-threaded, so that the same input gives the same mesh.
+    Single-threaded, so that the same input gives the same mesh; sessions of other threads wait.
 
     Raises:
         CranktopoError: gmsh or a library of it is missing, or gmsh failed inside the block.
     """
+    with _ALONE:
+        yield from _session(what)
+
+
+def _session(what: str) -> Iterator[Any]:
     gmsh = _gmsh()
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:

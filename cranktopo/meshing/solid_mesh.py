@@ -16,7 +16,8 @@ from cranktopo.cad.throw_solid import (
     add_half_throw,
     solid_properties,
 )
-from cranktopo.cad.web_solid import DimTags, add_web
+from cranktopo.cad.volume import web_volume_mm3
+from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.meshing.curving import straighten_folded
 from cranktopo.scene import Scene
@@ -108,9 +109,6 @@ def _mesh_throw(
 ) -> MeshedThrow:
     with cad_session(f"solid of {scene.name}") as gmsh:
         occ = gmsh.model.occ
-        web = add_web(occ, scene)
-        web_volume = sum(occ.getMass(*pair) for pair in web)
-        occ.remove(web, recursive=True)
         body = add_half_throw(occ, scene)
         half = solid_properties(occ, body)
         if full:
@@ -122,7 +120,7 @@ def _mesh_throw(
         _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full, fillet_fraction=fillet_fraction)
         smooth = fillet_fraction is not None
         mesh = _generate(gmsh, element_size_mm, mirrored, smooth=smooth, adapt=adapt)
-    return MeshedThrow(mesh, half, web_volume)
+    return MeshedThrow(mesh, half, web_volume_mm3(scene))
 
 
 def mesh_body(

@@ -12,6 +12,7 @@ from cranktopo.effects.simulated import Feature
 from cranktopo.evaluate.evaluation import evaluate
 from cranktopo.evaluate.goal_values import goal_values
 from cranktopo.evaluate.safety_field import fatigue_field
+from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import Scene
 from cranktopo.shape.free_bores import kept_features
@@ -67,11 +68,14 @@ def evaluated_web(
     target = Target(scene.name, planned_scene(scene, kept), file)
 
     def make() -> Json:
-        found = evaluate(target, element_size_mm, work.info).as_json()
+        work.info(f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh")
         if not fatigue:
-            return found
-        safety = fatigue_field(target, "lsa", progress=work.info).critical.safety
-        return {**found, "fatigue_safety": float(safety)}
+            return evaluate(target, element_size_mm).as_json()
+        # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
+        field, found = side_by_side(
+            lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
+        )
+        return {**found.as_json(), "fatigue_safety": float(field.critical.safety)}
 
     began = time.perf_counter()
     evaluation = work.once(name, make)

@@ -17,7 +17,7 @@ from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.shape.free_bores import free_bores
 from cranktopo.shape.pocket_places import pocket_starts
-from cranktopo.shape.refining import Refinement, Told, refined
+from cranktopo.shape.refining import Refinement, Told, merit, refined
 from cranktopo.shape.search import EVALUATIONS, Found, Webs, prices_of, search, why_nothing
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 from cranktopo.shape.start import bevel_start, groove_start
@@ -33,7 +33,7 @@ _DOUBT = 1e-2
 """Relative excess of a limit above which no finish will keep it."""
 _MOST_POCKETS = 4
 _MORE_STATIONS = (9,)
-_REFINED = Refinement(2, 12, 5.0, 5e-4)
+_REFINED = Refinement(3, 12, 5.0, 1.5e-3)
 """Of each trial that pays on cells."""
 
 
@@ -137,7 +137,7 @@ class Growth:
             CranktopoError: no web keeps the rules (exit code 6).
         """
         name = self._name
-        found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, {}, nearest=True)
+        found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, {})
         self._note("outline", layout, found, None, found is not None, solved)
         if found is None:
             raise why_nothing(name, self._work)
@@ -217,12 +217,14 @@ class Growth:
 
         Both are refined where the cells cannot tell which is better.
         """
-        found, solved = self._on_cells(layout, start, EVALUATIONS, best.factors, best.missed > 0)
+        found, solved = self._on_cells(layout, start, EVALUATIONS, best.factors)
+        if found is not None and found.missed > 0 == best.missed:
+            found = None
         if found is None or not LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
             return found, solved, best
         number = len(self.trials) + 1
         best = self._refined(best, f"before-{number:02d}")
-        found = self._refined(found, f"refined-{number:02d}")
+        found = self._refined(found, f"refined-{number:02d}", _hope(best))
         return found, solved + found.solved, best
 
     @contextmanager
@@ -234,11 +236,11 @@ class Growth:
             self._work.info(f"{step}: left out, as a web could not be solved: {error}")
 
     def _on_cells(
-        self, layout: Layout, start: Array, evaluations: int, factors: Mapping[str, float], nearest: bool
+        self, layout: Layout, start: Array, evaluations: int, factors: Mapping[str, float]
     ) -> tuple[Grown | None, int]:
         """The best web of a layout by cells that overrate it by these factors, and how many were solved."""
         goal = self._cells_goal.corrected(factors)
-        found, solved = search(self.model, layout, start, goal, self._name, self._work, evaluations, nearest)
+        found, solved = search(self.model, layout, start, goal, self._name, self._work, evaluations, True)
         if found is None:
             return None, solved
         told = {
@@ -246,21 +248,27 @@ class Growth:
             for name, value in found.responses.values.items()
             if name in self._original and self.model.original[name]
         }
-        return Grown(layout, found.values, found.objective, found.missed, told, factors), solved
+        missed, objective = found.missed, merit(goal, found.responses.values)
+        return Grown(
+            layout, found.values, objective, missed if missed > _DOUBT else 0.0, told, factors
+        ), solved
 
     @property
     def _name(self) -> str:
         return f"trial-{len(self.trials) + 1:02d}"
 
-    def _refined(self, web: Grown, name: str) -> Grown:
-        """A web of the cells, refined on body-fitted elements; one that was refined as it is."""
+    def _refined(self, web: Grown, name: str, worth: float = np.inf) -> Grown:
+        """A web of the cells, refined on body-fitted elements; one that was refined as it is.
+
+        Args:
+            worth: merit without hope of which the web is not refined further.
+        """
         if web.exact is not None:
             return web
 
         def make() -> Json:
-            made = refined(
-                self.model.webs(), self._elements, web.layout, web.values, self._goal, self._work, _REFINED
-            )
+            cells, start = self.model.webs(), web.values
+            made = refined(cells, self._elements, web.layout, start, self._goal, self._work, _REFINED, worth)
             return {
                 "values": made.values.tolist(),
                 "objective": made.merit,
@@ -309,6 +317,11 @@ def _gain(before: Grown, found: Grown) -> float:
     if before.missed > 0 or found.missed > 0:
         return before.missed - found.missed
     return before.objective - found.objective
+
+
+def _hope(best: Grown) -> float:
+    """Merit that a web with one feature more must reach to pay."""
+    return np.inf if best.missed > 0 else best.objective - LEAST_GAIN
 
 
 def _pays(before: Grown, found: Grown) -> bool:

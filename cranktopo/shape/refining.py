@@ -22,11 +22,10 @@ from cranktopo.shape.search_goal import SearchGoal
 from cranktopo.store import Work
 
 Array = NDArray[np.float64]
-_MISSED = 3.0
-"""What a relative excess of a limit costs in the goal when two webs are compared: above any usual price."""
+_MISSED = 1.0
+"""What a relative excess of a limit costs in the goal when two webs are compared: above usual prices."""
 SHORTER = 0.25
 """Factor on the reach after a step that did not pay."""
-_SAME_MM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,7 @@ class Refinement:
         steps: most searches on cells, each followed by a meshed web.
         evaluations: most webs on cells in each of them.
         reach: how far a parameter may move in the first of them, mm or degrees.
-        settled: gain in the goal, over the original's, below which a step is the last.
+        settled: gain in the goal, over the original's, below which a step is not worth a mesh.
     """
 
     steps: int
@@ -65,6 +64,20 @@ class Refined:
 
     values: Array
     found: Quantities
+    merit: float
+    solved: int
+
+
+@dataclass(frozen=True)
+class Step:
+    """The web that a search beside an exact one ends in.
+
+    Attributes:
+        merit: what it promises.
+        solved: webs solved on cells.
+    """
+
+    values: Array
     merit: float
     solved: int
 
@@ -117,12 +130,21 @@ def merit(goal: SearchGoal, values: dict[str, float]) -> float:
 
 
 def refined(
-    cells: Webs, meshed: Webs, layout: Layout, start: Array, goal: SearchGoal, work: Work, extent: Refinement
+    cells: Webs,
+    meshed: Webs,
+    layout: Layout,
+    start: Array,
+    goal: SearchGoal,
+    work: Work,
+    extent: Refinement,
+    worth: float = np.inf,
 ) -> Refined:
     """The best web near a start by meshed webs, as few as can be.
 
     Args:
         goal: in the numbers of the meshed webs.
+        worth: merit to be reached. The web stays as it is once the next search promises less, where only that
+            share of its promise counts that the search before kept.
 
     Raises:
         CranktopoError: the start cannot be solved.
@@ -130,34 +152,34 @@ def refined(
     web = meshed.web(layout)
     found = meshed.responses(web, start, goal.quantities)
     best, solved, reach = Refined(start, found, merit(goal, found.values), 1), 1, extent.reach
+    kept_share = 1.0
     for _ in range(extent.steps):
         effort = Effort(extent.evaluations, reach, nearest=True)
-        values, more = stepped(cells, layout, best.values, best.found, goal, work, effort)
-        solved += more
-        if values is None or np.abs(values - best.values).max() < _SAME_MM:
+        step = stepped(cells, layout, best.values, best.found, goal, work, effort)
+        solved += step.solved
+        promised = best.merit - step.merit
+        if promised < extent.settled or best.merit - kept_share * promised > worth:
             break
         try:
-            found = meshed.responses(web, values, goal.quantities)
+            found = meshed.responses(web, step.values, goal.quantities)
         except CranktopoError as error:
             work.info(f"a web on the way could not be solved ({error}): a shorter step instead")
             reach *= SHORTER
             continue
         solved += 1
-        now = Refined(values, found, merit(goal, found.values), solved)
+        now = Refined(step.values, found, merit(goal, found.values), solved)
         gain = best.merit - now.merit
         if gain <= 0:
             reach *= SHORTER
             continue
-        best = now
-        if gain < extent.settled:
-            break
+        best, kept_share = now, min(gain / promised, 1.0)
     return replace(best, solved=solved)
 
 
 def stepped(
     cells: Webs, layout: Layout, at: Array, exact: Quantities, goal: SearchGoal, work: Work, effort: Effort
-) -> tuple[Array | None, int]:
-    """The best web by cells that are brought to the truth of one web, and how many were solved.
+) -> Step:
+    """The best web by cells that are brought to the truth of one web; that web where none is better.
 
     Args:
         at: (n,) parameters of the web that is known exactly.
@@ -166,4 +188,7 @@ def stepped(
     rough = cells.responses(cells.web(layout), at, goal.quantities)
     matched, private = MatchedWebs(cells, at, rough, exact), Work(work.info, {}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
-    return values, solved + 1
+    if values is None:
+        return Step(at, merit(goal, exact.values), solved + 1)
+    promised = matched.responses(matched.web(layout), values, goal.quantities).values
+    return Step(values, merit(goal, promised), solved + 2)

@@ -116,6 +116,7 @@ class _Search:
         self._webs = webs
         self._room = EnvelopeRoom(webs.scene)
         self._last: tuple[bytes, Quantities] | None = None
+        self._ruled: tuple[bytes, tuple[Array, Array]] | None = None
 
     def responses(self, values: Array) -> Quantities:
         if self._last is None or self._last[0] != values.tobytes():
@@ -143,7 +144,9 @@ class _Search:
         return float(_STEEP * self.goal.objective(found.values))
 
     def rules(self, values: Array) -> tuple[Array, Array]:
-        return rules_of(self.web, self._room, values)
+        if self._ruled is None or self._ruled[0] != values.tobytes():
+            self._ruled = values.tobytes(), rules_of(self.web, self._room, values)
+        return self._ruled[1]
 
     def constrain(self, result: Array, values: Array, gradient: Array) -> None:
         found, (rules, slopes) = self.responses(values), self.rules(values)

@@ -37,14 +37,14 @@ from cranktopo.shape.web_model import WebModel, web_model
 from cranktopo.store import Json, Work
 
 Array = NDArray[np.float64]
-_SETTLED = 1e-3
-"""Relative gain in the goal below which a round that keeps the limits is the last."""
+_SETTLED = 2e-3
+"""Gain in the goal, over the original's, that is worth an evaluation beside a web that keeps the limits."""
 _FINISH = Effort(20, 0.8, nearest=True)
 """Of each finish: so near that cells brought to the evaluated web tell another one within 0.1 %."""
 _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
-_SAFE = 5e-4
-"""Part of a limit that the search keeps in reserve, for the rounding of the dimensions."""
+_SAFE, _SURE = 5e-4, 2e-3
+"""Part of a limit that the search keeps in reserve beside a web that keeps them all, and beside another."""
 _SCATTER = 5e-3
 """The same of the fatigue safety: that of nearly equal webs scatters by half a percent from mesh to mesh."""
 
@@ -61,7 +61,7 @@ class ShapeSettings:
     """
 
     cell_mm: float = 4.0
-    mesh_mm: float = 6.3
+    mesh_mm: float = 8.0
     rounds: int = 4
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
@@ -183,12 +183,16 @@ class _Finish:
         self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
         self._fatigue = "fatigue_safety" in goal.quantities
+        self._anchor: tuple[Round, MeshResponses] | None = None
 
     def anchored(self, web: Round) -> MeshResponses:
         """The quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
-        fraction = _FILLET_FRACTION if self._fatigue else None
-        webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
-        return webs.responses(webs.web(self._layout), web.values).brought_to(web.web.values)
+        if self._anchor is None or self._anchor[0] is not web:
+            fraction = _FILLET_FRACTION if self._fatigue else None
+            webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
+            found = webs.responses(webs.web(self._layout), web.values).brought_to(web.web.values)
+            self._anchor = (web, found)
+        return self._anchor[1]
 
     def rounds(self, start: Array) -> tuple[Round, ...]:
         """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
@@ -203,24 +207,27 @@ class _Finish:
             if found is None:
                 break
             rounds.append(found)
-            gain = merit(self._goal, before.web.values) - merit(self._goal, found.web.values)
-            if gain < _SETTLED and (found.held or before.held):
+            better = _best(rounds, self._goal) == number
+            if before.held and found.held and not better:
                 break
-            if gain < 0:
+            if not better:
                 effort = replace(effort, reach=SHORTER * effort.reach)
         return tuple(rounds)
 
     def _finished(self, before: Round, number: int, effort: Effort) -> Round | None:
-        """The best web near one that was evaluated, by its gradients; None where there is none."""
+        """The best web near one that was evaluated, by its gradients; None where none promises to pay."""
 
         def make() -> Json:
-            goal = self._goal.reserved(_SAFE).reserved(_SCATTER, ("fatigue_safety",))
+            reserve = _SAFE if before.held else _SURE
+            goal = self._goal.reserved(reserve).reserved(_SCATTER, ("fatigue_safety",))
             cells, exact, at = self._cells.webs(), self.anchored(before), before.values
-            values, solved = stepped(cells, self._layout, at, exact, goal, self._work, effort)
-            return {"values": None if values is None else values.tolist(), "solved": solved + 1}
+            step = stepped(cells, self._layout, at, exact, goal, self._work, effort)
+            return {"values": step.values.tolist(), "merit": step.merit, "solved": step.solved + 1}
 
         kept = self._work.once(f"finish-{number}", make)
-        if kept["values"] is None or kept["values"] == before.values.tolist():
+        gain = merit(self._goal, before.web.values) - kept["merit"]
+        if kept["values"] == before.values.tolist() or (before.held and gain < _SETTLED):
+            self._work.info(f"finish {number}: no web beside promises {100 * _SETTLED:.1f} % more")
             return None
         return self._evaluated(np.array(kept["values"]), number, kept["solved"])
 
