@@ -32,8 +32,10 @@ _RULES = 0.05
 """Weight of a millimetre of a manufacturing constraint against a limit's relative excess."""
 _KEPT_MM = 5e-3
 """Violation of a rule that rounding of the dimensions absorbs."""
-HELD = 5e-4
-"""Relative excess of a limit with which a web still counts as keeping it, on cells and by the evaluation."""
+HELD = 1e-6
+"""Relative excess of a limit with which a web still counts as keeping it by the evaluation: rounding."""
+_NEARLY = 5e-4
+"""The same on cells, which err by far more."""
 _FEASIBLE, _STEP_MM, _FLAT = 1e-6, 2e-3, 1e-6
 _STEEP = 2000.0
 """Factor on the goal. The method takes a curvature of 1 to begin with, while a millimetre changes the goal by
@@ -267,7 +269,7 @@ def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
 def _missed(goal: SearchGoal, found: Quantities) -> float:
     """By how much the worst limit is missed, relative; 0 where all count as kept."""
     missed = float(goal.excesses(found.values).max(initial=0.0))
-    return 0.0 if missed < HELD else missed
+    return 0.0 if missed < _NEARLY else missed
 
 
 def _refused(scene: Scene, layout: Layout, values: Array) -> str:
