@@ -13,6 +13,37 @@ OUTLINES = ("obround", "tapered", "rectangle", "ellipse")
 
 def random_throw(seed: int) -> Scene:
     """A throw with journals, fillets, web and perhaps a hole beside its mirror plane, all from the seed."""
+    return scene_from_dict(_throw(seed))
+
+
+def random_variant(seed: int, number: int) -> Scene:
+    """Another web on the journals of a random throw: 0 its own, 1 wider, 2 of any outline with a hole."""
+    data = _throw(seed)
+    if number:
+        draw = np.random.default_rng((seed, number))
+        web = _other_web(draw, data["web"]) if number == 1 else _new_web(draw, data)
+        web["thickness_mm"] = data["web"]["thickness_mm"] * draw.uniform(0.94, 1.06)
+        data = data | {"web": web, "name": f"{data['name']}-{number}"}
+    return scene_from_dict(data)
+
+
+def _other_web(draw: np.random.Generator, web: dict[str, Any]) -> dict[str, Any]:
+    """The web with wider dimensions."""
+    widths = ("width_mm", "main_radius_mm", "pin_radius_mm", "semi_axis_throw_mm", "semi_axis_lateral_mm")
+    return web | {name: web[name] * draw.uniform(1.0, 1.12) for name in widths if name in web}
+
+
+def _new_web(draw: np.random.Generator, data: dict[str, Any]) -> dict[str, Any]:
+    """Another web of any outline with a hole through its middle, besides what pockets there are."""
+    main, pin = (data["throw"][name] for name in ("main_journal", "crankpin"))
+    journal, radius = max(main["outer_diameter_mm"], pin["outer_diameter_mm"]), data["throw"]["radius_mm"]
+    hole = {"shape": "cylinder", "x_mm": 0.0, "y_mm": radius / 2}
+    hole["diameter_mm"] = main["outer_diameter_mm"] * draw.uniform(0.1, 0.2)
+    web = _web(draw, journal, radius, main["fillet_mm"])
+    return web | {"pocket": [*data["web"].get("pocket", []), hole]}
+
+
+def _throw(seed: int) -> dict[str, Any]:
     draw = np.random.default_rng(seed)
     main = draw.uniform(36.0, 90.0)
     pin = main * draw.uniform(0.8, 1.05)
@@ -30,15 +61,13 @@ def random_throw(seed: int) -> Scene:
         hole = {"shape": "cylinder", "x_mm": 0.3 * main, "y_mm": radius / 2, "diameter_mm": 0.15 * main}
         web["pocket"] = [hole]
     supports = {"bearing_spring_N_per_mm": draw.uniform(0.3e6, 2e6)}
-    return scene_from_dict(
-        {
-            "name": f"random-{seed}",
-            "throw": throw,
-            "web": web,
-            "material": {"name": "42CrMo4"},
-            "supports": supports,
-        }
-    )
+    return {
+        "name": f"random-{seed}",
+        "throw": throw,
+        "web": web,
+        "material": {"name": "42CrMo4"},
+        "supports": supports,
+    }
 
 
 def _web(draw: np.random.Generator, journal: float, radius: float, fillet: float) -> dict[str, Any]:

@@ -121,7 +121,7 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
 
 def _evaluating_s(todo: Effort, measured: StoredStudy | None) -> float:
     """Expected wall time of the body-fitted evaluations, which have elements of the default size."""
-    each = expected_seconds(EvaluationMesh(0, graded=True), measured)
+    each = expected_seconds(EvaluationMesh(0, graded=True), measured, triangles=True)
     return todo.evaluation_seconds if each is None else todo.evaluations * each
 
 

@@ -13,11 +13,8 @@ from cranktopo.evaluate.evaluation import Evaluation, Info, MeshResult, evaluate
 from cranktopo.evaluate.targets import Target
 
 LEVELS = tuple(EvaluationMesh(steps, graded=True) for steps in (2, 1, 0, -1, -2, -3))
-"""The finer mesh of each evaluation, cheapest first; the coarser one has elements 1.5 times as large.
-
-Meshes that are not refined at the fillets are cheaper, but two of them say little about their error.
-"""
-EXPECTED_PERCENT = (3.8, 2.6, 1.6, 1.1, 0.7, 0.4)
+"""Meshes of an evaluation, cheapest first; triangles need one with elements 1.5 times as large beside it."""
+EXPECTED_PERCENT = (2.2, 1.2, 0.6, 0.4, 0.25, 0.15)
 """Bounds to be expected before anything is measured: medians of `tests.benchmarks.error_estimates`.
 
 The last three continue the trend of the first ones.
@@ -51,36 +48,38 @@ def evaluate_to(
     began = time.perf_counter()
     solved: dict[EvaluationMesh, MeshResult] = {}
     found: Evaluation | None = None
-    for fine in LEVELS[first_level(wanted, measured) :]:
-        coarse = _coarser(fine)
-        todo = [mesh for mesh in (coarse, fine) if mesh not in solved]
+    for fine in LEVELS[first_level(wanted, measured, target.triangles) :]:
+        meshes = _meshes(fine, target.triangles)
+        todo = [mesh for mesh in meshes if mesh not in solved]
         if found is not None and _too_long(wanted, time.perf_counter() - began, todo, solved):
             break
         for mesh in todo:
             size = mesh.size_mm(target)
             solved[mesh] = evaluate_on_mesh(target, size, graded=mesh.graded, progress=progress)
-        found = evaluation(solved[coarse], solved[fine], time.perf_counter() - began)
+        coarse = solved[meshes[0]] if target.triangles else None
+        found = evaluation(solved[fine], coarse, time.perf_counter() - began)
         if wanted.percent is not None and found.error_percent <= wanted.percent:
             return found, True
     assert found is not None, "the first level is always solved"
     return found, wanted.percent is None
 
 
-def first_level(wanted: ErrorTarget, measured: StoredStudy | None) -> int:
+def first_level(wanted: ErrorTarget, measured: StoredStudy | None, triangles: bool) -> int:
     """Number of the level to start on."""
     first_levels = []
     if wanted.percent is not None:
         enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= wanted.percent]
         first_levels.append(enough[0] if enough else len(LEVELS) - 1)
     if wanted.budget_s is not None:
-        seconds = [expected_seconds(level, measured) for level in LEVELS]
+        seconds = [expected_seconds(level, measured, triangles) for level in LEVELS]
         fit = [n for n, s in enumerate(seconds) if s is not None and s <= wanted.budget_s]
         first_levels.append(fit[-1] if fit else 0)
     return min(first_levels, default=0)
 
 
-def _coarser(mesh: EvaluationMesh) -> EvaluationMesh:
-    return EvaluationMesh(mesh.steps + 1, mesh.graded)
+def _meshes(fine: EvaluationMesh, triangles: bool) -> list[EvaluationMesh]:
+    """The meshes of an evaluation, coarse to fine."""
+    return [*([EvaluationMesh(fine.steps + 1, fine.graded)] if triangles else []), fine]
 
 
 def _expected_percent(number: int, measured: StoredStudy | None) -> float:
@@ -90,9 +89,9 @@ def _expected_percent(number: int, measured: StoredStudy | None) -> float:
     return sum(known) if len(known) == len(errors) else EXPECTED_PERCENT[number]
 
 
-def expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None) -> float | None:
-    """Wall time of an evaluation, both meshes; None where one was never measured."""
-    levels = [_stored_level(mesh, measured) for mesh in (fine, _coarser(fine))]
+def expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None, triangles: bool) -> float | None:
+    """Wall time of an evaluation; None where one of its meshes was never measured."""
+    levels = [_stored_level(mesh, measured) for mesh in _meshes(fine, triangles)]
     if measured is None or None in levels:
         return None
     return measured.slowdown * sum(level["seconds"] for level in levels if level)

@@ -70,9 +70,10 @@ def command(
 ) -> None:
     """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
 
-    The stiffnesses are those of the supports in the designs, each with its error estimate. A star marks the
-    best of each column, unless another is within the estimate. The baseline is evaluated too when it is not
-    among the targets. Of a design with a [goal] it tells which limits hold; --fatigue tells its safety.
+    The stiffnesses are those of the supports in the designs, each with a bound of its error, and their
+    changes with smaller ones, since errors of like meshes cancel. A star marks the best of each column,
+    unless another is within that bound. The baseline is evaluated too when it is not among the targets. Of a
+    design with a [goal] it tells which limits hold; --fatigue tells its safety.
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """

@@ -40,7 +40,7 @@ def command(
     """Evaluate each TARGET with quadratic finite elements on its exact solid.
 
     A TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design). Both
-    stiffnesses are those of the full throw; each comes with an error estimate from a second, coarser mesh.
+    stiffnesses are those of the full throw; each comes with a bound of its error.
     With --sensitivities a TARGET is a design with a parametric web, or a run that has one.
 
     Example: cranktopo evaluate mikron-iiic --accuracy 1%

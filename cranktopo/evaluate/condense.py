@@ -47,6 +47,7 @@ class Condensed:
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         further: section forces of the half throw that answer the further loads, shape (m, k).
+        held: unknowns at zero, or moved with the section.
         solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed; the
             matrix is factorised already.
     """
@@ -58,6 +59,7 @@ class Condensed:
     load_compliance: float
     displacement: Array
     further: Array
+    held: NDArray[np.intp]
     solve: Callable[[Array], Array]
 
     def index(self, *motions: int) -> list[int]:
@@ -111,6 +113,7 @@ def condense(
         float(mean @ fields[:, pin]) / parts if loaded else 0.0,
         fields,
         parts * units.T @ others,
+        held,
         solve,
     )
 

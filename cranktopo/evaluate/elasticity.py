@@ -134,10 +134,14 @@ def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
     return force
 
 
+def lame_constants_MPa(youngs_MPa: float, poisson: float) -> tuple[float, float]:
+    """Lame's first constant and the shear modulus."""
+    return youngs_MPa * poisson / ((1 + poisson) * (1 - 2 * poisson)), youngs_MPa / (2 * (1 + poisson))
+
+
 def _chunk_matrix(basis: Any, youngs: float, poisson: float, unknowns: int) -> sp.csr_matrix:
     """Sum of the element matrices of a chunk: lambda div u div v + 2 mu eps(u):eps(v)."""
-    lame = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson))
-    shear = youngs / (2 * (1 + poisson))
+    lame, shear = lame_constants_MPa(youngs, poisson)
     gradients = np.ascontiguousarray(np.stack([phi[0].grad for phi in basis.basis]).transpose(2, 3, 0, 1))
     weighted = gradients * basis.dx[:, :, None, None]
     count, points = basis.dx.shape

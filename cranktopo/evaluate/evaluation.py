@@ -1,18 +1,31 @@
-"""Evaluation of one throw: mass properties, stiffness for every support, and an error estimate."""
+"""Evaluation of one throw: mass properties, stiffness for every support, and bounds of their errors."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, TypeVar
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.condense import Condensed, condense
+from cranktopo.evaluate.condense import condense
+from cranktopo.evaluate.cubic_surplus import energy_surplus
 from cranktopo.evaluate.elasticity import Order, assemble
+from cranktopo.evaluate.error_bound import (
+    bending_surplus,
+    bound_percent,
+    change_bound_percent,
+    torsion_surplus,
+)
 from cranktopo.evaluate.mesh_memory import check_element_size
 from cranktopo.evaluate.side_by_side import side_by_side
-from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
+from cranktopo.evaluate.support_stiffness import (
+    BendingSupport,
+    TorsionSupport,
+    bending_stiffness_N_per_mm,
+    torsional_stiffness_Nm_per_rad,
+)
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
@@ -22,19 +35,16 @@ from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
 SCHEMA_VERSION = 1
 RATIO = 1.5
-"""Element size of the coarse mesh over that of the fine one in the error estimate."""
-ERROR_FACTOR = 3.0
-"""Error bound over the change from the mesh 1.5 times coarser.
-
-Richardson extrapolation with the theoretical orders (1.09 at a sharp ring, Williams, 1952; up to 2 with
-fillets) gives 1.8 to 0.8, but unstructured meshes scatter around any order, and some changes are small by
-chance. Three is also what P. J. Roache takes for two grids (Perspective: a method for uniform reporting of
-grid refinement studies, J. Fluids Eng. 116, 1994). Coverage: `python -m tests.benchmarks.error_estimates`.
-"""
+"""Element size of the coarse mesh over that of the fine one where two are compared."""
 _VOLUME_TOLERANCE = 0.02
 """Mesh against solid: sound meshes of 15 mm elements are within 1 %, of the default size within 0.01 %."""
 
+_TORSION: tuple[TorsionSupport, ...] = ("free", "held", "spring")
+_BENDING: tuple[BendingSupport, ...] = ("pinned", "clamped", "spring")
+
 Info = Callable[[str], None]
+ByName = dict[str, float | None]
+Support = TypeVar("Support", bound=str)
 
 
 @dataclass(frozen=True)
@@ -44,6 +54,8 @@ class Stiffness:
     Attributes:
         torsion: N m/rad by support "free", "held", "spring".
         bending: N/mm by support "pinned", "clamped", "spring".
+        torsion_error_percent, bending_error_percent: bound of the error on this mesh, by support; empty with
+            linear elements.
     """
 
     torsion: dict[str, float | None]
@@ -52,6 +64,8 @@ class Stiffness:
     element_size_mm: float
     mesh_seconds: float
     solve_seconds: float
+    torsion_error_percent: Mapping[str, float | None] = field(default_factory=dict)
+    bending_error_percent: Mapping[str, float | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -62,8 +76,9 @@ class Evaluation:
         throw_kg, web_kg: mass of the throw, and of one web between its faces.
         unbalance_kg_mm: mass times y of the centre of mass.
         torsion_support, bending_support: the supports that the scene asks for.
-        torsion_error_percent, bending_error_percent: bound of the discretisation error.
+        torsion_error_percent, bending_error_percent: bound of the discretisation error with these supports.
         assumed: what the design does not say and the stiffnesses depend on.
+        triangles: the body is a surface of triangles, which the mesh replaces.
     """
 
     target: str
@@ -78,6 +93,7 @@ class Evaluation:
     bending_error_percent: float
     total_seconds: float
     assumed: tuple[Assumption, ...] = ()
+    triangles: bool = False
 
     @property
     def torsion_Nm_per_rad(self) -> float:
@@ -109,10 +125,19 @@ class Evaluation:
                 "torsion_Nm_per_rad_kg": self.torsion_Nm_per_rad / self.throw_kg,
                 "bending_N_per_mm_kg": self.bending_N_per_mm / self.throw_kg,
             },
-            "mesh": {"element_size_mm": fine.element_size_mm, "nodes": fine.nodes, "order": 2},
+            "mesh": {
+                "element_size_mm": fine.element_size_mm,
+                "nodes": fine.nodes,
+                "order": 2,
+                "triangles": self.triangles,
+            },
             "error_estimate_percent": {
                 "torsion": self.torsion_error_percent,
                 "bending": self.bending_error_percent,
+            },
+            "error_by_support_percent": {
+                "torsion": dict(fine.torsion_error_percent),
+                "bending": dict(fine.bending_error_percent),
             },
             "seconds": {
                 "mesh": fine.mesh_seconds,
@@ -148,16 +173,18 @@ class MeshResult:
 def evaluate(
     target: Target, element_size_mm: float | None = None, progress: Info = lambda _: None
 ) -> Evaluation:
-    """Evaluate a target on a mesh of the given size and on one 1.5 times coarser.
+    """Evaluate a target on a mesh of the given size.
+
+    Triangles are remeshed, which moves their surface: a mesh 1.5 times coarser tells how much that matters.
 
     Raises:
         CranktopoError: impossible geometry or a failed solve.
     """
     size = element_size_mm or default_element_size_mm(target.scene)
     check_element_size(target.scene, size)
-    coarse = evaluate_on_mesh(target, size * RATIO, progress=progress)
+    coarse = evaluate_on_mesh(target, size * RATIO, progress=progress) if target.triangles else None
     fine = evaluate_on_mesh(target, size, progress=progress)
-    return evaluation(coarse, fine, coarse.seconds + fine.seconds)
+    return evaluation(fine, coarse, fine.seconds + (coarse.seconds if coarse else 0.0))
 
 
 def evaluate_on_mesh(
@@ -197,40 +224,49 @@ def condensed_stiffness(
         CranktopoError: a mesh that does not fill the solid, or a failed solve.
     """
     start = time.perf_counter()
-    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, order)
+    youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    model = assemble(meshed.mesh, youngs, poisson, order)
     mirrored = meshed.mesh.mirrored
-    _check_volume(meshed, model.volume_mm3 * (2 if mirrored else 1))
+    volume_error = model.volume_mm3 * (2 if mirrored else 1) / meshed.half.volume_mm3 - 1
+    _check_volume(meshed, volume_error)
     twist, bend = side_by_side(
         lambda: condense(model, scene, "antisymmetric", "odd" if mirrored else "none"),
         lambda: condense(model, scene, "symmetric", "even" if mirrored else "none"),
     )
-    torsion, bending = _torsion(twist, scene), _bending(bend, scene)
-    nodes, seconds = model.nodes_mm.shape[1], time.perf_counter() - start
-    return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds)
+    torsion = _by_support(partial(torsional_stiffness_Nm_per_rad, twist), _TORSION, scene)
+    bending = _by_support(partial(bending_stiffness_N_per_mm, bend), _BENDING, scene)
+    nodes = model.nodes_mm.shape[1]
+    errors: tuple[ByName, ByName] = ({}, {})
+    if order == 2:
+        twisted, bent = energy_surplus(model, (twist, bend), youngs, poisson, scene.web_z_mm[1])
+        in_torsion = _by_support(partial(torsion_surplus, twist, twisted), _TORSION, scene)
+        in_bending = _by_support(partial(bending_surplus, bend, bent), _BENDING, scene)
+        errors = _bounds(in_torsion, volume_error), _bounds(in_bending, volume_error)
+    seconds = time.perf_counter() - start
+    return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds, *errors)
 
 
-def _torsion(block: Condensed, scene: Scene) -> dict[str, float | None]:
+def _by_support(
+    found: Callable[[Support, float], float], supports: Sequence[Support], scene: Scene
+) -> ByName:
+    """What is found for each support and the bearing's spring; None for springs that nobody knows."""
     spring = bearing_spring_N_per_mm(scene)
     return {
-        "free": torsional_stiffness_Nm_per_rad(block, "free"),
-        "held": torsional_stiffness_Nm_per_rad(block, "held"),
-        "spring": torsional_stiffness_Nm_per_rad(block, "spring", spring) if spring else None,
+        name: None if name == "spring" and not spring else found(name, spring or 0.0) for name in supports
     }
 
 
-def _bending(block: Condensed, scene: Scene) -> dict[str, float | None]:
-    spring = bearing_spring_N_per_mm(scene)
+def _bounds(surplus: ByName, volume_error: float) -> ByName:
     return {
-        "pinned": bending_stiffness_N_per_mm(block, "pinned"),
-        "clamped": bending_stiffness_N_per_mm(block, "clamped"),
-        "spring": bending_stiffness_N_per_mm(block, "spring", spring) if spring else None,
+        name: None if share is None else bound_percent(share, volume_error) for name, share in surplus.items()
     }
 
 
-def _check_volume(meshed: MeshedThrow, volume_mm3: float) -> None:
-    if abs(volume_mm3 - meshed.half.volume_mm3) > _VOLUME_TOLERANCE * meshed.half.volume_mm3:
+def _check_volume(meshed: MeshedThrow, error: float) -> None:
+    volume = meshed.half.volume_mm3
+    if abs(error) > _VOLUME_TOLERANCE:
         raise CranktopoError(
-            f"mesh: holds {volume_mm3:.1f} mm3, the half throw {meshed.half.volume_mm3:.1f} mm3.",
+            f"mesh: holds {(1 + error) * volume:.1f} mm3, the half throw {volume:.1f} mm3.",
             hint="Choose another element size.",
             code=ExitCode.SOLVER,
         )
@@ -249,12 +285,17 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
     return mesh_file(target.file, target.scene, element_size_mm, target.align)
 
 
-def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluation:
-    """All that is reported, with a bound of the finer mesh's error from what the coarser one says."""
+def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> Evaluation:
+    """All that is reported, with bounds of the error by what the mesh itself tells.
+
+    Args:
+        coarse: for triangles, the target on a mesh 1.5 times coarser.
+    """
     target, meshed = fine.target, fine.meshed
     scene = target.scene
     supports = scene.supports
     density = density_kg_per_mm3(scene.material.density_kg_m3)
+    torsion, bending = _error_percent(fine.stiffness, coarse.stiffness if coarse else None, scene)
     return Evaluation(
         target=target.name,
         throw_kg=meshed_throw_kg(meshed, scene),
@@ -264,10 +305,23 @@ def evaluation(coarse: MeshResult, fine: MeshResult, seconds: float) -> Evaluati
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,
-        torsion_error_percent=bound_percent(coarse.stiffness.torsion, fine.stiffness.torsion),
-        bending_error_percent=bound_percent(coarse.stiffness.bending, fine.stiffness.bending),
+        torsion_error_percent=torsion,
+        bending_error_percent=bending,
         total_seconds=seconds,
         assumed=among(target.assumed, EVALUATED),
+        triangles=target.triangles,
+    )
+
+
+def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> tuple[float, float]:
+    """Bounds of the error in torsion and in bending with the supports of the scene."""
+    torsion = _known(fine.torsion_error_percent[scene.supports.torsion])
+    bending = _known(fine.bending_error_percent[scene.supports.bending])
+    if coarse is None:
+        return torsion, bending
+    return (
+        max(torsion, change_bound_percent(coarse.torsion, fine.torsion)),
+        max(bending, change_bound_percent(coarse.bending, fine.bending)),
     )
 
 
@@ -279,15 +333,6 @@ def meshed_throw_kg(meshed: MeshedThrow, scene: Scene) -> float:
 def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
     """Inertia of the whole throw about the crank axis."""
     return 2 * density_kg_per_mm3(scene.material.density_kg_m3) * meshed.half.inertia_z_mm5
-
-
-def bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float | None]) -> float:
-    """Bound of the relative error of the fine values, %: the largest over all of them.
-
-    Two unstructured meshes may happen to agree in one support; hardly in all.
-    """
-    pairs = ((_known(coarse[name]), value) for name, value in fine.items() if value is not None)
-    return ERROR_FACTOR * max(100 * abs(high / low - 1) for high, low in pairs)
 
 
 def _known(value: float | None) -> float:

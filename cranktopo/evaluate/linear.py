@@ -72,7 +72,7 @@ def symmetric_solver(
         CranktopoError: singular matrix.
     """
     direct = method == "direct" or (method == "auto" and matrix.shape[0] <= DIRECT_LIMIT)
-    factor = _factorise(matrix) if direct else _cycle(matrix, prolongation)
+    factor = _factorise(matrix) if direct else two_level_cycle(matrix, prolongation)
 
     def solve(loads: Array) -> Array:
         solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor, _AIM * residual)
@@ -107,7 +107,7 @@ def _check_residual(matrix: sp.csr_matrix, loads: Array, solution: Array, limit:
         )
 
 
-def _cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Callable[[Array], Array]:
+def two_level_cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Callable[[Array], Array]:
     """Symmetric V-cycle over quadratic and linear elements; the linear level is solved directly."""
     restriction = prolongation.T.tocsr()
     coarse = _factorise((restriction @ matrix @ prolongation).tocsc())

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import assemble
+from cranktopo.evaluate.error_bound import change_bound_percent
 from cranktopo.evaluate.evaluation import (
     RATIO,
     SCHEMA_VERSION,
-    bound_percent,
     default_element_size_mm,
     mesh_target,
     meshed_throw_kg,
@@ -92,7 +92,7 @@ def evaluate_shaft(
     inertia = throw_inertia_kg_mm2(meshes[-1], scene)
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
     mass = len(angles) * meshed_throw_kg(meshes[-1], scene)
-    error = bound_percent(coarse.by_name(), stiffness.by_name())
+    error = change_bound_percent(coarse.by_name(), stiffness.by_name())
     assumed = among(target.assumed, shaft_tables(scene, bearings))
     return ShaftEvaluation(target.name, angles, bearings, mass, stiffness, error, disks, assumed)
 

@@ -25,6 +25,7 @@ from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import RunStore, open_run, require_kind, runs_named
 
 _GEOMETRY = (".stl", ".step", ".stp")
+_TRIANGLES = ".stl"
 _RUN_SURFACE = "web.stl"
 USED = (THROW, LOADS, SUPPORTS, FATIGUE)
 """What evaluations may use of a scene; `among` takes what one of them does."""
@@ -48,6 +49,11 @@ class Target:
     run: Path | None = None
     align: bool = False
     assumed: tuple[Assumption, ...] = ()
+
+    @property
+    def triangles(self) -> bool:
+        """Whether the body is a surface of triangles, which meshes replace, and no exact solid."""
+        return self.file is not None and self.file.suffix.lower() == _TRIANGLES
 
 
 def resolve_targets(

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.error_bound import difference_bound_percent
 from cranktopo.evaluate.evaluation import Evaluation
 from cranktopo.report.quantities import COMPARED, SAFETY, Quantity, evaluation_values
 from cranktopo.report.tables.fatigue_tables import SAME, FatigueComparison
@@ -76,16 +77,22 @@ class Comparison:
         """A value in percent of the baseline's."""
         return 100 * self.entries[row].values[quantity.key] / self.base.values[quantity.key]
 
-    def differ(self, row: int, other: int, quantity: Quantity) -> bool:
-        """Whether two entries differ in a quantity by at least the larger of their error estimates.
+    def change_error_percent(self, row: int, other: int, quantity: Quantity) -> float:
+        """Bound of the error of the relative difference between two entries; 0 where it is exact."""
+        one, two = self.entries[row], self.entries[other]
+        errors = one.error_percent(quantity), two.error_percent(quantity)
+        if row == other or quantity.error not in ("torsion", "bending"):
+            return 0.0 if row == other else max(errors)
+        triangles = one.evaluation.triangles or two.evaluation.triangles
+        return difference_bound_percent(*errors, triangles=triangles)
 
-        Not by their sum: finite elements are too stiff, so both errors go the same way.
-        """
+    def differ(self, row: int, other: int, quantity: Quantity) -> bool:
+        """Whether two entries differ in a quantity by at least the bound of the difference's error."""
         if quantity.error is None:
             return True
         one, two = self.entries[row], self.entries[other]
         change = 100 * abs(one.values[quantity.key] / two.values[quantity.key] - 1)
-        return bool(change >= max(one.error_percent(quantity), two.error_percent(quantity)))
+        return bool(change >= self.change_error_percent(row, other, quantity))
 
     def leading(self, quantity: Quantity) -> int:
         """Row with the best value of a quantity, by however little."""

@@ -1,7 +1,8 @@
-"""Do the error bounds of the evaluation hold? `python -m tests.benchmarks.error_estimates [NAME...]`.
+"""Do the evaluation's error bounds hold? `python -m tests.benchmarks.error_estimates [--pairs | NAME...]`.
 
-Built-in designs and random throws (by default all) on meshes from coarse to fine, each bound against the true
-error. A name is a design or random-SEED; `--finest STEPS` sets the finest mesh of the truth.
+Single bounds: random throws (or the designs named: random-SEED-0 or a built-in one) at the default element
+size. With --pairs: differences between the webs of random throws on meshes 1.5 times coarser. --make solves
+the truth first where it is not stored yet.
 """
 
 from __future__ import annotations
@@ -9,39 +10,71 @@ from __future__ import annotations
 import argparse
 from statistics import median
 
-from cranktopo.evaluate.evaluation import RATIO
 from tests.studies.error_bounds import (
-    STEPS,
-    EvaluationError,
-    evaluation_errors,
-    every_name,
+    FAMILIES,
+    SINGLES,
+    Bounded,
+    Difference,
     held_text,
-    target_of,
+    make_truth,
+    pair_errors,
+    single_errors,
+    stored_names,
 )
 
 
 def main() -> None:
-    """Print the table as Markdown."""
+    """Print a table as Markdown."""
     parser = argparse.ArgumentParser()
     parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--finest", type=int, default=-2, help="1.5 to this power times the default size")
+    parser.add_argument("--pairs", nargs="*", type=int, metavar="SEED", help="by default 0 to 13")
+    parser.add_argument("--make", action="store_true", help="solve the truth where it is not stored")
     chosen = parser.parse_args()
-    print("| design | default mm | ", end="")
-    print(" | ".join(f"{q}, x{RATIO**step:.3g}" for step in STEPS for q in ("torsion", "bending")) + " |")
-    print("|---" * (2 + 2 * len(STEPS)) + "|")
-    every: list[EvaluationError] = []
-    for name in chosen.names or every_name():
-        rows = sorted(evaluation_errors(target_of(name), finest=chosen.finest), key=lambda row: -row.steps)
-        every += rows
-        cells = [f"{r.error_percent:+.2f} ({r.bound_percent:.2f}{'' if r.holds else ' NO'})" for r in rows]
-        none = ["no such mesh"] * (2 * len(STEPS) - len(rows))
-        print(f"| {name} | {rows[-1].size_mm:.2f} | {' | '.join([*none, *cells])} |", flush=True)
-    print(held_text(every))
-    for step in STEPS:
-        worst: dict[str, float] = {}
-        for row in (row for row in every if row.steps == step):
-            worst[row.design] = max(worst.get(row.design, 0.0), row.bound_percent)
-        print(f"median bound at {RATIO**step:.3g} times the default size: {median(worst.values()):.2f} %")
+    if chosen.pairs is not None:
+        _pairs(chosen.pairs or list(FAMILIES), chosen.make)
+    else:
+        _singles(chosen.names or list(SINGLES), chosen.make)
+
+
+def _make(names: list[str]) -> None:
+    for name in names:
+        if name not in stored_names():
+            make_truth(name)
+
+
+def _singles(names: list[str], make: bool) -> None:
+    print("| design | torsion error % | bound % | bending error % | bound % |\n|---|---|---|---|---|")
+    _make(names if make else [])
+    rows: list[Bounded] = []
+    for name in names:
+        found = list(single_errors(name))
+        cells = (f"{row.error_percent:.3f} | {_bound(row)}" for row in found)
+        print(f"| {name} | {' | '.join(cells)} |", flush=True)
+        rows += found
+    print(held_text(rows))
+    print(
+        f"median bound over error: {median(row.bound_percent / abs(row.error_percent) for row in rows):.2f}"
+    )
+
+
+def _pairs(seeds: list[int], make: bool) -> None:
+    print("| webs | torsion change % | its error % | bound % | bending change % | its error % | bound % |")
+    print("|---|---|---|---|---|---|---|")
+    _make([f"random-{seed}-{number}" for seed in seeds for number in range(3)] if make else [])
+    rows: list[Difference] = []
+    for seed in seeds:
+        found = list(pair_errors(seed))
+        rows += found
+        for pair in zip(found[::2], found[1::2], strict=True):
+            cells = (f"{r.change_percent:+.2f} | {r.error_percent:+.3f} | {_bound(r)}" for r in pair)
+            print(f"| {pair[0].design} | {' | '.join(cells)} |", flush=True)
+    print(held_text(rows))
+    shares = (row.bound_percent / row.single_percent for row in rows)
+    print(f"median bound over mean single bound: {median(shares):.2f}")
+
+
+def _bound(row: Bounded) -> str:
+    return f"{row.bound_percent:.3f}{'' if row.holds else ' NO'}"
 
 
 if __name__ == "__main__":

@@ -118,7 +118,12 @@ def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
 
 
 def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
-    return f"{comparison.percent(row, quantity) - 100:+.1f} %"
+    percent = comparison.percent(row, quantity)
+    change = f"{percent - 100:+.1f}"
+    if quantity.error is None or row == comparison.baseline:
+        return f"{change} %"
+    error = percent / 100 * comparison.change_error_percent(row, comparison.baseline, quantity)
+    return f"{change} +-{error:.1g} %"
 
 
 def _headline(comparison: Comparison) -> str:
@@ -216,7 +221,8 @@ def _accuracy(comparison: Comparison) -> Section:
     return Section(
         "accuracy",
         "Accuracy and what it costs",
-        "Errors are estimated from a second, coarser mesh.",
+        "Errors are bounds by what cubic elements would change, and for triangles by a coarser mesh as well. "
+        "A difference between two webs has a smaller one, since errors of like meshes cancel.",
         (("Meshes", table),),
         (error_picture(found),),
     )

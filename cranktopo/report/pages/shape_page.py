@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cranktopo.evaluate.error_bound import difference_bound_percent
 from cranktopo.report.figures.plot import picture
 from cranktopo.report.figures.rounds_plot import draw_goal, draw_worst_limit
 from cranktopo.report.pages.bound_section import bound_sections
@@ -57,13 +58,24 @@ def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tup
 
 def _fact(data: Mapping[str, Any], quantity: Quantity, key: str) -> Fact:
     change = data["change_percent"][key]
-    estimates = data["result"]["error_estimate_percent"]
-    error = estimates.get(key, 0.0)
+    error = _change_error_percent(data, key)
     label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
+    shown = f"{change:+.1f} %" if not error else f"{change:+.1f} +-{error:.1g} %"
     if abs(change) <= error:
-        return Fact(label, f"{change:+.1f} %", f"{note}, less than the error estimate", "neutral")
+        return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
-    return Fact(label, f"{change:+.1f} %", note, status)
+    return Fact(label, shown, note, status)
+
+
+def _change_error_percent(data: Mapping[str, Any], key: str) -> float:
+    """Bound of the error of a change; 0 where it is exact."""
+    kind = key.removesuffix("_per_mass")
+    entries = [data[which] for which in ("original", "result")]
+    if kind not in entries[0]["error_estimate_percent"]:
+        return 0.0
+    one, other = (entry["error_estimate_percent"][kind] for entry in entries)
+    triangles = any(entry["mesh"].get("triangles", False) for entry in entries)
+    return difference_bound_percent(one, other, triangles=triangles)
 
 
 def _wanted(data: Mapping[str, Any]) -> Section:

@@ -7,7 +7,15 @@ from typing import Any
 
 from cranktopo.evaluate.evaluation import SCHEMA_VERSION
 from cranktopo.report.comparison import Comparison
-from cranktopo.report.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, Quantity, percent_of
+from cranktopo.report.quantities import (
+    BENDING,
+    MASS,
+    STIFFNESS,
+    TORSION,
+    TORSION_PER_MASS,
+    Quantity,
+    percent_of,
+)
 from cranktopo.report.tables.result_table import Cell, ResultTable, Row, records
 from cranktopo.scene.schema import Published
 
@@ -35,19 +43,31 @@ def value_table(comparison: Comparison) -> ResultTable:
 
 
 def percent_table(comparison: Comparison) -> ResultTable:
-    """Percent of the baseline, the best of each quantity marked."""
-    quantities = comparison.quantities
+    """Percent of the baseline, the best of each quantity marked; bounds of the stiffnesses' changes."""
+    columns = {"target": 0}
+    for quantity in comparison.quantities:
+        columns[quantity.percent_column] = 1
+        if quantity == BENDING:
+            columns |= {f"{stiffness.key}_change_error_percent": 2 for stiffness in STIFFNESS}
     rows: tuple[Row, ...] = tuple(
         {
             "target": entry.name,
-            **{quantity.percent_column: comparison.percent(row, quantity) for quantity in quantities},
+            **{q.percent_column: comparison.percent(row, q) for q in comparison.quantities},
+            **{f"{kind}_change_error_percent": error for kind, error in _change_errors(comparison, row)},
         }
         for row, entry in enumerate(comparison.entries)
     )
-    best = {quantity.percent_column: comparison.best(quantity) for quantity in quantities}
-    return ResultTable(
-        {"target": 0, **{quantity.percent_column: 1 for quantity in quantities}}, rows, _marks(best)
-    )
+    best = {quantity.percent_column: comparison.best(quantity) for quantity in comparison.quantities}
+    return ResultTable(columns, rows, _marks(best))
+
+
+def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
+    """Bounds of the error of both stiffnesses in percent of the baseline."""
+    base = comparison.baseline
+    return [
+        (q.key, comparison.percent(row, q) / 100 * comparison.change_error_percent(row, base, q))
+        for q in STIFFNESS
+    ]
 
 
 def published_table(comparison: Comparison) -> ResultTable | None:
@@ -86,6 +106,10 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "baseline": comparison.base.name,
         "evaluations": [entry.evaluation.as_json() for entry in comparison.entries],
         "percent_of_baseline": records(percent_table(comparison)),
+        "change_error_percent": [
+            {"target": entry.name, **dict(_change_errors(comparison, row))}
+            for row, entry in enumerate(comparison.entries)
+        ],
         "best": {
             column: None if row is None else comparison.entries[row].name for column, row in best.items()
         },

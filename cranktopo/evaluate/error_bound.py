@@ -1,0 +1,102 @@
+"""Bounds of the discretisation error: of one stiffness, and of the difference between two.
+
+Their factors are calibrated on throws drawn at random and checked on others (docs/pages/accuracy.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.evaluate.condense import RZ, Condensed
+from cranktopo.evaluate.support_stiffness import (
+    BendingSupport,
+    TorsionSupport,
+    bending_motion,
+    torsion_motion,
+)
+
+Array = NDArray[np.float64]
+
+SURPLUS_FACTOR = 2.2
+"""Bound over the cubic surplus.
+
+The error is 1.4 to 1.6 times the surplus with fillets and up to 2 times at sharp rings: each function answers
+alone, and what lies beyond cubic displacements is left out (`python -m tests.benchmarks.error_bounds`).
+"""
+SHAPE_FACTOR = 3.0
+"""Relative change of a stiffness over that of the volume, at most: elements that would fold are straight."""
+CHANGE_FACTOR = 3.0
+"""Bound over the change from a mesh 1.5 times coarser, where the surface itself is remeshed each time.
+
+Three is what P. J. Roache takes for two grids (Perspective: a method for uniform reporting of grid refinement
+studies, J. Fluids Eng. 116, 1994).
+"""
+
+DIFFERENCE_SPREAD, DIFFERENCE_UNEQUAL = 0.2, 1.0
+"""Bound of the error of a difference over the mean of two bounds, and over the difference between these."""
+
+
+def torsion_surplus(
+    block: Condensed, form: Array, support: TorsionSupport, spring_N_per_mm: float = 0.0
+) -> float:
+    """Share of the twist under a torque that cubic displacements would add.
+
+    Args:
+        block: antisymmetric, as `torsional_stiffness_Nm_per_rad` takes it.
+        form: energy that the block's fields miss, of `energy_surplus`.
+    """
+    motion = torsion_motion(block, support, spring_N_per_mm)
+    return float(motion @ form @ motion) / float(motion[block.motions.index(RZ)])
+
+
+def bending_surplus(
+    block: Condensed, form: Array, support: BendingSupport, spring_N_per_mm: float = 0.0
+) -> float:
+    """Share of the mean pin displacement that cubic displacements would add.
+
+    Args:
+        block: symmetric, as `bending_stiffness_N_per_mm` takes it.
+        form: energy that the block's fields miss, of `energy_surplus`.
+    """
+    motion = bending_motion(block, block.load, support, spring_N_per_mm)
+    amplitudes = np.append(motion, 1.0 / block.parts)
+    displacement = block.load_compliance + float(block.load @ motion)
+    return float(amplitudes @ form @ amplitudes) / displacement
+
+
+def bound_percent(surplus: float, volume_error: float) -> float:
+    """Bound of a stiffness's relative error, %.
+
+    Args:
+        surplus: share of the displacement under load that cubic displacements would add.
+        volume_error: volume of the mesh over that of the body, less one.
+    """
+    return 100 * (SURPLUS_FACTOR * surplus + SHAPE_FACTOR * abs(volume_error))
+
+
+def change_bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float | None]) -> float:
+    """Bound of the relative error of fine values by what a mesh 1.5 times coarser gives, %.
+
+    The largest over all of them: two unstructured meshes may happen to agree in one support; hardly in all.
+    """
+    pairs = [(coarse[name], value) for name, value in fine.items()]
+    return CHANGE_FACTOR * max(100 * abs(high / low - 1) for high, low in pairs if high and low)
+
+
+def difference_bound_percent(one: float, other: float, *, triangles: bool = False) -> float:
+    """Bound of the error of the relative difference between two stiffnesses, %.
+
+    Finite elements are too stiff, so both errors go the same way, and on meshes made by the same rules they
+    are nearly equal where the bounds are.
+
+    Args:
+        one, other: bounds of the two stiffnesses, %.
+        triangles: one of the bodies is a surface of triangles, which meshes replace each in its own way.
+    """
+    larger = max(one, other)
+    if triangles:
+        return larger
+    return min(larger, DIFFERENCE_SPREAD * (one + other) / 2 + DIFFERENCE_UNEQUAL * abs(one - other))
