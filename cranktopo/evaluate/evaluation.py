@@ -13,6 +13,8 @@ from cranktopo.evaluate.condense import condense
 from cranktopo.evaluate.cubic_surplus import energy_surplus
 from cranktopo.evaluate.elasticity import Order, assemble
 from cranktopo.evaluate.error_bound import (
+    BENDING_SHAPE_FACTOR,
+    TORSION_SHAPE_FACTOR,
     bending_surplus,
     bound_percent,
     change_bound_percent,
@@ -241,7 +243,10 @@ def condensed_stiffness(
         twisted, bent = energy_surplus(model, (twist, bend), youngs, poisson, scene.web_z_mm[1])
         in_torsion = _by_support(partial(torsion_surplus, twist, twisted), _TORSION, scene)
         in_bending = _by_support(partial(bending_surplus, bend, bent), _BENDING, scene)
-        errors = _bounds(in_torsion, volume_error), _bounds(in_bending, volume_error)
+        errors = (
+            _bounds(in_torsion, volume_error, TORSION_SHAPE_FACTOR),
+            _bounds(in_bending, volume_error, BENDING_SHAPE_FACTOR),
+        )
     seconds = time.perf_counter() - start
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds, *errors)
 
@@ -256,9 +261,10 @@ def _by_support(
     }
 
 
-def _bounds(surplus: ByName, volume_error: float) -> ByName:
+def _bounds(surplus: ByName, volume_error: float, shape_factor: float) -> ByName:
     return {
-        name: None if share is None else bound_percent(share, volume_error) for name, share in surplus.items()
+        name: None if share is None else bound_percent(share, volume_error, shape_factor)
+        for name, share in surplus.items()
     }
 
 

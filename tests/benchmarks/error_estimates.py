@@ -1,8 +1,8 @@
 """Do the evaluation's error bounds hold? `python -m tests.benchmarks.error_estimates [--pairs | NAME...]`.
 
-Single bounds: random throws (or the designs named: random-SEED-0 or a built-in one) at the default element
-size. With --pairs: differences between the webs of random throws on meshes 1.5 times coarser. --make solves
-the truth first where it is not stored yet.
+Single bounds: the designs whose truth is stored, or those named (random-SEED-0 or a built-in one), at the
+default element size. With --pairs: differences between the webs of random throws on meshes 1.5 times coarser.
+--make solves the truth of the named ones first where it is not stored yet.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import argparse
 from statistics import median
 
 from tests.studies.error_bounds import (
-    FAMILIES,
-    SINGLES,
     Bounded,
     Difference,
+    family,
     held_text,
     make_truth,
     pair_errors,
     single_errors,
+    stored_families,
     stored_names,
 )
 
@@ -27,24 +27,23 @@ def main() -> None:
     """Print a table as Markdown."""
     parser = argparse.ArgumentParser()
     parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--pairs", nargs="*", type=int, metavar="SEED", help="by default 0 to 13")
+    parser.add_argument("--pairs", nargs="*", type=int, metavar="SEED", help="by default all that are stored")
     parser.add_argument("--make", action="store_true", help="solve the truth where it is not stored")
     chosen = parser.parse_args()
     if chosen.pairs is not None:
-        _pairs(chosen.pairs or list(FAMILIES), chosen.make)
+        names = [name for seed in chosen.pairs for name in family(seed)]
     else:
-        _singles(chosen.names or list(SINGLES), chosen.make)
+        names = chosen.names
+    for name in names if chosen.make else []:
+        make_truth(name)
+    if chosen.pairs is not None:
+        _pairs(chosen.pairs or stored_families())
+    else:
+        _singles(chosen.names or stored_names())
 
 
-def _make(names: list[str]) -> None:
-    for name in names:
-        if name not in stored_names():
-            make_truth(name)
-
-
-def _singles(names: list[str], make: bool) -> None:
+def _singles(names: list[str]) -> None:
     print("| design | torsion error % | bound % | bending error % | bound % |\n|---|---|---|---|---|")
-    _make(names if make else [])
     rows: list[Bounded] = []
     for name in names:
         found = list(single_errors(name))
@@ -57,10 +56,9 @@ def _singles(names: list[str], make: bool) -> None:
     )
 
 
-def _pairs(seeds: list[int], make: bool) -> None:
+def _pairs(seeds: list[int]) -> None:
     print("| webs | torsion change % | its error % | bound % | bending change % | its error % | bound % |")
     print("|---|---|---|---|---|---|---|")
-    _make([f"random-{seed}-{number}" for seed in seeds for number in range(3)] if make else [])
     rows: list[Difference] = []
     for seed in seeds:
         found = list(pair_errors(seed))

@@ -9,7 +9,7 @@ from cranktopo.evaluate.targets import Target
 from tests.physics.evaluation_cases import mikron_with
 from tests.studies.cubic_elements import both_orders
 
-SIZE_MM = 14.0
+SIZE_MM = 9.0
 HOLE = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}
 
 
@@ -37,4 +37,4 @@ def test_every_support_has_its_own_bound() -> None:
     assert told["bending"]["pinned"] == found.bending_error_percent
     known = [value for kind in told.values() for value in kind.values() if value is not None]
     assert len(known) >= 4
-    assert all(0.1 < value < 10 for value in known)
+    assert all(0.1 < value < 20 for value in known)

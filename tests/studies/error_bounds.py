@@ -30,9 +30,8 @@ BEYOND_CUBIC = {"torsion": {"fillets": 0.11, "sharp": 0.19}, "bending": {"fillet
 
 With fillets 0.06 to 0.16 on four throws, so that a true error is known to 5 %.
 """
-SINGLES = tuple(f"random-{seed}-0" for seed in range(30))
-FAMILIES, CALIBRATION = range(14), range(100, 110)
-"""Seeds of throws with three webs each: those that the difference's bound is checked and calibrated on."""
+THREE_WEBS = range(3)
+"""Numbers of the webs of a random throw."""
 _ORDER = 1.3
 
 
@@ -89,15 +88,28 @@ def size_mm(target: Target, steps: int) -> float:
 
 
 def make_truth(name: str) -> None:
-    """Solve a design with both orders on its default mesh and store it; a minute or so."""
+    """Solve a design with both orders on its default mesh and store it, where that was not done; a minute."""
     target, stored = target_of(name), _stored()
+    if name in stored:
+        return
     stored[name] = {kind: asdict(both) for kind, both in both_orders(target, size_mm(target, 0)).items()}
     STORED.write_text(json.dumps(stored, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
 def stored_names() -> list[str]:
-    """Designs with a stored truth."""
-    return list(_stored())
+    """Random throws with their own web, and built-in designs, whose truth is stored."""
+    return [name for name in _stored() if not name.startswith("random-") or name.endswith("-0")]
+
+
+def stored_families() -> list[int]:
+    """Seeds of random throws with the truth of all their webs stored."""
+    seeds = {int(name.split("-")[1]) for name in _stored() if name.startswith("random-")}
+    return [s for s in sorted(seeds) if all(name in _stored() for name in family(s))]
+
+
+def family(seed: int) -> list[str]:
+    """Names of the webs of a random throw."""
+    return [f"random-{seed}-{number}" for number in THREE_WEBS]
 
 
 def truth(name: str) -> dict[str, float]:
@@ -121,7 +133,7 @@ def single_errors(name: str, steps: int = 0) -> Iterator[Bounded]:
 
 def pair_errors(seed: int, steps: int = 1) -> Iterator[Difference]:
     """Bounds and true errors of the differences between the three webs of a random throw."""
-    for one, other in combinations((f"random-{seed}-{number}" for number in range(3)), 2):
+    for one, other in combinations(family(seed), 2):
         (values, bounds), (others, their_bounds) = _evaluated(one, steps), _evaluated(other, steps)
         true, their_truth = truth(one), truth(other)
         for kind in STIFFNESSES:
