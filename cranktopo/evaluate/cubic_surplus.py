@@ -68,7 +68,7 @@ def _answered(residual: Array, stiffness: Array, held: NDArray[np.bool_]) -> Arr
     residual = np.where(held[:, :, None], 0.0, residual)
     either = held[:, :, None] | held[:, None, :]
     answer = np.linalg.solve(np.where(either, np.eye(3), stiffness), residual)
-    return np.einsum("nik,nil->kl", residual, answer, optimize=True)
+    return np.asarray(np.einsum("nik,nil->kl", residual, answer, optimize=True))
 
 
 def _residual(model: Elasticity, fields: Array, youngs: float, poisson: float) -> tuple[Array, Array]:
@@ -118,7 +118,7 @@ def _stress(basis: Any, nodal: Array, lame: float, shear: float) -> Array:
     dilation = lame * np.einsum("keqaa->keq", slope)
     for axis in range(3):
         stress[..., axis, axis] += dilation
-    return stress
+    return np.asarray(stress)
 
 
 def _functions(model: Elasticity, basis: Any) -> tuple[NDArray[np.intp], Array]:
