@@ -24,7 +24,9 @@ def test_a_result_beside_its_bound() -> None:
         ("result", 89.3),
         ("bound", 81.4),
     ]
-    assert "result 89.3 %, bound 81.4 %" in bound_picture(bound_table(BOUND), "mass").alt
+    picture = bound_picture(bound_table(BOUND), "mass")
+    assert "result 89.3 %, bound 81.4 %" in picture.alt
+    assert [axes.get_xlabel() for axes in picture.figure.axes] == ["mass, % of the original"]
 
 
 def test_each_statement_is_told() -> None:

@@ -27,9 +27,9 @@ def _rows(table: ResultTable) -> list[tuple[str, float]]:
 
 def _draw(axes: Axes, table: ResultTable, name: str) -> None:
     rows = _rows(table)
-    for name, percent in reversed(rows):
-        bar = axes.barh(name, percent, color=_COLOURS.get(name))
-        axes.bar_label(bar, [name], label_type="center", color="white")
+    for web, percent in reversed(rows):
+        bar = axes.barh(web, percent, color=_COLOURS.get(web))
+        axes.bar_label(bar, [web], label_type="center", color="white")
         axes.bar_label(bar, [f"{percent - 100:+.1f} %"], padding=3)
     axes.set_yticks([])
     axes.set(xlabel=f"{name}, % of the original", xlim=(0, 1.25 * max(percent for _, percent in rows)))
