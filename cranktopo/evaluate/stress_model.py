@@ -191,7 +191,7 @@ def _step_of(target: Target) -> Path:
     Raises:
         CranktopoError: it is a surface of triangles.
     """
-    if target.file is None or target.file.suffix.lower() == ".stl":
+    if target.file is None or target.triangles:
         raise CranktopoError(
             f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
             "singular.",

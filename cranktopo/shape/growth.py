@@ -218,7 +218,7 @@ class Growth:
         Both are refined where the cells cannot tell which is better.
         """
         found, solved = self._on_cells(layout, start, EVALUATIONS, best.factors)
-        if found is not None and found.missed > 0 == best.missed:
+        if found is not None and best.missed == 0 < found.missed:
             found = None
         if found is None or not LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
             return found, solved, best
@@ -248,10 +248,8 @@ class Growth:
             for name, value in found.responses.values.items()
             if name in self._original and self.model.original[name]
         }
-        missed, objective = found.missed, merit(goal, found.responses.values)
-        return Grown(
-            layout, found.values, objective, missed if missed > _DOUBT else 0.0, told, factors
-        ), solved
+        objective = merit(goal, found.responses.values)
+        return Grown(layout, found.values, objective, _doubtful(found.missed), told, factors), solved
 
     @property
     def _name(self) -> str:
@@ -279,13 +277,12 @@ class Growth:
 
         kept = self._work.once(name, make)
         exact = Told(kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()})
-        missed = float(self._goal.excesses(exact.values).max(initial=0.0))
         values = np.array(kept["values"])
         return Grown(
             web.layout,
             values,
             kept["objective"],
-            missed if missed > _DOUBT else 0.0,
+            _doubtful(float(self._goal.excesses(exact.values).max(initial=0.0))),
             exact.values,
             self._factors(web.layout, values, exact.values),
             exact,
@@ -317,6 +314,11 @@ def _gain(before: Grown, found: Grown) -> float:
     if before.missed > 0 or found.missed > 0:
         return before.missed - found.missed
     return before.objective - found.objective
+
+
+def _doubtful(missed: float) -> float:
+    """By how much limits are missed; 0 where a finish may still keep them, as the merit counts that."""
+    return missed if missed > _DOUBT else 0.0
 
 
 def _hope(best: Grown) -> float:

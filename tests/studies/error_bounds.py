@@ -103,8 +103,9 @@ def stored_names() -> list[str]:
 
 def stored_families() -> list[int]:
     """Seeds of random throws with the truth of all their webs stored."""
-    seeds = {int(name.split("-")[1]) for name in _stored() if name.startswith("random-")}
-    return [s for s in sorted(seeds) if all(name in _stored() for name in family(s))]
+    stored = _stored()
+    seeds = {int(name.split("-")[1]) for name in stored if name.startswith("random-")}
+    return [s for s in sorted(seeds) if all(name in stored for name in family(s))]
 
 
 def family(seed: int) -> list[str]:
