@@ -55,7 +55,8 @@ def disk_model(scene: Scene, throw_inertia_kg_mm2: float, throws_Nm_per_rad: tup
     moving = 0.0
     if scene.engine is not None:
         engine = scene.engine
-        moving = (engine.rod_rotating_kg + engine.reciprocating_kg / 2) * scene.throw.radius_mm**2
+        moving_kg = engine.rods_per_pin * (engine.rod_rotating_kg + engine.reciprocating_kg / 2)
+        moving = moving_kg * scene.throw.radius_mm**2
     inertia = (throw_inertia_kg_mm2 + moving) / MM2_PER_M2
     ends, inner = inertia / 2, len(throws_Nm_per_rad) - 1
     return DiskModel((ends, *[inertia] * inner, ends), throws_Nm_per_rad)

@@ -79,7 +79,7 @@ class LoadAnalysis:
 
 def at_speed(scene: Scene, speed_rpm: float) -> Scene:
     """The scene with its engine at another speed; gas pressures stay as they are."""
-    engine = _engine(scene).model_copy(update={"speed_rpm": speed_rpm})
+    engine = engine_of(scene).model_copy(update={"speed_rpm": speed_rpm})
     return scene.model_copy(update={"engine": engine})
 
 
@@ -91,9 +91,16 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
             piston and of the rod count.
 
     Raises:
-        CranktopoError: no engine, or gas data that cannot be used.
+        CranktopoError: no engine, two rods on a pin, or gas data that cannot be used.
     """
-    engine, radius = _engine(scene), scene.throw.radius_mm
+    engine, radius = engine_of(scene), scene.throw.radius_mm
+    if engine.rods_per_pin > 1:
+        raise invalid(
+            "engine.arrangement.layout",
+            engine.arranged.layout,
+            "loads of a throw are those of one rod, a V has two on each pin",
+            "Only `cranktopo balance` knows both; for the loads of one rod leave layout out.",
+        )
     balance = throw_balance(scene)
     curve = pressure_curve(scene)
     cycle = None if curve is None else _cycle(engine, radius, curve, balance, enabled)
@@ -101,7 +108,8 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
     return LoadAnalysis(engine, radius, balance, rotating, cycle)
 
 
-def _engine(scene: Scene) -> Engine:
+def engine_of(scene: Scene) -> Engine:
+    """The engine of a scene; raises CranktopoError where there is none."""
     if scene.engine is None:
         raise invalid("engine", None, "must be given for forces over the cycle", "Add an [engine] table.")
     return scene.engine
@@ -123,7 +131,7 @@ def _cycle(
         reciprocating="reciprocating_inertia" in enabled,
         rotating_rod="rotating_rod_mass" in enabled,
     )
-    torque = shaft_torque(curve.angle_deg, forces.torque_Nm, engine.order, engine.cycle_deg)
+    torque = shaft_torque(curve.angle_deg, forces.torque_Nm, engine.firing_angles_deg, engine.cycle_deg)
     work = indicated_work_J(curve, engine, radius)
     return Cycle(curve, forces, torque, work, series_difference_percent(radius, engine.rod_length_mm))
 

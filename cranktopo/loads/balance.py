@@ -28,7 +28,7 @@ class ThrowBalance:
         crankpin_kg: mass of the crankpin between the web faces, kg.
         throw_unbalance_kg_mm: mass times y of the throw's centre of mass, kg mm.
         lateral_unbalance_kg_mm: mass times x of the throw's centre of mass, kg mm.
-        rotating_unbalance_kg_mm: with the rotating mass of the rod on the pin, kg mm.
+        rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin, kg mm.
         inertia_kg_mm2: inertia of the throw about the crank axis, kg mm2.
         rod_inertia_kg_mm2: what the rotating mass of the rod adds to it, kg mm2.
     """
@@ -76,7 +76,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     crankpin = _cylinder(throw.crankpin, radius).times(density)
     fillets = (_fillets(throw.main_journal, 0.0) + _fillets(throw.crankpin, radius)).times(density)
     total = journal + crankpin + fillets + web + web
-    rod_kg = scene.engine.rod_rotating_kg if scene.engine else 0.0
+    rod_kg = scene.engine.rod_rotating_kg * scene.engine.rods_per_pin if scene.engine else 0.0
     return ThrowBalance(
         mass_kg=total.volume,
         web_kg=web.volume,

@@ -28,18 +28,16 @@ class ShaftTorque:
 
 
 def shaft_torque(
-    angle_deg: Array, throw_torque_Nm: Array, order: tuple[int, ...], cycle_deg: float
+    angle_deg: Array, throw_torque_Nm: Array, firing_deg: tuple[float, ...], cycle_deg: float
 ) -> ShaftTorque:
-    """Torque behind each throw of a shaft whose cylinders fire at even intervals.
+    """Torque behind each throw of a shaft with one cylinder per throw.
 
     Args:
         angle_deg: evenly spaced crank angles over one cycle, deg.
         throw_torque_Nm: torque of one throw at these angles after its own firing dead centre, N m.
-        order: cylinder numbers in the order of firing; cylinder 1 is at the free end.
+        firing_deg: crank angle at which each cylinder fires, deg; cylinder 1, at the free end, first.
     """
-    interval = cycle_deg / len(order)
-    single = np.empty((len(order), len(angle_deg)))
-    for fires, cylinder in enumerate(order):
-        shifted = angle_deg - fires * interval
-        single[cylinder - 1] = np.interp(shifted, angle_deg, throw_torque_Nm, period=cycle_deg)
+    single = [
+        np.interp(angle_deg - fires, angle_deg, throw_torque_Nm, period=cycle_deg) for fires in firing_deg
+    ]
     return ShaftTorque(angle_deg, np.cumsum(single, axis=0))

@@ -103,8 +103,7 @@ def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory
 
 def _throw(engine: Engine, cycle: Cycle, angle: Array, cylinder: int) -> tuple[Array, Array, Array]:
     """Radial and tangential force and mean torque of a throw, at angles after its own firing dead centre."""
-    interval = engine.cycle_deg / len(engine.order)
-    shaft = angle + engine.order.index(cylinder) * interval
+    shaft = angle + engine.firing_angles_deg[cylinder - 1]
     forces = cycle.forces
 
     def at(curve: Array, where: Array) -> Array:

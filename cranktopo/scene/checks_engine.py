@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from cranktopo.errors import CranktopoError, invalid
+from cranktopo.scene.checks_arrangement import check_arrangement
 from cranktopo.scene.engine import Engine, Gas
 from cranktopo.scene.schema import Scene
 
@@ -32,6 +33,7 @@ def check_engine(scene: Scene) -> None:
             f"must be at least engine.speed_rpm = {engine.speed_rpm:g} rpm",
         )
     _check_firing_order(engine)
+    check_arrangement(scene)
     _check_rod(engine)
     if engine.gas is not None:
         _check_gas(engine, engine.gas)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Literal
 
 from pydantic import Field
 
+from cranktopo.errors import invalid
+from cranktopo.scene.arrangement import Arrangement
 from cranktopo.scene.base import SHOWN, CrankAngle, Force, Length, Mass, Pressure, SceneTable, Speed, Torque
 
 
@@ -77,7 +81,8 @@ class Masses(SceneTable):
 class Engine(SceneTable):
     """The engine that loads the throw.
 
-    Cylinder 1 is at the free end of the shaft, the last one at the takeoff; firing is evenly spaced.
+    Cylinder 1 is at the free end of the shaft, the last one at the takeoff; firing is evenly spaced unless
+    `[engine.arrangement]` says otherwise.
     """
 
     bore_mm: Length = Field(examples=[95.0])
@@ -91,11 +96,12 @@ class Engine(SceneTable):
     strokes: Literal[2, 4] = 4
     """Strokes of a working cycle."""
     cylinders: int = Field(default=1, ge=1, le=48)
-    """Number of cylinders, one throw each."""
+    """Number of cylinders, one throw each; in a `V` one for two."""
     firing_order: tuple[int, ...] = ()
-    """Cylinder numbers in the order of firing, evenly spaced; needed for more than one cylinder."""
+    """Cylinder numbers in the order of firing; needed for more than one cylinder."""
     gas: Gas | None = None
     masses: Masses = Masses()
+    arrangement: Arrangement | None = None
     max_gas_force_N: Force | None = Field(default=None, examples=[35900.0])
     """Largest gas force, when it is known and the pressure is not."""
     max_torque_Nm: Torque | None = Field(default=None, examples=[690.0])
@@ -128,19 +134,92 @@ class Engine(SceneTable):
         return 180.0 * self.strokes
 
     @property
-    def throw_angles_deg(self) -> tuple[float, ...]:
-        """Angle of each throw about the crank axis, deg in [0, 360), cylinder 1 first and at 0.
+    def arranged(self) -> Arrangement:
+        """The arrangement of the cylinders, as given or in line."""
+        return self.arrangement or Arrangement()
 
-        Firing intervals are equal: the cylinder that fires j-th follows the first by j 180 strokes / n
-        degrees of crank rotation, and its throw reaches top dead centre by then.
+    @property
+    def rods_per_pin(self) -> int:
+        """Rods on each crankpin."""
+        return 2 if self.arranged.layout == "V" else 1
+
+    @property
+    def throws(self) -> int:
+        """Number of throws of the shaft."""
+        return self.cylinders // self.rods_per_pin
+
+    def throw_of(self, cylinder: int) -> int:
+        """Index of the throw that a cylinder drives, 0 at the free end."""
+        return (cylinder - 1) % self.throws
+
+    def axis_deg(self, cylinder: int) -> float:
+        """Direction of a cylinder's axis from that of the first bank, deg in the sense of rotation."""
+        arranged = self.arranged
+        if arranged.layout == "boxer":
+            return 0.0 if cylinder % 2 else 180.0
+        return 0.0 if cylinder <= self.throws else arranged.bank_angle_deg or 0.0
+
+    @property
+    def bank_angle_deg(self) -> float:
+        """Angle between the two banks, deg; 0 in line."""
+        return self.axis_deg(2) if self.arranged.layout == "boxer" else self.axis_deg(self.cylinders)
+
+    @property
+    def throw_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw about the crank axis, deg in [0, 360), the first at 0.
+
+        As given, else such that firing intervals are equal: the cylinder that fires j-th follows the first by
+        j 180 strokes / n degrees of crank rotation, and its throw reaches top dead centre by then.
         """
+        return self.arranged.throw_angles_deg or tuple(map(self.even_angle_deg, range(1, self.throws + 1)))
+
+    def even_angle_deg(self, cylinder: int) -> float:
+        """Angle that a cylinder's throw has where firing is even, deg in [0, 360)."""
         count, first = len(self.order), self.order.index(1)
-        return tuple(
-            (-(self.order.index(cylinder) - first) * self.cycle_deg / count) % 360.0
-            for cylinder in range(1, count + 1)
-        )
+        fires = (self.order.index(cylinder) - first) * self.cycle_deg / count
+        return (self.axis_deg(cylinder) - fires) % 360.0
+
+    @property
+    def firing_angles_deg(self) -> tuple[float, ...]:
+        """Crank angle at which each cylinder fires, deg after the one that fires first; cylinder 1 first.
+
+        Given throws of a four-stroke engine leave open in which of two turns a cylinder fires: those after
+        some place of the firing order fire in the second; the place with the most even intervals counts.
+
+        Raises:
+            CranktopoError: the throws do not reach top dead centre in the firing order.
+        """
+        count = len(self.order)
+        if not self.arranged.throw_angles_deg:
+            interval = self.cycle_deg / count
+            return tuple(self.order.index(cylinder) * interval for cylinder in range(1, count + 1))
+        turn = [self._dead_centre_deg(cylinder) for cylinder in self.order]
+        places = range(count, 0, -1) if self.strokes == 4 else [count]
+        choices = [[*turn[:place], *(angle + 360.0 for angle in turn[place:])] for place in places]
+        fitting = [choice for choice in choices if all(a <= b for a, b in pairwise(choice))]
+        if not fitting:
+            raise invalid(
+                "engine.arrangement.throw_angles_deg",
+                list(self.arranged.throw_angles_deg),
+                f"the cylinders {list(self.order)} reach top dead centre at "
+                f"{', '.join(f'{angle:g}' for angle in turn)} deg, which is not one after the other",
+                "Correct the angles or engine.firing_order.",
+            )
+        best = min(fitting, key=lambda fires: round(_unevenness(fires, self.cycle_deg), 6))
+        return tuple(best[self.order.index(cylinder)] for cylinder in range(1, count + 1))
+
+    def _dead_centre_deg(self, cylinder: int) -> float:
+        """Crank angle of a cylinder's top dead centre after that of the first to fire, deg in [0, 360)."""
+        angles = self.throw_angles_deg
+        mine, first = (self.axis_deg(c) - angles[self.throw_of(c)] for c in (cylinder, self.order[0]))
+        return round((mine - first) % 360.0, 9) % 360.0
 
     @property
     def order(self) -> tuple[int, ...]:
         """Cylinder numbers in the order of firing."""
         return self.firing_order or (1,)
+
+
+def _unevenness(fires_deg: Sequence[float], cycle_deg: float) -> float:
+    """Sum of the squared intervals between firings over a cycle."""
+    return sum((b - a) ** 2 for a, b in pairwise([*fires_deg, fires_deg[0] + cycle_deg]))

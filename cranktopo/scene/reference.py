@@ -12,6 +12,7 @@ _UNITS = {
     "_N_per_mm": "N/mm",
     "_kNm_per_rad": "kN m/rad",
     "_kg_m3": "kg/m³",
+    "_kg_mm": "kg mm",
     "_GPa": "GPa",
     "_MPa": "MPa",
     "_Nm": "N m",
