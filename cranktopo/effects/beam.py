@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.loads.torsional_stiffness import WebBar, shortened, throw_torsion_rad_per_Nmm, web_bar
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.units import MPA_PER_GPA
@@ -38,35 +39,14 @@ class ThrowCompliance:
     torsion_rad_per_Nmm: float
 
 
-@dataclass(frozen=True)
-class _Web:
-    """Web as a bar of rectangular section between the journals."""
-
-    width: float
-    thickness: float
-    length: float  # free length between the journals
-    arm: float  # throw radius
-    lever: float  # mid-journal plane to the web's mid-plane
-
-    @property
-    def area(self) -> float:
-        return self.width * self.thickness
-
-    @property
-    def twist(self) -> float:
-        """Torsion constant of the rectangle (Roark's Formulas for Stress and Strain, first terms)."""
-        long, short = max(self.width, self.thickness), min(self.width, self.thickness)
-        return long * short**3 / 3 * (1 - 0.63 * short / long)
-
-
 def throw_compliance(scene: Scene) -> ThrowCompliance:
     """Closed-form compliance of the scene's throw with its own web, bores and fillets.
 
     Fillets shorten the journals by the integral of 1 - J / J(z), and the web, whose free length ends at
     their feet.
     """
-    main, pin = (_shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
-    web = _web(scene)
+    main, pin = (shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
+    web = web_bar(scene)
     e = scene.material.E_GPa * MPA_PER_GPA
     g = e / (2 * (1 + scene.material.poisson))
     bars = _journal_bending(main, e, g) + _pin_bending(pin, web, e, g)
@@ -76,50 +56,13 @@ def throw_compliance(scene: Scene) -> ThrowCompliance:
     across += web.arm**2 / 12 * half / (e * web.thickness * web.width**3 / 12)
     across += half / (4 * SHEAR_RECTANGLE * g * web.area)
     across += (web.arm / 2) ** 2 * (main.length_mm / 2) / (g * 2 * _second_moment(main))
-    torsion = _torsion_sum(main, pin, web) * 32 / (math.pi * g)
-    return ThrowCompliance(2 * (bars + along), 2 * (bars + across), torsion)
-
-
-def fillet_length_saving_mm(journal: Journal) -> float:
-    """Length by which the fillets at both ends shorten a journal in torsion: integral of 1 - J / J(z)."""
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    angle = np.pi / 4 * (nodes + 1)
-    outer = journal.radius_mm + journal.fillet_mm * (1 - np.sin(angle))
-    dz = journal.fillet.axial_mm * np.sin(angle) * weights * np.pi / 4
-    polar = journal.radius_mm**4 - journal.bore_radius_mm**4
-    return 2 * float(((1 - polar / (outer**4 - journal.bore_radius_mm**4)) * dz).sum())
+    return ThrowCompliance(2 * (bars + along), 2 * (bars + across), throw_torsion_rad_per_Nmm(scene))
 
 
 def web_section_modulus_mm3(scene: Scene) -> float:
     """Modulus of the web's section half-way along the throw against bending out of its plane, mm3."""
-    web = _web(scene)
+    web = web_bar(scene)
     return web.width * web.thickness**2 / 6
-
-
-def web_lever_mm(scene: Scene) -> float:
-    """Distance from the mid-journal plane to the mid-plane of the web, mm."""
-    return (scene.throw.main_journal.length_mm + scene.web.thickness_mm) / 2
-
-
-def journal_torsion_modulus_mm3(journal: Journal) -> float:
-    """Modulus of a hollow journal in torsion, mm3."""
-    return math.pi / 2 * (journal.radius_mm**4 - journal.bore_radius_mm**4) / journal.radius_mm
-
-
-def _shortened(journal: Journal) -> Journal:
-    length = journal.length_mm - fillet_length_saving_mm(journal)
-    return journal.model_copy(update={"length_mm": length})
-
-
-def _web(scene: Scene) -> _Web:
-    throw = scene.throw
-    radius = throw.radius_mm
-    width = 2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0])
-    overlap = 0.2 * sum(q.outer_diameter_mm + 2 * q.fillet_mm for q in (throw.main_journal, throw.crankpin))
-    # Ker Wilson's free length; journals that overlap leave at least a tenth of the throw.
-    return _Web(
-        width, scene.web.thickness_mm, max(radius - overlap, 0.1 * radius), radius, web_lever_mm(scene)
-    )
 
 
 def _second_moment(journal: Journal) -> float:
@@ -136,7 +79,7 @@ def _journal_bending(main: Journal, e: float, g: float) -> float:
     return length**3 / (12 * e * _second_moment(main)) + length / (4 * SHEAR_RING * g * _area(main))
 
 
-def _pin_bending(pin: Journal, web: _Web, e: float, g: float) -> float:
+def _pin_bending(pin: Journal, web: WebBar, e: float, g: float) -> float:
     """Half pin under its part of a unit force spread over its length, and the moment from the bearing."""
     nodes, weights = np.polynomial.legendre.leggauss(5)
     s = pin.length_mm / 4 * (nodes + 1)
@@ -144,18 +87,3 @@ def _pin_bending(pin: Journal, web: _Web, e: float, g: float) -> float:
     shear = 0.5 - s / pin.length_mm
     density = moment**2 / (e * _second_moment(pin)) + shear**2 / (SHEAR_RING * g * _area(pin))
     return float((density * weights).sum() * pin.length_mm / 4)
-
-
-def _torsion_sum(main: Journal, pin: Journal, web: _Web) -> float:
-    """Mean compliance of Carter and Ker Wilson times pi G / 32, 1/mm3."""
-    j, p = ((2 * q.radius_mm) ** 4 - (2 * q.bore_radius_mm) ** 4 for q in (main, pin))
-    lj, lp = main.length_mm, pin.length_mm
-    # The bores run through the web and take (d / b)^2 of it around each axis. The formulae of Carter and Ker
-    # Wilson know no bored web; chosen on the Mikron's web; on four engines the
-    # estimate then is 0.64 to 0.86 of finite elements.
-    bored = 2 * (main.bore_radius_mm**2 + pin.bore_radius_mm**2) / web.width**2
-    bar = web.thickness * web.width**3 * (1 - bored)
-    carter = (lj + 0.8 * web.thickness) / j + 0.75 * lp / p + 1.5 * web.arm / bar
-    wilson = (lj + 0.4 * main.outer_diameter_mm) / j + (lp + 0.4 * pin.outer_diameter_mm) / p
-    wilson += web.length / bar
-    return 2 / (1 / carter + 1 / wilson)

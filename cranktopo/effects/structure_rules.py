@@ -7,18 +7,14 @@ from __future__ import annotations
 
 import math
 
-from cranktopo.effects.beam import (
-    journal_torsion_modulus_mm3,
-    throw_compliance,
-    web_lever_mm,
-    web_section_modulus_mm3,
-)
+from cranktopo.effects.beam import throw_compliance, web_section_modulus_mm3
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
 from cranktopo.effects.goal_rules import wants_safety
 from cranktopo.effects.simulated import without
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
+from cranktopo.loads.torsional_stiffness import journal_torsion_modulus_mm3, web_lever_mm
 from cranktopo.units import NMM_PER_NM
 
 

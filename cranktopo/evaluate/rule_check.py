@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.effects.beam import web_lever_mm
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.m53 import (
@@ -28,6 +27,7 @@ from cranktopo.evaluate.safety_field import check_method, load_kinds
 from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history
+from cranktopo.loads.torsional_stiffness import web_lever_mm
 from cranktopo.scene import Scene
 from cranktopo.units import NMM_PER_NM
 

@@ -27,8 +27,9 @@ from cranktopo.evaluate.shaft_assembly import (
     throw_matrix,
 )
 from cranktopo.evaluate.targets import Target
-from cranktopo.evaluate.torsional import DiskModel, disk_model
+from cranktopo.evaluate.torsional import disk_model
 from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
+from cranktopo.loads.disk_chain import DiskChain
 from cranktopo.meshing.solid_mesh import MeshedThrow
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import LOADS, SHAFT, Assumption, among, assumed_json
@@ -50,7 +51,7 @@ class ShaftEvaluation:
     mass_kg: float
     stiffness: ShaftStiffness
     error_percent: float
-    disks: DiskModel
+    disks: DiskChain
     assumed: tuple[Assumption, ...]
 
     def as_json(self) -> dict[str, Any]:

@@ -32,6 +32,16 @@ Reaction = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
 Torque = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(ge=1, le=1e12, allow_inf_nan=False)]
 """N/mm."""
+Inertia = Annotated[float, Field(ge=1e-9, le=1e7, allow_inf_nan=False)]
+"""About the crank axis, kg m2."""
+TorsionalStiffness = Annotated[float, Field(ge=1e-3, le=1e12, allow_inf_nan=False)]
+"""N m/rad."""
+TorsionalDamping = Annotated[float, Field(ge=0, le=1e8, allow_inf_nan=False)]
+"""N m s/rad."""
+LossFactor = Annotated[float, Field(ge=0, le=2, allow_inf_nan=False)]
+"""Energy lost in a cycle over 2 pi times the largest strain energy."""
+TurningSpeed = Annotated[float, Field(ge=1, le=2e5, allow_inf_nan=False)]
+"""Of a shaft that turns, rpm."""
 Weight = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0.01, le=0.99, allow_inf_nan=False)]
 

@@ -6,6 +6,7 @@ from cranktopo.errors import invalid
 from cranktopo.scene.checks_engine import check_engine, check_supports
 from cranktopo.scene.checks_free import check_free_dimensions
 from cranktopo.scene.checks_goal import check_goal
+from cranktopo.scene.checks_shaft import check_shaft
 from cranktopo.scene.checks_sizes import check_envelope_reach, check_proportions, check_web_extent
 from cranktopo.scene.checks_web import check_solid
 from cranktopo.scene.features.body import ROUNDING_MM
@@ -26,6 +27,7 @@ def check_scene(scene: Scene) -> None:
     _check_bores_apart(scene)
     check_engine(scene)
     check_supports(scene)
+    check_shaft(scene)
     check_solid(scene)
     check_web_extent(scene)
     _check_envelope(scene)

@@ -11,6 +11,9 @@ from cranktopo.scene.schema import Scene
 _UNITS = {
     "_N_per_mm": "N/mm",
     "_kNm_per_rad": "kN m/rad",
+    "_Nms_per_rad": "N m s/rad",
+    "_Nm_per_rad": "N m/rad",
+    "_kg_m2": "kg m²",
     "_kg_m3": "kg/m³",
     "_kg_mm": "kg mm",
     "_GPa": "GPa",

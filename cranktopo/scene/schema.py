@@ -27,6 +27,7 @@ from cranktopo.scene.features import Web
 from cranktopo.scene.geometry import Envelope, Throw
 from cranktopo.scene.goal.table import GoalTable
 from cranktopo.scene.messages import explain, explains
+from cranktopo.scene.shaft_table import ShaftTable
 from cranktopo.scene.shape_table import ShapeTable
 from cranktopo.scene.supports import Supports
 
@@ -216,6 +217,7 @@ class Scene(SceneTable):
     """Linear elastic, isotropic material; the whole crankshaft is made of it."""
     supports: Supports = Supports()
     engine: Engine | None = None
+    shaft: ShaftTable | None = None
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
     original: Original | None = None

@@ -8,12 +8,13 @@ import trimesh
 
 from cranktopo.domain.build import build_domain
 from cranktopo.effects import CostRates, plan
-from cranktopo.effects.beam import fillet_length_saving_mm, throw_compliance
+from cranktopo.effects.beam import throw_compliance
 from cranktopo.effects.cost import Costing
 from cranktopo.effects.simulated import simulated_scene, without
 from cranktopo.errors import CranktopoError
 from cranktopo.loads import at_speed, extreme_states, load_cases
 from cranktopo.loads.balance import throw_balance
+from cranktopo.loads.torsional_stiffness import fillet_length_saving_mm
 from cranktopo.scene import load_scene, scene_from_dict
 from cranktopo.scene.features import CylinderPocket
 from cranktopo.scene.geometry import Journal, OutlineEnvelope

@@ -67,7 +67,7 @@ def test_values(old: str, new: str, message: str) -> None:
         ("outer_diameter_mm = 42.0", "diameter_mm = 42.0", "Did you mean 'outer_diameter_mm'?"),
         ("piston_group_kg", "rod_mass_kg", "Did you mean 'rod_kg'?"),
         ("piston_group_kg", "speed_rpm", "It belongs to [engine]."),
-        ("piston_group_kg", "flywheel", "Valid: piston_group_kg, "),
+        ("piston_group_kg", "camshaft", "Valid: piston_group_kg, "),
         ("bore_mm", "bore_diameter_mm", "It belongs to [throw.crankpin] or [throw.main_journal]."),
         ("width_mm", "Width_mm", "Did you mean 'width_mm'?"),
     ],

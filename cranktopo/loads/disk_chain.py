@@ -1,0 +1,136 @@
+"""Disks joined by springs, with damping: natural frequencies, modes, steady forced vibration."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+_RIGID = 1e-12
+"""Square of a frequency over that of the highest below which a motion is rigid."""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A natural vibration without damping.
+
+    Attributes:
+        shape: amplitude of every disk, the largest 1, that of the first disk positive.
+    """
+
+    frequency_Hz: float
+    shape: Array
+
+
+@dataclass(frozen=True)
+class DiskChain:
+    """Disks joined by massless springs; damping that is not given is zero.
+
+    Attributes:
+        stiffness_Nm_per_rad: of the spring after each disk but the last.
+        loss_factor: of each spring: its stiffness times 1 + i loss factor.
+        relative_damping_Nms_per_rad: viscous, beside each spring.
+        absolute_damping_Nms_per_rad: viscous, of each disk.
+    """
+
+    inertia_kg_m2: tuple[float, ...]
+    stiffness_Nm_per_rad: tuple[float, ...]
+    loss_factor: tuple[float, ...] = ()
+    relative_damping_Nms_per_rad: tuple[float, ...] = ()
+    absolute_damping_Nms_per_rad: tuple[float, ...] = ()
+
+    def natural_frequencies_Hz(self) -> tuple[float, ...]:
+        """Natural frequencies above the rigid rotation, Hz, rising."""
+        squares = np.linalg.eigvalsh(self._scaled_stiffness())
+        return tuple(float(math.sqrt(max(s, 0.0)) / (2 * math.pi)) for s in squares[1:])
+
+    def modes(self) -> tuple[Mode, ...]:
+        """Natural vibrations above the rigid rotation of the whole or of disks on no spring, rising."""
+        squares, vectors = np.linalg.eigh(self._scaled_stiffness())
+        shapes = vectors / np.sqrt(self.inertia_kg_m2)[:, None]
+        shapes = shapes / np.abs(shapes).max(axis=0)
+        shapes = shapes * np.where(shapes[0] < 0, -1.0, 1.0)
+        return tuple(
+            Mode(float(math.sqrt(max(square, 0.0)) / (2 * math.pi)), shape)
+            for square, shape in zip(squares, shapes.T, strict=True)
+            if square > _RIGID * squares[-1]
+        )
+
+    def _scaled_stiffness(self) -> Array:
+        scale = 1.0 / np.sqrt(self.inertia_kg_m2)
+        return np.asarray(_joined(np.array(self.stiffness_Nm_per_rad)) * np.outer(scale, scale))
+
+    def section_stiffness_Nm_per_rad(self, frequency_rad_s: Array) -> ComplexArray:
+        """Complex stiffness of each spring with its damping, shape (*frequencies, springs)."""
+        stiffness = np.array(self.stiffness_Nm_per_rad)
+        lossy = stiffness * (1 + 1j * _filled(self.loss_factor, len(stiffness)))
+        viscous = _filled(self.relative_damping_Nms_per_rad, len(stiffness))
+        return np.asarray(lossy + 1j * np.asarray(frequency_rad_s)[..., None] * viscous)
+
+    def response_rad(self, frequency_rad_s: Array, torque_Nm: ComplexArray) -> ComplexArray:
+        """Complex amplitude of every disk under harmonic torques on the disks.
+
+        Args:
+            frequency_rad_s: above zero, shape (*frequencies).
+            torque_Nm: complex amplitudes, shape (*frequencies, disks).
+        """
+        frequency = np.asarray(frequency_rad_s)
+        inertia = np.array(self.inertia_kg_m2)
+        absolute = _filled(self.absolute_damping_Nms_per_rad, len(inertia))
+        matrix = _joined(self.section_stiffness_Nm_per_rad(frequency))
+        own = 1j * frequency[..., None] * absolute - frequency[..., None] ** 2 * inertia
+        disks = np.arange(len(inertia))
+        matrix[..., disks, disks] += own
+        return np.asarray(np.linalg.solve(matrix, torque_Nm[..., None])[..., 0])
+
+    def section_torque_Nm(self, frequency_rad_s: Array, twist_rad: ComplexArray) -> ComplexArray:
+        """Torque that each spring passes on toward the last disk, complex amplitudes."""
+        relative = twist_rad[..., :-1] - twist_rad[..., 1:]
+        return np.asarray(self.section_stiffness_Nm_per_rad(frequency_rad_s) * relative)
+
+    def dissipated_J(self, frequency_rad_s: Array, twist_rad: ComplexArray) -> Array:
+        """Energy that all damping takes in one period of a harmonic vibration, J."""
+        relative = np.abs(twist_rad[..., :-1] - twist_rad[..., 1:]) ** 2
+        springs = (self.section_stiffness_Nm_per_rad(frequency_rad_s).imag * relative).sum(axis=-1)
+        absolute = _filled(self.absolute_damping_Nms_per_rad, len(self.inertia_kg_m2))
+        disks = np.asarray(frequency_rad_s) * (absolute * np.abs(twist_rad) ** 2).sum(axis=-1)
+        return np.asarray(math.pi * (springs + disks))
+
+    def as_opentorsion(self) -> dict[str, Any]:
+        """Arguments of openTorsion's `Disk(node, I)` and `Shaft(nl, nr, k=..., I=0)`, SI units.
+
+        All inertia sits in the disks: openTorsion 0.3.2 takes an inertia given with `k` six times too large.
+        """
+        return {
+            "disks": [{"node": i, "I": inertia} for i, inertia in enumerate(self.inertia_kg_m2)],
+            "shafts": [
+                {"nl": i, "nr": i + 1, "k": k, "I": 0.0} for i, k in enumerate(self.stiffness_Nm_per_rad)
+            ],
+        }
+
+
+def supplied_J(torque_Nm: ComplexArray, twist_rad: ComplexArray) -> Array:
+    """Work of harmonic torques on the disks in one period, J; what the damping takes."""
+    return np.asarray(math.pi * (torque_Nm * twist_rad.conj()).imag.sum(axis=-1))
+
+
+def _filled(values: tuple[float, ...], count: int) -> Array:
+    return np.array(values) if values else np.zeros(count)
+
+
+def _joined(stiffness: NDArray[Any]) -> NDArray[Any]:
+    """Stiffness matrix of disks in a row, shape (*..., disks, disks)."""
+    disks = stiffness.shape[-1] + 1
+    matrix = np.zeros((*stiffness.shape[:-1], disks, disks), dtype=stiffness.dtype)
+    first, second = np.arange(disks - 1), np.arange(1, disks)
+    matrix[..., first, first] += stiffness
+    matrix[..., second, second] += stiffness
+    matrix[..., first, second] -= stiffness
+    matrix[..., second, first] -= stiffness
+    return matrix
