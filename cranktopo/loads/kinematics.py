@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import invalid
 
 Array = NDArray[np.float64]
+_HARMONIC_POINTS = 4096
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,17 @@ def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Mo
     velocity = sin * (1.0 + lam * cos / q)
     acceleration = cos + lam * np.cos(2 * angle_rad) / q + lam**3 * np.sin(2 * angle_rad) ** 2 / (4 * q**3)
     return Motion(displacement, velocity, acceleration)
+
+
+def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Sequence[int]) -> Array:
+    """Fourier coefficients of the exact acceleration over r w^2: acc = r w^2 sum of c_n cos(n a).
+
+    The mean over evenly spaced angles is exact to rounding as soon as they resolve the last harmonic that
+    counts: those of order n fall as exp(-n arcosh(l/r)).
+    """
+    angle = 2.0 * np.pi * np.arange(_HARMONIC_POINTS) / _HARMONIC_POINTS
+    acceleration = exact_motion(angle, radius_mm, rod_length_mm).acceleration_ratio
+    return np.array([2.0 * np.mean(acceleration * np.cos(order * angle)) for order in orders])
 
 
 def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:

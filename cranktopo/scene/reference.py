@@ -24,6 +24,7 @@ _UNITS = {
     "_um": "µm",
     "_mm": "mm",
     "_kg": "kg",
+    "_kN": "kN",
     "_N": "N",
 }
 _TYPES = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}

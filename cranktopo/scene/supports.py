@@ -43,6 +43,8 @@ class RollerBearing(SceneTable):
         min_length=3, examples=[(33.0, 172.0, 501.0)], json_schema_extra=UNLESS_IN_LIBRARY
     )
     """Reaction of one roller at each displacement, increasing."""
+    dynamic_rating_kN: float | None = Field(default=None, ge=1e-3, le=1e5, examples=[26.0])
+    """Basic dynamic load rating (ISO 281), for the life in `cranktopo balance`; axial of a thrust bearing."""
     source: str = ""
     """Where the values come from."""
 

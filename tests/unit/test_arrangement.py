@@ -7,26 +7,11 @@ import pytest
 from cranktopo.errors import CranktopoError
 from cranktopo.loads import analyse, throw_balance
 from cranktopo.scene import parse_scene
-from cranktopo.scene.loading import designs_folder
+from tests.engine_arrangements import MIKRON, VEE
+from tests.engine_arrangements import arranged as scene
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text()
 SHAFT = "[[engine.arrangement.balancer_shaft]]\norder = 1\nturns = 'against'\n"
-VEE = "layout = 'V'\nbank_angle_deg = 90.0\n"
 TWIN = {"cylinders": 2, "order": (1, 2)}
-
-
-def scene(arrangement, cylinders=4, order=(1, 3, 4, 2), strokes=4):
-    """The Mikron with another arrangement."""
-    text = MIKRON
-    for old, new in (
-        ("cylinders = 4", f"cylinders = {cylinders}"),
-        ("[1, 3, 4, 2]", str(list(order))),
-        ("strokes = 4", f"strokes = {strokes}"),
-        ("[engine.masses]", f"[engine.arrangement]\n{arrangement}\n[engine.masses]"),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    return parse_scene(text)
 
 
 def test_an_empty_arrangement_changes_nothing():
