@@ -7,7 +7,7 @@ The stages, in the order in which data flows through them; each takes what the o
 
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
-`compare_targets`, `assess_fatigue`,
+`compare_targets`, `assess_fatigue`, `shaft_vibration`,
 `study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `report_run`, `report_comparison`, `export_solid`,
 `summarise_runs`, `clean_runs`, `check_machine`. A name loads its module when it is first used, so that
 importing the package costs nothing.
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from cranktopo.pipeline.runs import clean_runs, summarise_runs
     from cranktopo.pipeline.sensitivities import Sensitivities, evaluate_sensitivities
     from cranktopo.pipeline.shape import ShapedRun, resume_shape, shape_design, shape_settings
+    from cranktopo.pipeline.vibration import shaft_vibration
     from cranktopo.remodel.fit import FittedWeb, fit_web
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
     from cranktopo.report.comparison import Comparison, Entry, compare
@@ -120,6 +121,7 @@ _HOMES = {
     "summarise_runs": "pipeline.runs",
     "clean_runs": "pipeline.runs",
     "check_machine": "pipeline.doctor",
+    "shaft_vibration": "pipeline.vibration",
 }
 
 __all__ = [
@@ -175,6 +177,7 @@ __all__ = [
     "resolve_targets",
     "resume_optimisation",
     "resume_shape",
+    "shaft_vibration",
     "shape_design",
     "shape_settings",
     "start_loop",

@@ -25,6 +25,7 @@ COMMANDS = {
     "report": "Write the page of a run: verdict, 3D view, curves, tables; HTML or Markdown with PNGs.",
     "fatigue": "Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.",
     "shaft": "Assemble the throws of a crankshaft: torsional stiffness, natural frequencies, openTorsion.",
+    "vibration": "Torsional vibration of the whole shaft: critical speeds, torque and stress by order.",
     "extract": "Surface of a run, or of any iteration of it, as STL, 3MF or GLB.",
     "remodel": "Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, shape error.",
     "shape": "The best dimensions of a web that can be made, for a goal and limits: scene, STEP, drawing.",

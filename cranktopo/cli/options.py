@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from cranktopo.cli.parameters import CELL_MM, Number
+from cranktopo.cli.parameters import CELL_MM, Choice, Number
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
@@ -17,6 +17,14 @@ DEFAULT_DESIGN = "mikron-iiic"
 FATIGUE_METHODS = ("lsa", "fkm", "m53")
 _TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 
+
+bearings_option = click.option(
+    "--bearings",
+    type=Choice(["rigid", "spring", "free"]),
+    default="rigid",
+    show_default=True,
+    help="Radial support of every mid-journal section; all of them let it tilt.",
+)
 
 bound_option = click.option(
     "--no-bound", is_flag=True, help="Do not prove how far the result is from the best possible web."

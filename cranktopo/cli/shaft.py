@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, body_options
-from cranktopo.cli.parameters import CELL_MM, Choice
+from cranktopo.cli.options import DEFAULT_DESIGN, bearings_option, body_options
+from cranktopo.cli.parameters import CELL_MM
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:
@@ -20,13 +20,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
 @body_options
-@click.option(
-    "--bearings",
-    type=Choice(["rigid", "spring", "free"]),
-    default="rigid",
-    show_default=True,
-    help="Radial support of every mid-journal section; all of them let it tilt.",
-)
+@bearings_option
 @click.option("--element-size-mm", type=CELL_MM, help="General element size.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
 @verbosity_options

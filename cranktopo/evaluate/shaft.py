@@ -41,6 +41,7 @@ class ShaftEvaluation:
     """A whole crankshaft.
 
     Attributes:
+        throw_inertia_kg_mm2: of one throw alone about the crank axis, kg mm2.
         error_percent: bound of the stiffnesses' discretisation error.
         assumed: what the design does not say and the shaft depends on.
     """
@@ -49,6 +50,7 @@ class ShaftEvaluation:
     angles_deg: tuple[float, ...]
     bearings: Bearings
     mass_kg: float
+    throw_inertia_kg_mm2: float
     stiffness: ShaftStiffness
     error_percent: float
     disks: DiskChain
@@ -95,7 +97,7 @@ def evaluate_shaft(
     mass = len(angles) * meshed_throw_kg(meshes[-1], scene)
     error = change_bound_percent(coarse.by_name(), stiffness.by_name())
     assumed = among(target.assumed, shaft_tables(scene, bearings))
-    return ShaftEvaluation(target.name, angles, bearings, mass, stiffness, error, disks, assumed)
+    return ShaftEvaluation(target.name, angles, bearings, mass, inertia, stiffness, error, disks, assumed)
 
 
 def shaft_tables(scene: Scene, bearings: Bearings) -> tuple[str, ...]:

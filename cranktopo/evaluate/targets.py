@@ -16,6 +16,7 @@ from cranktopo.scene.assumed import (
     LOADS,
     SUPPORTS,
     THROW,
+    VIBRATION,
     Assumption,
     assumptions,
     stored_assumptions,
@@ -27,7 +28,7 @@ from cranktopo.store import RunStore, open_run, require_kind, runs_named
 _GEOMETRY = (".stl", ".step", ".stp")
 _TRIANGLES = ".stl"
 _RUN_SURFACE = "web.stl"
-USED = (THROW, LOADS, SUPPORTS, FATIGUE)
+USED = (THROW, LOADS, VIBRATION, SUPPORTS, FATIGUE)
 """What evaluations may use of a scene; `among` takes what one of them does."""
 
 

@@ -62,6 +62,13 @@ class DiskChain:
             if square > _RIGID * squares[-1]
         )
 
+    def damping_ratio(self, mode: Mode) -> float:
+        """Damping of a natural vibration over its critical damping, all of it taken as light."""
+        w = 2 * math.pi * mode.frequency_Hz
+        taken = self.dissipated_J(np.array(w), mode.shape.astype(complex))
+        energy = (np.array(self.inertia_kg_m2) * mode.shape**2).sum() * w**2 / 2
+        return float(taken / (4 * math.pi * energy))
+
     def _scaled_stiffness(self) -> Array:
         scale = 1.0 / np.sqrt(self.inertia_kg_m2)
         return np.asarray(_joined(np.array(self.stiffness_Nm_per_rad)) * np.outer(scale, scale))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.loads.analysis import INERTIA_EFFECTS
 from cranktopo.loads.balance import throw_balance
@@ -40,6 +41,11 @@ class TorqueHarmonics:
         """Complex amplitudes of the torque on every throw at a speed, one clock for all, (orders, throws)."""
         single = self.gas_Nm + angular_speed_rad_s(speed_rpm) ** 2 * self.inertia_Nm_s2
         return np.asarray(single[:, None] * self.shifts())
+
+    def in_phase(self) -> NDArray[np.bool_]:
+        """Of which orders the torques of all cylinders have the same phase: the major ones."""
+        count = len(self.firing_deg)
+        return np.asarray(np.abs(self.shifts().sum(axis=1)) > (1 - 1e-9) * count)
 
     def shifts(self) -> ComplexArray:
         """Factor of each order for the times at which the cylinders of a throw fire, (orders, throws)."""

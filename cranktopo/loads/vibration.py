@@ -104,13 +104,13 @@ def critical_speeds(
 ) -> tuple[CriticalSpeed, ...]:
     """Every crossing of an order with a natural frequency in a range of speeds, the slowest first."""
     shifts = harmonics.shifts()[1 : orders + 1]
+    majors = harmonics.in_phase()[1 : orders + 1]
     rods = len(harmonics.firing_deg) / shaft.throws
     found = []
     for number, mode in enumerate(modes, start=1):
         swing = mode.shape[shaft.driven]
         shares = np.abs((shifts * swing).sum(axis=1)) / (rods * np.abs(swing).sum())
-        in_phase = np.abs(shifts.sum(axis=1)) > (1 - 1e-9) * len(harmonics.firing_deg)
-        for order, share, major in zip(harmonics.orders[1:], shares, in_phase, strict=False):
+        for order, share, major in zip(harmonics.orders[1:], shares, majors, strict=False):
             speed = 60.0 * mode.frequency_Hz / float(order)
             if range_rpm[0] <= speed <= range_rpm[1]:
                 found.append(CriticalSpeed(speed, float(order), number, float(share), bool(major)))

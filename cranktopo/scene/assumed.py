@@ -12,7 +12,7 @@ from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.schema import Scene
 
 THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
-GOAL = "goal"
+GOAL, VIBRATION = "goal", "shaft"
 """Tables of the scene whose assumptions a command may ask for."""
 EVALUATED = (THROW, SUPPORTS)
 """What the stiffnesses of a throw depend on."""

@@ -130,6 +130,8 @@ _UNITS = {
     "N": "N",
     "Nm": "N m",
     "percent": "%",
+    "Hz": "Hz",
+    "rpm": "rpm",
     "mm": "mm",
     "mm3": "mm3",
     "s": "s",

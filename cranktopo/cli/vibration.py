@@ -1,0 +1,60 @@
+"""`cranktopo vibration`: torsional vibration of the whole shaft over its range of speeds."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import get_args
+
+import click
+
+from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN, bearings_option, body_options
+from cranktopo.cli.parameters import CELL_MM
+from cranktopo.cli.verbosity import info, verbosity_options
+
+
+@click.command()
+@click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
+@body_options
+@bearings_option
+@click.option("--element-size-mm", type=CELL_MM, help="General element size.")
+@click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a page with Campbell diagram and tables; HTML or Markdown.",
+)
+@click.option(
+    "--csv",
+    "csv_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the torque of every section by speed and order.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
+def command(
+    target: str,
+    design: str | None,
+    align: bool,
+    bearings: str,
+    element_size_mm: float | None,
+    report: Path | None,
+    csv_path: Path | None,
+    as_json: bool,
+) -> None:
+    """Torsional vibration of TARGET's shaft: natural frequencies, critical speeds, torque and stress.
+
+    TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design). What is
+    joined to the crankshaft, its damping and the range of speeds are the design's [shaft].
+
+    Example: cranktopo vibration my-engine.toml --report vibration.html
+    """
+    from cranktopo.evaluate.shaft_assembly import Bearings
+    from cranktopo.evaluate.targets import resolve_target
+    from cranktopo.pipeline.vibration import shaft_vibration, vibration_json
+    from cranktopo.report.tables.vibration_tables import vibration_text
+
+    resolved = resolve_target(target, design, align=align)
+    support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
+    study = shaft_vibration(resolved, support, element_size_mm, report, csv_path, info=info)
+    click.echo(json.dumps(vibration_json(resolved, study), indent=2) if as_json else vibration_text(study))

@@ -1,0 +1,171 @@
+"""Torsional vibration of a scene's shaft: modes, critical speeds, response, what to look out for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cranktopo.errors import CranktopoError
+from cranktopo.loads.disk_chain import Mode
+from cranktopo.loads.shaft_chain import ShaftChain, varying_inertia_percent
+from cranktopo.loads.torque_harmonics import torque_harmonics
+from cranktopo.loads.vibration import (
+    CriticalSpeed,
+    Vibration,
+    critical_speeds,
+    speeds_to_solve,
+    vibration,
+)
+from cranktopo.scene import Scene
+from cranktopo.scene.checks_shaft import shaft_warnings, speed_range_rpm
+from cranktopo.scene.shaft_table import ShaftTable
+
+SCHEMA_VERSION = 1
+_NOT_DAMPING = {"speed_min_rpm", "speed_max_rpm", "permitted_shear_MPa", "throw_stiffness_Nm_per_rad"}
+
+
+@dataclass(frozen=True)
+class VibrationStudy:
+    """Torsional vibration of a shaft over its range of speeds.
+
+    Attributes:
+        stiffness_source: where the torsional stiffness of the throws comes from.
+        critical: crossings of orders and natural frequencies in the range.
+        varying_inertia_percent: second harmonic of a throw's inertia, which the model leaves out.
+        barred_rpm: ranges above the permitted stress; None where no stress is given.
+        warnings: what the shaft leaves out, one line each.
+    """
+
+    scene: Scene
+    stiffness_source: str
+    modes: tuple[Mode, ...]
+    critical: tuple[CriticalSpeed, ...]
+    response: Vibration
+    varying_inertia_percent: float
+    barred_rpm: tuple[tuple[float, float], ...] | None
+    warnings: tuple[str, ...]
+
+    @property
+    def shaft(self) -> ShaftChain:
+        """The chain of disks."""
+        return self.response.shaft
+
+    def as_json(self) -> dict[str, Any]:
+        """The object that `vibration --json` prints, but for what the design leaves out."""
+        chain = self.shaft.chain
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "design": self.scene.name,
+            "stiffness_source": self.stiffness_source,
+            "disks": [
+                {"name": name, "inertia_kg_m2": inertia}
+                for name, inertia in zip(self.shaft.names, chain.inertia_kg_m2, strict=True)
+            ],
+            "sections": [
+                {"name": name, "stiffness_Nm_per_rad": stiffness, "in_crankshaft": inside}
+                for name, stiffness, inside in zip(
+                    self.shaft.sections, chain.stiffness_Nm_per_rad, self.shaft.in_crankshaft, strict=True
+                )
+            ],
+            "natural_frequencies_Hz": [mode.frequency_Hz for mode in self.modes],
+            "modes": [
+                {
+                    "frequency_Hz": mode.frequency_Hz,
+                    "damping_ratio": chain.damping_ratio(mode),
+                    "shape": mode.shape.tolist(),
+                }
+                for mode in self.modes
+            ],
+            "damping": _damping(self.scene.shaft or ShaftTable()),
+            "varying_inertia_percent": self.varying_inertia_percent,
+            "critical_speeds": [
+                {
+                    "speed_rpm": found.speed_rpm,
+                    "order": found.order,
+                    "mode": found.mode,
+                    "share": found.share,
+                    "major": found.major,
+                }
+                for found in self.critical
+            ],
+            "barred_ranges": None if self.barred_rpm is None else [list(pair) for pair in self.barred_rpm],
+            "worst": self._worst(),
+            "speeds": [self._speed(index) for index in range(len(self.response.speeds_rpm))],
+            "warnings": list(self.warnings),
+        }
+
+    def _worst(self) -> dict[str, Any]:
+        worst, response = self.response.worst, self.response
+        amplitude = float(response.torque_amplitude_Nm[worst.speed_index, worst.section])
+        by_order = np.abs(response.torque_Nm[worst.speed_index, :, worst.section])
+        return {
+            "speed_rpm": float(response.speeds_rpm[worst.speed_index]),
+            "section": self.shaft.sections[worst.section],
+            "torque_amplitude_Nm": amplitude,
+            "order": worst.order,
+            "shear_MPa": self.shaft.shear_MPa(amplitude),
+            "mean_torque_Nm": float(response.mean_torque_Nm[worst.section]),
+            "by_order": [
+                {"order": float(order), "torque_Nm": float(torque)}
+                for order, torque in zip(response.orders, by_order, strict=True)
+            ],
+        }
+
+    def _speed(self, index: int) -> dict[str, Any]:
+        response = self.response
+        amplitudes = [float(torque) for torque in response.torque_amplitude_Nm[index]]
+        return {
+            "rpm": float(response.speeds_rpm[index]),
+            "torque_amplitude_Nm": amplitudes,
+            "twist_deg": response.twist_amplitude_deg[index].tolist(),
+            "shear_MPa": [
+                self.shaft.shear_MPa(torque) if inside else None
+                for torque, inside in zip(amplitudes, self.shaft.in_crankshaft, strict=True)
+            ],
+            "free_end_deg": float(response.free_end_deg[index]),
+        }
+
+
+def study_vibration(
+    scene: Scene, shaft: ShaftChain, throw_inertia_kg_mm2: float, stiffness_source: str
+) -> VibrationStudy:
+    """Modes, critical speeds and steady vibration of a shaft over the scene's range of speeds.
+
+    Raises:
+        CranktopoError: the scene tells no torque over the cycle, or the shaft is a single disk.
+    """
+    harmonics = torque_harmonics(scene)
+    if harmonics is None:
+        raise CranktopoError(
+            "engine.gas: is missing, so nothing is known of the torque over the cycle.",
+            hint="Add [engine.gas] with a peak pressure or an indicator diagram.",
+        )
+    if len(shaft.names) == 1:
+        raise CranktopoError(
+            "shaft: one throw with nothing joined to it cannot twist.",
+            hint="Add [shaft.flywheel] or [shaft.propeller].",
+        )
+    speeds = speed_range_rpm(scene)
+    modes = shaft.chain.modes()
+    critical = critical_speeds(shaft, modes, harmonics, speeds)
+    response = vibration(shaft, harmonics, speeds_to_solve(speeds, critical))
+    permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
+    barred = None if permitted is None else response.barred_rpm(permitted)
+    varying = varying_inertia_percent(scene, throw_inertia_kg_mm2)
+    return VibrationStudy(
+        scene, stiffness_source, modes, critical, response, varying, barred, shaft_warnings(scene)
+    )
+
+
+def _damping(shaft: ShaftTable) -> dict[str, Any]:
+    """All damping of a shaft table, by key, without what is not given."""
+    found: dict[str, Any] = {}
+    for name, value in shaft.model_dump(exclude_none=True).items():
+        if isinstance(value, dict):
+            inner = {key: v for key, v in value.items() if "damping" in key or "loss" in key or key == "kind"}
+            found |= {name: inner} if inner else {}
+        elif name not in _NOT_DAMPING:
+            found[name] = value
+    return found

@@ -1,0 +1,105 @@
+"""Torsional vibration as tables and text."""
+
+from __future__ import annotations
+
+from cranktopo.loads.vibration_study import VibrationStudy
+from cranktopo.report.tables.result_table import ResultTable, terminal
+
+_WEAK = 0.05
+"""Share of the cylinders that help each other below which a critical speed is not listed."""
+
+
+def modes_table(study: VibrationStudy) -> ResultTable:
+    """Natural frequencies with their damping."""
+    chain = study.shaft.chain
+    rows = []
+    for number, mode in enumerate(study.modes, start=1):
+        where = study.shaft.names[int(abs(mode.shape).argmax())]
+        row = {"mode": str(number), "frequency_Hz": mode.frequency_Hz, "swings_most": where}
+        rows.append({**row, "damping_ratio_percent": 100 * chain.damping_ratio(mode)})
+    columns = {"mode": 0, "frequency_Hz": 1, "damping_ratio_percent": 2, "swings_most": 0}
+    return ResultTable(columns, tuple(rows))
+
+
+def critical_table(study: VibrationStudy) -> ResultTable:
+    """Critical speeds at which the cylinders help each other, with the torque that they cause."""
+    response = study.response
+    rows = []
+    for found in study.critical:
+        if found.share < _WEAK:
+            continue
+        index = int(abs(response.speeds_rpm - found.speed_rpm).argmin())
+        torque = max(
+            float(amplitude)
+            for amplitude, inside in zip(
+                response.torque_amplitude_Nm[index], study.shaft.in_crankshaft, strict=True
+            )
+            if inside
+        )
+        row = {"speed_rpm": found.speed_rpm, "order": found.order, "mode": str(found.mode)}
+        row |= {"kind": "major" if found.major else "minor", "cylinders_helping_percent": 100 * found.share}
+        rows.append({**row, "torque_amplitude_Nm": torque, "shear_MPa": study.shaft.shear_MPa(torque)})
+    columns = {"speed_rpm": 0, "order": 1, "mode": 0, "kind": 0, "cylinders_helping_percent": 0}
+    return ResultTable({**columns, "torque_amplitude_Nm": 1, "shear_MPa": 1}, tuple(rows))
+
+
+def sections_table(study: VibrationStudy) -> ResultTable:
+    """Every section of the shaft at the speed where it swings most."""
+    response, shaft = study.response, study.shaft
+    rows = []
+    for index, name in enumerate(shaft.sections):
+        speed = int(response.torque_amplitude_Nm[:, index].argmax())
+        torque = float(response.torque_amplitude_Nm[speed, index])
+        row = {"section": name, "stiffness_kNm_per_rad": shaft.chain.stiffness_Nm_per_rad[index] / 1000}
+        row |= {"worst_at_rpm": float(response.speeds_rpm[speed]), "torque_amplitude_Nm": torque}
+        row["twist_amplitude_deg"] = float(response.twist_amplitude_deg[speed, index])
+        row["mean_torque_Nm"] = float(response.mean_torque_Nm[index])
+        rows.append({**row, "shear_MPa": shaft.shear_MPa(torque) if shaft.in_crankshaft[index] else None})
+    columns = {"section": 0, "stiffness_kNm_per_rad": 2, "worst_at_rpm": 0, "torque_amplitude_Nm": 1}
+    columns |= {"twist_amplitude_deg": 3, "mean_torque_Nm": 1, "shear_MPa": 1}
+    return ResultTable(columns, tuple(rows))
+
+
+def worst_sentence(study: VibrationStudy) -> str:
+    """The largest torque of the crankshaft in one sentence."""
+    worst, response = study.response.worst, study.response
+    amplitude = float(response.torque_amplitude_Nm[worst.speed_index, worst.section])
+    return (
+        f"The crankshaft's torque swings most at {response.speeds_rpm[worst.speed_index]:.0f} rpm between "
+        f"{study.shaft.sections[worst.section].replace(' - ', ' and ')}: +-{amplitude:.1f} N m, "
+        f"+-{study.shaft.shear_MPa(amplitude):.1f} MPa nominal shear stress, mostly of order {worst.order:g}."
+    )
+
+
+def barred_sentence(study: VibrationStudy) -> str:
+    """The barred ranges of speed in one sentence."""
+    permitted = study.scene.shaft.permitted_shear_MPa if study.scene.shaft else None
+    if study.barred_rpm is None:
+        return "No range of speed is barred: shaft.permitted_shear_MPa is not given."
+    if not study.barred_rpm:
+        return f"No range of speed is barred: the stress stays below {permitted:g} MPa."
+    ranges = " and ".join(f"{low:.0f} to {high:.0f} rpm" for low, high in study.barred_rpm)
+    return f"Barred, above {permitted:g} MPa: {ranges}."
+
+
+def varying_sentence(study: VibrationStudy) -> str:
+    """What the mean inertia leaves out, in one sentence."""
+    return (
+        "Rod and piston count with their mean inertia; it varies by "
+        f"+-{study.varying_inertia_percent:.1f} % of a throw's over a turn."
+    )
+
+
+def vibration_text(study: VibrationStudy) -> str:
+    """For the terminal."""
+    low, high = study.response.speeds_rpm[[0, -1]]
+    parts = [
+        f"{study.scene.name}: steady torsional vibration, {low:.0f} to {high:.0f} rpm, "
+        f"{len(study.response.orders)} orders\nstiffness of the throws: {study.stiffness_source}",
+        terminal(modes_table(study)),
+    ]
+    critical = critical_table(study)
+    parts.append(terminal(critical) if critical.rows else "No critical speed in this range.")
+    parts += [terminal(sections_table(study)), worst_sentence(study)]
+    parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
+    return "\n\n".join(parts)

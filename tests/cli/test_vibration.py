@@ -1,0 +1,128 @@
+"""`cranktopo vibration`: what it prints and writes, what it warns of, what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.cli.main import main
+from cranktopo.evaluate.shaft import ShaftEvaluation, evaluate_shaft
+from cranktopo.scene.loading import designs_folder
+
+MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\n"
+
+
+def design(folder: Path, table: str, text: str = MIKRON) -> str:
+    path = folder / "mine.toml"
+    path.write_text(text.replace("[engine]\n", f"[shaft]\n{table}\n[engine]\n"), encoding="utf-8")
+    return str(path)
+
+
+def printed(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    assert main(["vibration", *arguments, "--json", "--quiet"]) == 0
+    data: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return data
+
+
+def test_json_page_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = GIVEN + "permitted_shear_MPa = 60.0\nflywheel = {inertia_kg_m2 = 0.1}"
+    path, page, csv = design(tmp_path, table), tmp_path / "page.html", tmp_path / "orders.csv"
+    data = printed([path, "--report", str(page), "--csv", str(csv)], capsys)
+    assert [disk["name"] for disk in data["disks"]] == [*(f"throw {n}" for n in range(1, 5)), "flywheel"]
+    sections, speeds = len(data["sections"]), data["speeds"]
+    assert {len(speed[key]) for speed in speeds for key in ("torque_amplitude_Nm", "twist_deg")} == {sections}
+    worst = data["worst"]
+    (at,) = (speed for speed in speeds if speed["rpm"] == worst["speed_rpm"])
+    assert max(at["torque_amplitude_Nm"]) == worst["torque_amplitude_Nm"]
+    assert max(max(speed["torque_amplitude_Nm"]) for speed in speeds) == worst["torque_amplitude_Nm"]
+    above = [speed["rpm"] for speed in speeds if max(speed["shear_MPa"]) > 60.0]
+    barred = data["barred_ranges"]
+    assert above == [s["rpm"] for s in speeds if any(low <= s["rpm"] <= high for low, high in barred)]
+    assert {rpm for pair in barred for rpm in pair} <= set(above)
+    assert data["damping"] == {
+        "cylinder_damping_Nms_per_rad": 0.0,
+        "throw_damping_Nms_per_rad": 0.0,
+        "throw_loss_factor": 0.02,
+    }
+    assert "shaft.throw_loss_factor" in [entry["key"] for entry in data["assumed"]]
+    text = page.read_text(encoding="utf-8")
+    assert text.count("<svg") >= 3
+    assert "http" not in text.replace("http://www.w3.org", "")
+    rows = np.loadtxt(csv, delimiter=",", skiprows=1)
+    assert rows.shape == (24 * len(speeds), 2 + sections)
+    by_order = {entry["order"]: entry["torque_Nm"] for entry in worst["by_order"]}
+    mine = rows[np.isclose(rows[:, 0], worst["speed_rpm"], rtol=1e-7) & (rows[:, 1] == worst["order"])]
+    column = [section["name"] for section in data["sections"]].index(worst["section"])
+    assert mine[0, 2 + column] == pytest.approx(by_order[worst["order"]], rel=1e-6)
+
+
+def test_a_damper_lowers_the_peak(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bare = printed([design(tmp_path, GIVEN + "flywheel = {inertia_kg_m2 = 0.1}")], capsys)
+    ring = "kind = 'viscous', ring_inertia_kg_m2 = 0.004, hub_inertia_kg_m2 = 0.0005"
+    damper = f"damper = {{{ring}, damping_Nms_per_rad = 5.0}}"
+    table = GIVEN + "flywheel = {inertia_kg_m2 = 0.1}\n" + damper
+    damped = printed([design(tmp_path, table)], capsys)
+    assert damped["worst"]["torque_amplitude_Nm"] < 0.6 * bare["worst"]["torque_amplitude_Nm"]
+    assert damped["damping"]["damper"] == {"kind": "viscous", "damping_Nms_per_rad": 5.0}
+
+
+def test_propeller_without_flywheel_is_a_warning(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = design(tmp_path, GIVEN + "propeller = {inertia_kg_m2 = 0.6}")
+    assert main(["vibration", path]) == 0
+    found = capsys.readouterr()
+    assert "warning: mikron-iiic: shaft.flywheel is missing: the propeller alone" in found.err
+    assert "throw 4 - propeller" in found.out
+    assert "Barred" not in found.out
+
+
+def test_elements_of_a_design_without_a_shaft(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The bare crankshaft on a coarse mesh: stiffness and inertia are those of `shaft`."""
+    found: list[ShaftEvaluation] = []
+
+    def kept(*arguments: Any) -> ShaftEvaluation:
+        found.append(evaluate_shaft(*arguments))
+        return found[0]
+
+    monkeypatch.setattr("cranktopo.pipeline.vibration.evaluate_shaft", kept)
+    data = printed(["mikron-iiic", "--element-size-mm", "30"], capsys)
+    assert data["stiffness_source"].startswith("finite elements, rigid bearings")
+    assert data["warnings"] == [
+        "[shaft] is missing: the crankshaft swings with both ends free, without its flywheel."
+    ]
+    one, two = found[0].stiffness.throws_Nm_per_rad[:2]
+    assert data["sections"][0]["stiffness_Nm_per_rad"] == pytest.approx(2 / (1 / one + 1 / two))
+    total = sum(disk["inertia_kg_m2"] for disk in data["disks"])
+    assert total == pytest.approx(sum(found[0].disks.inertia_kg_m2), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("opposed-piston", "engine.gas: is missing, so nothing is known of the torque over the cycle."),
+        ("bare", "[engine] is missing"),
+        ("lone", "shaft: one throw with nothing joined to it cannot twist."),
+    ],
+)
+def test_refused(name: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = name
+    if name == "bare":
+        head, tail = MIKRON.split("[engine]", 1)
+        path = str(tmp_path / "bare.toml")
+        text = head + "[" + tail[tail.index("[envelope]") + 1 :]
+        Path(path).write_text(text, encoding="utf-8")
+    elif name == "lone":
+        text = MIKRON.replace("cylinders = 4", "cylinders = 1").replace("firing_order = [1, 3, 4, 2]", "")
+        path = design(tmp_path, GIVEN, text)
+    page = tmp_path / "page.html"
+    assert main(["vibration", path, "--report", str(page), "--quiet", "--element-size-mm", "30"]) == 3
+    found = capsys.readouterr()
+    assert said in found.err
+    assert len(found.err.splitlines()) == 1
+    assert not page.exists()
