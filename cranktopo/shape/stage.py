@@ -83,9 +83,14 @@ class Round:
     evaluations: int
 
     @property
+    def missed(self) -> float:
+        """How far the limit that is missed most is missed by the evaluation, as a part; 0 or less is kept."""
+        return max(self.excess_percent, default=0.0) / 100
+
+    @property
     def held(self) -> bool:
         """Whether every limit is kept by the evaluation."""
-        return max(self.excess_percent, default=0.0) <= 100 * HELD
+        return self.missed <= HELD
 
 
 @dataclass(frozen=True)
@@ -196,11 +201,11 @@ class _Finish:
 
     def rounds(self, start: Array) -> tuple[Round, ...]:
         """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
-        rounds, effort = [self._evaluated(start, 0, 0)], _FINISH
+        rounds, effort, missed = [self._evaluated(start, 0, 0)], _FINISH, 0.0
         for number in range(1, self._settings.rounds + 1):
             before = rounds[_best(rounds, self._goal)]
             try:
-                found = self._finished(before, number, effort)
+                found = self._finished(before, number, effort, missed)
             except CranktopoError as error:
                 self._work.info(f"finish {number} ended early, the best web before it stands: {error}")
                 break
@@ -210,15 +215,20 @@ class _Finish:
             better = _best(rounds, self._goal) == number
             if before.held and found.held and not better:
                 break
+            missed = 0.0 if better else missed + max(found.missed, 0.0)
             if not better:
                 effort = replace(effort, reach=SHORTER * effort.reach)
         return tuple(rounds)
 
-    def _finished(self, before: Round, number: int, effort: Effort) -> Round | None:
-        """The best web near one that was evaluated, by its gradients; None where none promises to pay."""
+    def _finished(self, before: Round, number: int, effort: Effort, missed: float) -> Round | None:
+        """The best web near one that was evaluated, by its gradients; None where none promises to pay.
+
+        Args:
+            missed: part of a limit that the last webs found beside it missed; kept in reserve as well.
+        """
 
         def make() -> Json:
-            reserve = _SAFE if before.held else _SURE
+            reserve = (_SAFE if before.held else _SURE) + missed
             goal = self._goal.reserved(reserve).reserved(_SCATTER, ("fatigue_safety",))
             cells, exact, at = self._cells.webs(), self.anchored(before), before.values
             step = stepped(cells, self._layout, at, exact, goal, self._work, effort)
@@ -244,7 +254,7 @@ def _best(rounds: Sequence[Round], goal: SearchGoal) -> int:
     held = [index for index, found in enumerate(rounds) if found.held]
     if held:
         return min(held, key=lambda i: (round(goal.objective(rounds[i].web.values), 6), i))
-    return min(range(len(rounds)), key=lambda i: (round(max(rounds[i].excess_percent), 4), i))
+    return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].missed, 4), i))
 
 
 def _round_text(number: int, found: Round, original: EvaluatedWeb) -> str:
