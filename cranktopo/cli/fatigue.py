@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,6 +47,11 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     help="Folder for fatigue.json, and VTU and picture of each target; a run shows it.",
 )
+@click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="With --method m53 and one TARGET: the dossier for a classification society, .html or .md.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
@@ -57,6 +63,7 @@ def command(
     design: str | None,
     align: bool,
     out: Path | None,
+    report: Path | None,
     as_json: bool,
 ) -> None:
     """Fatigue safety of each TARGET on curved tet10 elements.
@@ -67,17 +74,26 @@ def command(
     The unit loads are solved once; every load state is a sum of them. The safety is that of the worst point
     of the fillets, anywhere on the throw.
 
+    With --method m53 --report FILE the check is written as a dossier for a classification society, with its
+    assumptions to be signed.
+
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
     from cranktopo.evaluate.stress_model import RULE_FRACTION
     from cranktopo.pipeline.fatigue import assess_fatigue
+    from cranktopo.pipeline.rule_dossier import check_dossier, write_dossier
 
     names = targets or (baseline or DEFAULT_DESIGN,)
     if baseline is not None and baseline not in names:
         names = (baseline, *names)
     index = None if baseline is None else names.index(baseline)
+    if report is not None:
+        check_dossier(method, len(names), report)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
     found = assess_fatigue(names, method, loads, index, fraction, out, info, design, align)
+    if report is not None:
+        write_dossier(found, report, ["cranktopo", *sys.argv[1:]])
+        info(str(report))
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
 
 

@@ -84,22 +84,46 @@ class FilletCheck:
         """Strength over equivalent stress; the rule asks for 1.15."""
         return self.strength_MPa / self.equivalent_MPa
 
+    @property
+    def accepted(self) -> bool:
+        """Whether the rule accepts it."""
+        return self.acceptability >= LEAST_FACTOR
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A ratio of a throw that the rule's polynomials depend on, and where they are valid."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+
+    @property
+    def valid(self) -> bool:
+        """Whether it lies in the range of the polynomials."""
+        return self.low - 1e-12 <= self.value <= self.high + 1e-12
+
+
+def ratios(d: Dimensions) -> tuple[Ratio, ...]:
+    """The ratios of a throw that the rule names, each with the range of its polynomials."""
+    return (
+        Ratio("pin fillet / pin diameter", d.pin_fillet / d.pin, *M53_FILLET),
+        Ratio("journal fillet / pin diameter", d.journal_fillet / d.pin, *M53_FILLET),
+        Ratio("overlap / pin diameter", d.overlap, -math.inf, 0.5),
+        Ratio("web thickness / pin diameter", d.web_thickness / d.pin, 0.2, 0.8),
+        Ratio("web width / pin diameter", d.web_width / d.pin, 1.1, 2.2),
+        Ratio("journal bore / pin diameter", d.journal_bore / d.pin, 0.0, 0.8),
+        Ratio("pin bore / pin diameter", d.pin_bore / d.pin, 0.0, 0.8),
+    )
+
 
 def outside_validity(d: Dimensions) -> tuple[str, ...]:
     """The ratios that lie outside the range of the rule's polynomials, with their range."""
-    ranges = (
-        ("pin fillet / pin diameter", d.pin_fillet / d.pin, *M53_FILLET),
-        ("journal fillet / pin diameter", d.journal_fillet / d.pin, *M53_FILLET),
-        ("overlap / pin diameter", d.overlap, -math.inf, 0.5),
-        ("web thickness / pin diameter", d.web_thickness / d.pin, 0.2, 0.8),
-        ("web width / pin diameter", d.web_width / d.pin, 1.1, 2.2),
-        ("journal bore / pin diameter", d.journal_bore / d.pin, 0.0, 0.8),
-        ("pin bore / pin diameter", d.pin_bore / d.pin, 0.0, 0.8),
-    )
     return tuple(
-        f"{name} = {value:.3g} (valid {low:g} to {high:g})"
-        for name, value, low, high in ranges
-        if not low - 1e-12 <= value <= high + 1e-12
+        f"{ratio.name} = {ratio.value:.3g} (valid {ratio.low:g} to {ratio.high:g})"
+        for ratio in ratios(d)
+        if not ratio.valid
     )
 
 

@@ -35,10 +35,26 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class AlternatingLoads:
+    """Half the range of the loads over the working cycle.
+
+    Attributes:
+        radial_N: on the pin, toward the crank axis.
+        moment_Nm: bending moment at the web's mid-plane.
+        torque_Nm: that the throw passes on.
+    """
+
+    radial_N: float
+    moment_Nm: float
+    torque_Nm: float
+
+
+@dataclass(frozen=True)
 class RuleCheck:
     """A throw against IACS UR M53.
 
     Attributes:
+        size: the throw in the symbols of the rule, mm.
         outside: dimensions outside the validity of the rule's polynomials.
         closed, elements: concentration factors by polynomial and by finite elements.
         closed_checks, element_checks: pin and journal fillet with either set of factors.
@@ -46,6 +62,8 @@ class RuleCheck:
 
     name: str
     throw_kg: float
+    size: Dimensions
+    loads: AlternatingLoads
     outside: tuple[str, ...]
     closed: Factors
     elements: Factors
@@ -76,6 +94,7 @@ class RuleCheck:
             "safety": self.safety,
             "accepted": self.accepted,
             "least_acceptability": LEAST_FACTOR,
+            "alternating": vars(self.loads),
             "outside_validity": list(self.outside),
             "factors": {"closed_form": vars(self.closed), "finite_elements": vars(self.elements)},
             "nominal": vars(self.nominal),
@@ -103,13 +122,16 @@ def check_rule(
     history = load_history(scene, kind, load_kinds(scene, kind)[0])
     force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
     size = dimensions(scene)
-    nominal = nominal_stresses(size, force / 2 * web_lever_mm(scene), force / 2, torque * NMM_PER_NM)
+    moment = force / 2 * web_lever_mm(scene)
+    nominal = nominal_stresses(size, moment, force / 2, torque * NMM_PER_NM)
     progress(f"{target.name}: four-point bending, three-point bending and torsion")
     model = solve_stresses(_held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction)
     closed, elements = concentration_factors(size), element_factors(model)
     return RuleCheck(
         target.name,
         model.throw_kg,
+        size,
+        AlternatingLoads(force, moment / NMM_PER_NM, torque),
         outside_validity(size),
         closed,
         elements,

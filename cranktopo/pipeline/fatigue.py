@@ -35,6 +35,7 @@ class FatigueAssessment:
         checks: checks by the rule; empty for the other methods.
         baseline: position of the target that counts as 100 %, if any.
         assumed: what each target does not say and its safety depends on.
+        targets: what was assessed.
     """
 
     method: FatigueMethod
@@ -43,6 +44,7 @@ class FatigueAssessment:
     checks: tuple[RuleCheck, ...]
     baseline: int | None = None
     assumed: tuple[tuple[Assumption, ...], ...] = ()
+    targets: tuple[Target, ...] = ()
 
     @property
     def results(self) -> Sequence[FatigueField | RuleCheck]:
@@ -99,7 +101,7 @@ def assess_fatigue(
     assumed = tuple(among(target.assumed, USED) for target in resolved)
     if method == "m53":
         checks = tuple(check_rule(target, loads, fillet_fraction, info) for target in resolved)
-        return FatigueAssessment(method, loads, (), checks, baseline, assumed)
+        return FatigueAssessment(method, loads, (), checks, baseline, assumed, tuple(resolved))
     chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
     fields = []
     for target in resolved:
@@ -108,7 +110,7 @@ def assess_fatigue(
         _note_quality(field, info)
         if out is not None:
             _write_field(out, field, info)
-    found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed)
+    found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed, tuple(resolved))
     if out is not None:
         write_json(out / "fatigue.json", found.as_json())
     return found

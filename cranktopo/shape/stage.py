@@ -43,6 +43,8 @@ _FINISH = Effort(20, 0.8, nearest=True)
 """Of each finish: so near that cells brought to the evaluated web tell another one within 0.1 %."""
 _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
+_FREE_ROUNDS = 3
+"""So many times the finishes where dimensions are free that the cells do not know."""
 _SAFE, _SURE = 5e-4, 2e-3
 """Part of a limit that the search keeps in reserve beside a web that keeps them all, and beside another."""
 _SCATTER = 5e-3
@@ -56,7 +58,7 @@ class ShapeSettings:
     Attributes:
         cell_mm: cells on which features are chosen.
         mesh_mm: elements on which trials are judged and gradients taken.
-        rounds: most finishes, each followed by an evaluation.
+        rounds: most finishes, each followed by an evaluation; three times as many with free dimensions.
         element_size_mm: of the evaluation; by default that of `evaluate`.
     """
 
@@ -199,10 +201,15 @@ class _Finish:
             self._anchor = (web, found)
         return self._anchor[1]
 
+    @property
+    def _most_rounds(self) -> int:
+        """Dimensions that the cells do not know only move in the finishes, a little in each."""
+        return self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
+
     def rounds(self, start: Array) -> tuple[Round, ...]:
         """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
         rounds, effort, missed = [self._evaluated(start, 0, 0)], _FINISH, 0.0
-        for number in range(1, self._settings.rounds + 1):
+        for number in range(1, self._most_rounds + 1):
             before = rounds[_best(rounds, self._goal)]
             try:
                 found = self._finished(before, number, effort, missed)

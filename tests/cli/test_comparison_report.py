@@ -13,7 +13,7 @@ import pytest
 from cranktopo.cli.main import main
 from cranktopo.evaluate.evaluation import Evaluation, Stiffness
 from cranktopo.evaluate.m53 import Factors, FilletCheck, Nominal
-from cranktopo.evaluate.rule_check import RuleCheck
+from cranktopo.evaluate.rule_check import AlternatingLoads, RuleCheck, dimensions
 from cranktopo.evaluate.stress_model import Quality
 from cranktopo.evaluate.targets import Target, resolve_target
 from cranktopo.report.comparison import Entry, compare
@@ -204,7 +204,10 @@ def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
         factors, nominal = Factors(2.0, 1.5, 2.0, 3.0, 1.5), Nominal(50.0, 5.0, 20.0, 20.0)
         quality = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
         mass = 1.5 if light else 2.0
-        return RuleCheck(target.name, mass, (), factors, factors, nominal, fillet, fillet, quality)
+        size, loads = dimensions(target.scene), AlternatingLoads(100.0, 1.0, 1.0)
+        return RuleCheck(
+            target.name, mass, size, loads, (), factors, factors, nominal, fillet, fillet, quality
+        )
 
     monkeypatch.setattr("cranktopo.pipeline.fatigue.check_inputs", lambda *_: None)
     monkeypatch.setattr("cranktopo.pipeline.fatigue.check_rule", checked)

@@ -1,0 +1,81 @@
+"""`cranktopo fatigue --method m53 --report`: what decides, what is assumed, mistakes before a solve."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cranktopo.cli.main import main
+from cranktopo.evaluate.m53 import FilletCheck, concentration_factors, nominal_stresses, outside_validity
+from cranktopo.evaluate.rule_check import AlternatingLoads, RuleCheck, dimensions
+from cranktopo.evaluate.stress_model import Quality
+from cranktopo.evaluate.targets import Target
+
+QUALITY = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
+
+
+def checked(target: Target, *_: object) -> RuleCheck:
+    """Closed forms for either set of factors, and a journal fillet that is a little too weak."""
+    size = dimensions(target.scene)
+    factors = concentration_factors(size)
+    loads = AlternatingLoads(18000.0, 265.5, 410.0)
+    nominal = nominal_stresses(size, 265500.0, 9000.0, 410000.0)
+    fillets = {"pin": FilletCheck(200.0, 400.0), "journal": FilletCheck(200.0, 229.0)}
+    outside = outside_validity(size)
+    return RuleCheck(
+        target.name, 1.6, size, loads, outside, factors, factors, nominal, fillets, fillets, QUALITY
+    )
+
+
+@pytest.fixture
+def no_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cranktopo.pipeline.fatigue.check_rule", checked)
+
+
+def row(text: str, first: str) -> list[str]:
+    """Cells of the table row that begins with a word."""
+    line = next(line for line in text.splitlines() if line.startswith(f"| {first} |"))
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+@pytest.mark.usefixtures("no_solve")
+def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> None:
+    path = tmp_path / "dossier.md"
+    assert main(["fatigue", "mikron-iiic", "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    text = path.read_text(encoding="utf-8").replace("\\", "")
+    assert "is NOT accepted" in text
+    assert "Q = 1.145 at the journal, 1.15 asked" in text
+    assert row(text, "journal")[1:] == ["elements", "200.0", "229.0", "1.145", "0.046", "no"]
+    assert row(text, "RH")[2] == "2.50"
+    assert row(text, "overlap / pin diameter")[1:] == ["-0.143", "any", "0.5", "yes"]
+    assert row(text, "radial force on the crankpin")[1:] == ["18000.0", "N"]
+    assert row(text, "jump between elements at the peak")[1:] == ["4.00", "5.00", "%", "yes"]
+    assert row(text, "fatigue.process_factor")[1] == "1.05"
+    assert "signature" in text
+    assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["--method", "lsa", "--report", "a.html"], 2, "--method is 'lsa'"),
+        (["opposed-piston", "--method", "m53", "--report", "a.html"], 2, "here are 2"),
+        (["--method", "m53", "--report", "nowhere/a.html"], 2, "nowhere/a.html"),
+        (["--method", "m53", "--report", "a.pdf"], 2, "a.pdf"),
+    ],
+    ids=["method", "two targets", "folder", "format"],
+)
+def test_mistakes_before_any_solve(
+    arguments: list[str],
+    code: int,
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cranktopo.pipeline.fatigue.check_rule", lambda *_: pytest.fail("solved"))
+    assert main(["fatigue", "mikron-iiic", *arguments]) == code
+    assert words in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
