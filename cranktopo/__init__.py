@@ -7,7 +7,7 @@ The stages, in the order in which data flows through them; each takes what the o
 
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
-`compare_targets`, `assess_fatigue`, `shaft_vibration`,
+`compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`,
 `study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `report_run`, `report_comparison`, `export_solid`,
 `summarise_runs`, `clean_runs`, `check_machine`. A name loads its module when it is first used, so that
 importing the package costs nothing.
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from cranktopo.pipeline.runs import clean_runs, summarise_runs
     from cranktopo.pipeline.sensitivities import Sensitivities, evaluate_sensitivities
     from cranktopo.pipeline.shape import ShapedRun, resume_shape, shape_design, shape_settings
+    from cranktopo.pipeline.sweep import sweep
     from cranktopo.pipeline.vibration import shaft_vibration
     from cranktopo.remodel.fit import FittedWeb, fit_web
     from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
@@ -89,6 +90,7 @@ _HOMES = {
     "web_target": "pipeline.run_webs",
     "resume_shape": "pipeline.shape",
     "bound_of": "pipeline.bound",
+    "sweep": "pipeline.sweep",
     "export_solid": "cad.solid_files",
     "Target": "evaluate.targets",
     "resolve_target": "evaluate.targets",
@@ -183,6 +185,7 @@ __all__ = [
     "start_loop",
     "study_accuracy",
     "summarise_runs",
+    "sweep",
     "wanted",
     "web_target",
     "with_cells_for",

@@ -31,6 +31,7 @@ COMMANDS = {
     "shape": "The best dimensions of a web that can be made, for a goal and limits: scene, STEP, drawing.",
     "bound": "What no web of the envelope can beat, whatever its topology: proven, for a goal and limits.",
     "iterate": "The whole loop: remove a little, extract, re-model, evaluate, again inside the new solid.",
+    "sweep": "Many points of a design space on all cores or a cluster: table, Pareto front and page.",
     "export": "Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.",
     "designs": "List the built-in designs, copy one to edit, or begin a new one with every key.",
     "runs": "List, show or clean up runs.",

@@ -56,12 +56,22 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     """
     from cranktopo.report.tables.run_text import loop_summary, run_summary
     from cranktopo.report.tables.shape_tables import shape_summary
-    from cranktopo.store import LOOP, SHAPE, kind_of, open_run, read_result, resume_command, shown_results
+    from cranktopo.report.tables.sweep_tables import sweep_summary
+    from cranktopo.store import (
+        LOOP,
+        SHAPE,
+        SWEEP,
+        kind_of,
+        open_run,
+        read_result,
+        resume_command,
+        shown_results,
+    )
 
     found = open_run(run, root)
     manifest, kind, result = found.manifest(), kind_of(found), read_result(found)
     if as_json:
-        key = {LOOP: "loop", SHAPE: "shape"}.get(kind, "metrics")
+        key = {LOOP: "loop", SHAPE: "shape", SWEEP: "sweep"}.get(kind, "metrics")
         click.echo(json.dumps({"schema_version": 1, "manifest": manifest, key: result}, indent=2))
         return
     click.echo(f"{found.path}: {manifest['status']}, started {manifest['started']}")
@@ -70,7 +80,8 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
         with shown_results(found):
-            text = {LOOP: loop_summary, SHAPE: shape_summary}.get(kind, run_summary)(result, found.path)
+            summaries = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
+            text = summaries.get(kind, run_summary)(result, found.path)
         click.echo(text)
 
 

@@ -13,6 +13,7 @@ from cranktopo.store import (
     LOOP,
     RUNS,
     SHAPE,
+    SWEEP,
     RunStore,
     kind_of,
     list_runs,
@@ -99,4 +100,9 @@ def _shape_result(shape: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-_RESULTS = {"optimise": _run_result, LOOP: _loop_result, SHAPE: _shape_result}
+def _sweep_result(sweep: Mapping[str, Any]) -> dict[str, Any]:
+    ends = ", ".join(f"{count} {end}" for end, count in sweep["ends"].items())
+    return {"result": f"{ends}; {len(sweep['front'])} on the front"}
+
+
+_RESULTS = {"optimise": _run_result, LOOP: _loop_result, SHAPE: _shape_result, SWEEP: _sweep_result}

@@ -100,12 +100,16 @@ def parse_scene(text: str, source: str = "scene", folder: Path | None = None) ->
     Raises:
         CranktopoError: malformed TOML, unknown key, value outside its range, inconsistent geometry.
     """
+    return scene_from_dict(with_resolved_files(parse_toml(text, source), folder or Path.cwd()), source)
+
+
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """The tables of a TOML document as they are written; raises CranktopoError where it is malformed."""
     try:
-        data = tomllib.loads(text)
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError: also an integer of thousands of digits
         reason = _toml_reason(error, text)
         raise CranktopoError(f"{source}: not valid TOML: {reason}.", hint=_TOML_HINT) from None
-    return scene_from_dict(_with_resolved_files(data, folder or Path.cwd()), source)
 
 
 def _toml_reason(error: Exception, text: str) -> str:
@@ -117,8 +121,8 @@ def _toml_reason(error: Exception, text: str) -> str:
     return "its arrays are too deep" if isinstance(error, RecursionError) else "a number has too many digits"
 
 
-def _with_resolved_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The data with every file name made absolute; data of a wrong type is left for validation."""
+def with_resolved_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The tables of a scene with file names made absolute; data of a wrong type is left for validation."""
     for keys in FILE_KEYS:
         data = _resolved(data, keys, folder)
     return data

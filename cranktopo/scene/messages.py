@@ -59,6 +59,12 @@ def explain(error: ValidationError, source: str, table: tuple[str, ...] = ()) ->
     return listed(_problems(error.errors(include_url=False), table), source)
 
 
+def explain_unknown(error: ValidationError, source: str) -> CranktopoError | None:
+    """The unknown keys among the problems of a validation error, as `explain`; None where there are none."""
+    found = [d for d in error.errors(include_url=False) if d["type"] == "extra_forbidden"]
+    return listed(_problems(found, ()), source) if found else None
+
+
 def listed(problems: Sequence[tuple[str, str]], source: str) -> CranktopoError:
     """Problems, each with its next step, as one error: one line, or one per problem below a headline."""
     if len(problems) == 1:

@@ -3,13 +3,22 @@
 from cranktopo.store.cache import user_cache
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from cranktopo.store.destination import check_file, check_folder
-from cranktopo.store.files import read_json, replacing, write_bytes, write_json, write_npz, write_text
+from cranktopo.store.files import (
+    UnwritableError,
+    read_json,
+    replacing,
+    write_bytes,
+    write_json,
+    write_npz,
+    write_text,
+)
 from cranktopo.store.folders import moved, unfinished_folder
 from cranktopo.store.iterations import load_iteration, save_iteration, saved_iterations
 from cranktopo.store.kind import (
     LOOP,
     RESULT_FILES,
     SHAPE,
+    SWEEP,
     RunKind,
     kind_of,
     read_result,
@@ -35,11 +44,13 @@ __all__ = [
     "RESULT_FILES",
     "RUNS",
     "SHAPE",
+    "SWEEP",
     "Checkpoint",
     "Json",
     "KeptWork",
     "RunKind",
     "RunStore",
+    "UnwritableError",
     "Work",
     "check_destination",
     "check_file",

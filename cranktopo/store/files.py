@@ -31,6 +31,10 @@ ARRAYS_LIMIT_MIB = 2048
 """A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
 
 
+class UnwritableError(CranktopoError):
+    """The system refuses an output: the disk is full, or the folder may not be written."""
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary path beside `path`, suffix in small letters, that becomes `path` when the block ends well.
@@ -58,10 +62,10 @@ def replacing(path: Path) -> Iterator[Path]:
             temporary.unlink()
 
 
-def unwritable(path: Path, error: OSError) -> CranktopoError:
+def unwritable(path: Path, error: OSError) -> UnwritableError:
     """The error for an output that the system refuses."""
     reason = error.strerror or str(error)
-    return CranktopoError(
+    return UnwritableError(
         f"output '{path}': cannot be written: {reason}.",
         hint="Choose a writable folder with free space (--out DIR).",
     )

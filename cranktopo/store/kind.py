@@ -11,15 +11,17 @@ from cranktopo.errors import CranktopoError, shown
 from cranktopo.store.files import read_json
 from cranktopo.store.runs import RunStore
 
-RunKind = Literal["optimise", "iterate", "shape"]
-"""The command that made a run: one density optimisation, the loop over many, or a shape optimisation."""
+RunKind = Literal["optimise", "iterate", "shape", "sweep"]
+"""The command that made a run: a density optimisation, the loop over many, a shape optimisation, a sweep."""
 LOOP: RunKind = "iterate"
 SHAPE: RunKind = "shape"
+SWEEP: RunKind = "sweep"
 """Kinds of runs, and the keys of their settings among the manifest's options."""
 RESULT_FILES: dict[RunKind, str] = {
     "optimise": "metrics.json",
     "iterate": "iterate.json",
     "shape": "shape.json",
+    "sweep": "sweep.json",
 }
 """Name of the file that a run of each kind writes last."""
 
@@ -27,7 +29,7 @@ RESULT_FILES: dict[RunKind, str] = {
 def kind_of(run: RunStore) -> RunKind:
     """The command that made a run; raises CranktopoError when its manifest cannot be used."""
     options = run.manifest()["options"]
-    return next((kind for kind in (LOOP, SHAPE) if kind in options), "optimise")
+    return next((kind for kind in (LOOP, SHAPE, SWEEP) if kind in options), "optimise")
 
 
 def read_result(run: RunStore) -> dict[str, Any] | None:

@@ -1,0 +1,185 @@
+"""Jobs on Dask distributed: on this machine, or on a cluster that is there already."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.evaluation import Info
+from cranktopo.pipeline.sweep.job import FAILED, Job, do_job, row_of
+from cranktopo.store import Json
+
+INSTALL = "pip install dask distributed bokeh pandas pyarrow"
+_BATCH = 500
+_RETRIES, _DEATHS = 2, 5
+"""How often a point is tried again after an error of the machine, and after the death of its worker."""
+_FIRST_S, _RETURN_S = 10.0, 120.0
+"""How long a scheduler is waited for: at the start, and when it was lost."""
+_AFTER_S = 5.0
+_SETTINGS = {
+    "distributed.scheduler.allowed-failures": _DEATHS,
+    "distributed.admin.large-graph-warning-threshold": "1 GiB",
+}
+Done = Callable[[Job, Json], None]
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Where jobs run.
+
+    Attributes:
+        workers: processes on this machine.
+        threads: cores that each of them has for itself.
+        scheduler: address of a Dask scheduler in place of workers of our own.
+    """
+
+    workers: int = 1
+    threads: int = 1
+    scheduler: str | None = None
+
+
+class _SchedulerLostError(Exception):
+    """The connection to the scheduler broke."""
+
+
+def compute(jobs: Sequence[Job], engine: Engine, done: Done, info: Info = lambda _: None) -> None:
+    """Compute jobs, telling the end of each as it comes; a lost scheduler is waited for.
+
+    Raises:
+        CranktopoError: Dask is missing, no scheduler, or an output that cannot be written.
+        KeyboardInterrupt: Ctrl-C; jobs that were told are finished.
+    """
+    left = {job.point.id: job for job in jobs}
+    patience = _FIRST_S
+
+    def told(job: Job, result: Json) -> None:
+        del left[job.point.id]
+        done(job, result)
+
+    while left:
+        try:
+            with _client(engine, patience, info) as client:
+                _submit(client, list(left.values()), told)
+        except _SchedulerLostError:
+            patience = _RETURN_S
+            info(f"the scheduler is lost; waiting up to {_RETURN_S:.0f} s for it to come back")
+            time.sleep(1.0)
+
+
+def _submit(client: Any, jobs: Sequence[Job], told: Done) -> None:
+    from distributed import KilledWorker, as_completed
+
+    by_key = {f"cranktopo-{job.point.id}": job for job in jobs}
+    futures = client.map(do_job, jobs, key=list(by_key), retries=_RETRIES, pure=False, batch_size=_BATCH)
+    try:
+        for future, result in as_completed(futures, loop=client.loop, with_results=True, raise_errors=False):
+            if future.status == "finished":
+                told(by_key[future.key], result)
+            elif future.status != "error":
+                raise _SchedulerLostError
+            else:
+                error = result[1]
+                if isinstance(error, CranktopoError):
+                    raise error
+                died = isinstance(error, KilledWorker)
+                reason = f"its worker died more than {_DEATHS} times" if died else _told(error)
+                told(by_key[future.key], row_of(by_key[future.key], FAILED, reason))
+            future.release()
+    except BaseException:
+        with contextlib.suppress(Exception):
+            client.cancel(futures, force=True)
+        raise
+
+
+def _told(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+@contextmanager
+def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
+    """A connection to the scheduler, to one of our own where no other is asked for."""
+    dask, distributed = _dask()
+    with dask.config.set(_SETTINGS), contextlib.ExitStack() as stack:
+        if engine.scheduler is None:
+            cluster = stack.enter_context(_local_cluster(distributed, engine))
+            client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
+            client.register_plugin(_pinning(distributed, engine))
+        else:
+            client = stack.enter_context(_connected(distributed, engine.scheduler, patience_s))
+        info(f"dashboard: {client.dashboard_link}")
+        yield client
+
+
+def _dask() -> tuple[Any, Any]:
+    try:
+        import dask
+        import distributed
+    except ImportError as error:
+        raise CranktopoError(
+            f"a sweep runs on Dask, which cannot be loaded: {error}.",
+            hint=f"Install it: {INSTALL}",
+            code=ExitCode.MISSING_TOOL,
+        ) from None
+    return dask, distributed
+
+
+def _local_cluster(distributed: Any, engine: Engine) -> Any:
+    """Workers on this machine; without a limit of memory, because their number was chosen by it."""
+    import logging
+
+    return distributed.LocalCluster(
+        n_workers=engine.workers,
+        threads_per_worker=1,
+        memory_limit=0,
+        dashboard_address="127.0.0.1:0",
+        silence_logs=logging.CRITICAL,
+    )
+
+
+def _pinning(distributed: Any, engine: Engine) -> Any:
+    """A plugin that gives every worker cores of its own, so that two of them do not wait for each other."""
+
+    class Pinned(distributed.WorkerPlugin):  # type: ignore[misc]
+        """Cores by the number of the worker."""
+
+        name = "cranktopo-cores"
+
+        def setup(self, worker: Any) -> None:
+            """Take the cores, all threads that run already included."""
+            pin(int(worker.name), engine.threads)
+
+    return Pinned()
+
+
+def pin(number: int, threads: int) -> None:
+    """Let this process run on the cores of worker `number` alone, where the system can do that."""
+    if not hasattr(os, "sched_setaffinity"):
+        return
+    cores = sorted(os.sched_getaffinity(0))
+    own = {cores[(number * threads + n) % len(cores)] for n in range(threads)}
+    for thread in os.listdir("/proc/self/task"):
+        with contextlib.suppress(OSError):  # it has ended meanwhile
+            os.sched_setaffinity(int(thread), own)
+
+
+@contextmanager
+def _connected(distributed: Any, address: str, patience_s: float) -> Iterator[Any]:
+    """A client of a scheduler that may still be coming up."""
+    try:
+        client = distributed.Client(address, timeout=patience_s, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise CranktopoError(
+            f"--scheduler {address}: cannot be reached: {error}.",
+            hint="Start one with 'dask scheduler', or leave --scheduler out; finished points are kept.",
+        ) from None
+    try:
+        yield client
+    finally:
+        with contextlib.suppress(Exception):
+            client.close(timeout=_AFTER_S)

@@ -1,0 +1,251 @@
+"""A sweep as it was asked for: scenes, what varies, how it is sampled, how far each point goes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from cranktopo.errors import CranktopoError, ExitCode, invalid, shown, suggest
+from cranktopo.pipeline.sweep.variation import (
+    MOST,
+    STAGE,
+    Variation,
+    as_json,
+    from_json,
+    read_entry,
+)
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.loading import (
+    design_text,
+    load_scene,
+    parse_toml,
+    resolve_design,
+    with_resolved_files,
+)
+from cranktopo.scene.varying import check_keys, with_value
+from cranktopo.store.manifest import SEED
+
+Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
+STAGES: tuple[Stage, ...] = get_args(Stage)
+Sampling = Literal["grid", "latin", "sobol"]
+SAMPLINGS: tuple[Sampling, ...] = get_args(Sampling)
+_KEYS = ("schema_version", "design", "scenes", "stage", "sampling", "samples", "element_size_mm", "vary")
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """What a sweep consists of; its points follow from it and from nothing else.
+
+    Attributes:
+        designs: name of each scene as the user typed it.
+        tables: the tables of each scene as they are written, file names absolute; the first is the original.
+        vary: what varies in every scene.
+        sampling: all combinations, or as many samples of a Latin hypercube or a Sobol sequence.
+        stage: how far a point goes where `stage` does not vary.
+        element_size_mm: of evaluations; None leaves the default.
+    """
+
+    designs: tuple[str, ...]
+    tables: tuple[dict[str, Any], ...]
+    vary: tuple[Variation, ...] = ()
+    sampling: Sampling = "grid"
+    samples: int | None = None
+    stage: Stage = "evaluate"
+    element_size_mm: float | None = None
+    seed: int = SEED
+
+    @property
+    def original(self) -> Scene:
+        """The scene that the points are compared with."""
+        return scene_from_dict(self.tables[0], self.designs[0])
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """The stages that its points go to."""
+        varied = {value for variation in self.vary if variation.key == STAGE for value in variation.values}
+        return tuple(stage for stage in STAGES if stage in varied) or (self.stage,)
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data, from which `plan_from_json` makes the same plan."""
+        return {
+            "designs": list(self.designs),
+            "tables": list(self.tables),
+            "vary": [as_json(variation) for variation in self.vary],
+            "sampling": self.sampling,
+            "samples": self.samples,
+            "stage": self.stage,
+            "element_size_mm": self.element_size_mm,
+            "seed": self.seed,
+        }
+
+
+def plan_from_json(data: Mapping[str, Any]) -> SweepPlan:
+    """The plan that `as_json` told."""
+    vary = tuple(from_json(entry) for entry in data["vary"])
+    kept = {**data, "designs": tuple(data["designs"]), "tables": tuple(data["tables"]), "vary": vary}
+    return SweepPlan(**kept)
+
+
+def sweep_plan(
+    designs: Sequence[str],
+    vary: Sequence[Variation] = (),
+    sampling: str = "grid",
+    samples: int | None = None,
+    stage: str = "evaluate",
+    element_size_mm: float | None = None,
+) -> SweepPlan:
+    """A plan that was checked: every design is valid, every key exists.
+
+    Args:
+        designs: TOML paths or names of built-in designs; the first is the original.
+
+    Raises:
+        CranktopoError: no such design or an invalid one, an unknown key, or settings that do not fit.
+    """
+    if not designs:
+        raise invalid("scenes", list(designs), "at least one is needed", "Name a design.")
+    for design in designs:
+        load_scene(design)
+    plan = SweepPlan(
+        tuple(designs),
+        tuple(_tables(design) for design in designs),
+        tuple(vary),
+        _one_of("sampling", sampling, SAMPLINGS),
+        samples,
+        _one_of("stage", stage, STAGES),
+        element_size_mm,
+    )
+    _check(plan)
+    return plan
+
+
+def read_plan(file: Path) -> SweepPlan:
+    """The plan in a TOML file: `design` or `scenes`, `stage`, `sampling`, `samples`, `[vary]`.
+
+    Raises:
+        CranktopoError: an unknown key, or as `sweep_plan`.
+    """
+    data = parse_toml(design_text(str(file)), str(file))
+    unknown = [key for key in data if key not in _KEYS]
+    if unknown:
+        raise CranktopoError(f"{file}: unknown key {unknown[0]}.", hint=suggest(unknown[0], list(_KEYS)))
+    if data.get("schema_version", 1) != 1:
+        raise invalid(f"{file}: schema_version", data["schema_version"], "must be 1")
+    vary = _table(file, data, "vary")
+    return sweep_plan(
+        _designs(file, data),
+        [read_entry(key, entry) for key, entry in _flat(vary)],
+        str(data.get("sampling", "grid")),
+        _count(file, data),
+        str(data.get("stage", "evaluate")),
+        _size(file, data),
+    )
+
+
+def is_plan(text: str) -> bool:
+    """Whether what the user typed is the file of a sweep and no design."""
+    path = Path(text)
+    if path.suffix.lower() != ".toml" or not path.is_file():
+        return False
+    data = parse_toml(design_text(text), text)
+    return "throw" not in data and bool({"vary", "design", "scenes", "sampling"} & data.keys())
+
+
+def _designs(file: Path, data: Mapping[str, Any]) -> list[str]:
+    """Designs by name, or by their path from the folder of the file."""
+    given = data.get("scenes", [data["design"]] if "design" in data else [])
+    if ("design" in data) == ("scenes" in data) or not isinstance(given, list):
+        raise CranktopoError(
+            f"{file}: needs either design or scenes.",
+            hint='Write design = "mikron-iiic", or scenes = ["a.toml", "b.toml"].',
+        )
+    paths = [(str(name), file.resolve().parent / str(name)) for name in given]
+    return [str(path) if path.is_file() else name for name, path in paths]
+
+
+def _flat(table: Mapping[str, Any], head: str = "") -> list[tuple[str, Any]]:
+    """Entries by their whole key: `"web.width_mm"`, `web.width_mm` and `[vary.web] width_mm` are the same."""
+    found: list[tuple[str, Any]] = []
+    for key, value in table.items():
+        path = f"{head}{key}"
+        found += _flat(value, f"{path}.") if isinstance(value, dict) else [(path, value)]
+    return found
+
+
+def _table(file: Path, data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    value = data.get(key, {})
+    if not isinstance(value, dict):
+        raise invalid(f"{file}: {key}", value, "must be a table", f"Write [{key}].")
+    return value
+
+
+def _count(file: Path, data: Mapping[str, Any]) -> int | None:
+    value = data.get("samples")
+    if value is not None and (not isinstance(value, int) or isinstance(value, bool)):
+        raise invalid(f"{file}: samples", value, "must be an integer")
+    return value
+
+
+def _size(file: Path, data: Mapping[str, Any]) -> float | None:
+    value = data.get("element_size_mm")
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 1e-3 <= value <= 1000:
+        raise invalid(f"{file}: element_size_mm", value, "must be a number >= 0.001 and <= 1000")
+    return float(value)
+
+
+def _one_of(key: str, value: str, words: tuple[Any, ...]) -> Any:
+    if value not in words:
+        near = suggest(value[:100], list(words))
+        raise CranktopoError(f"{key} = {shown(value)}: unknown choice.", hint=near, code=ExitCode.USAGE)
+    return value
+
+
+def _tables(design: str) -> dict[str, Any]:
+    path = resolve_design(design)
+    return with_resolved_files(parse_toml(design_text(design), str(path)), path.resolve().parent)
+
+
+def _check(plan: SweepPlan) -> None:
+    keys = [variation.key for variation in plan.vary]
+    twice = next((key for key in keys if keys.count(key) > 1), None)
+    if twice is not None:
+        raise _misused(f"{twice} varies twice", "Give all its values at once.")
+    for variation in plan.vary:
+        if variation.key == STAGE:
+            for value in variation.values or ("a range",):
+                _one_of(STAGE, str(value), STAGES)
+    _check_sampling(plan)
+    for design, tables in zip(plan.designs, plan.tables, strict=True):
+        for variation in plan.vary:
+            if variation.key != STAGE:
+                tables = with_value(tables, variation.key, variation.at(0.0))
+        check_keys(tables, design)
+
+
+def _check_sampling(plan: SweepPlan) -> None:
+    ranges = [variation.key for variation in plan.vary if variation.ends is not None]
+    if plan.sampling != "grid":
+        if plan.samples is None or not 1 <= plan.samples <= MOST:
+            raise _misused(
+                f"sampling {plan.sampling} needs a number of samples up to {MOST}", "Add --samples."
+            )
+        if not plan.vary:
+            raise _misused("nothing varies", "Add --vary KEY=A:B.")
+        return
+    if plan.samples is not None:
+        raise _misused("samples are of a Latin hypercube or a Sobol sequence", "Add --sampling latin.")
+    if ranges:
+        raise _misused(f"{ranges[0]} has two ends and no number of values", "Write A:B:N, or add --sampling.")
+    count = len(plan.designs)
+    for variation in plan.vary:
+        count *= len(variation.values)
+    if count > MOST:
+        raise _misused(f"{count} points are more than {MOST}", "Take fewer values, or --sampling sobol.")
+
+
+def _misused(what: str, hint: str) -> CranktopoError:
+    return CranktopoError(f"sweep: {what}.", hint=hint, code=ExitCode.USAGE)

@@ -1,0 +1,109 @@
+"""The points of a sweep: each a pure function of its scene and of how far it goes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+from cranktopo.errors import CranktopoError
+from cranktopo.pipeline.sweep.plan import Stage, SweepPlan
+from cranktopo.pipeline.sweep.variation import STAGE, Value
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.loading import input_files
+from cranktopo.scene.varying import with_value
+from cranktopo.store.manifest import file_hash, settings_hash
+
+_ID_LETTERS = 12
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point, whether it can be made or not.
+
+    Attributes:
+        id: beginning of the SHA-256 over scene and settings: the name of its directory.
+        sha256: all of it.
+        varied: value of every key that varies.
+        design: the design that it is a variant of.
+        tables: the tables of its scene as they would be written.
+        reason: why no such web can be; empty where it can.
+    """
+
+    id: str
+    sha256: str
+    stage: Stage
+    varied: Mapping[str, Value]
+    design: str
+    tables: Mapping[str, Any]
+    reason: str = ""
+
+
+def points_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> tuple[Point, ...]:
+    """The points of a plan in order, those that are the same only once.
+
+    Args:
+        settings: what the result depends on beside scene, stage and element size.
+    """
+    found: dict[str, Point] = {}
+    for design, tables in zip(plan.designs, plan.tables, strict=True):
+        for varied in varied_values(plan):
+            point = _point(plan, design, tables, varied, settings or {})
+            found.setdefault(point.sha256, point)
+    return tuple(found.values())
+
+
+def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> Point:
+    """The first design as it is, evaluated as far as the points are: what they are compared with."""
+    stage: Stage = "fatigue" if {"fatigue", "shape"} & set(plan.stages) else "evaluate"
+    return _point(replace(plan, stage=stage), plan.designs[0], plan.tables[0], {}, settings or {})
+
+
+def varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
+    """Values of every key that varies, point after point."""
+    keys = [variation.key for variation in plan.vary]
+    if plan.sampling == "grid":
+        for values in itertools.product(*(variation.values for variation in plan.vary)):
+            yield dict(zip(keys, values, strict=True))
+        return
+    for shares in _samples(plan):
+        yield {v.key: v.at(share) for v, share in zip(plan.vary, shares, strict=True)}
+
+
+def _samples(plan: SweepPlan) -> Sequence[Sequence[float]]:
+    """Points of the unit cube; a Sobol sequence is drawn up to a power of two and cut."""
+    from scipy.stats import qmc
+
+    count, dimensions = plan.samples or 1, len(plan.vary)
+    if plan.sampling == "latin":
+        return cast("list[list[float]]", qmc.LatinHypercube(dimensions, rng=plan.seed).random(count).tolist())
+    sequence = qmc.Sobol(dimensions, rng=plan.seed)
+    drawn = sequence.random_base2(math.ceil(math.log2(count)))
+    return cast("list[list[float]]", drawn[:count].tolist())
+
+
+def _point(
+    plan: SweepPlan,
+    design: str,
+    tables: dict[str, Any],
+    varied: Mapping[str, Value],
+    settings: Mapping[str, Any],
+) -> Point:
+    stage = cast(Stage, varied.get(STAGE, plan.stage))
+    for key, value in varied.items():
+        if key != STAGE:
+            tables = with_value(tables, key, value)
+    scene, reason = _scene(tables, design)
+    files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
+    known = {STAGE: stage, "element_size_mm": plan.element_size_mm, "files": files, **settings}
+    sha256 = settings_hash(tables if scene is None else scene.model_dump(mode="json"), known)
+    return Point(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, reason)
+
+
+def _scene(tables: dict[str, Any], design: str) -> tuple[Scene | None, str]:
+    try:
+        return scene_from_dict(tables, design), ""
+    except CranktopoError as error:
+        return None, str(error)

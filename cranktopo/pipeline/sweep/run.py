@@ -1,0 +1,230 @@
+"""A sweep as a run directory: its points, its table, its Pareto front, its page."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate.evaluation import Info
+from cranktopo.pipeline.new_run import new_run
+from cranktopo.pipeline.run_status import working_in
+from cranktopo.pipeline.sweep.engine import Engine, compute
+from cranktopo.pipeline.sweep.front import OBJECTIVES, front_of, picks_of
+from cranktopo.pipeline.sweep.job import (
+    DONE,
+    FAILED,
+    IMPOSSIBLE,
+    Job,
+    PointFunction,
+    keep_result,
+    kept_result,
+    row_of,
+)
+from cranktopo.pipeline.sweep.plan import SweepPlan, plan_from_json
+from cranktopo.pipeline.sweep.points import Point, original_of, points_of
+from cranktopo.pipeline.sweep.progress import Progress
+from cranktopo.pipeline.sweep.table import frame_of, write_tables
+from cranktopo.pipeline.sweep.workers import cores, point_memory_MiB, workers_for
+from cranktopo.report.pages.report_file import REPORT
+from cranktopo.report.pages.sweep_page import sweep_html
+from cranktopo.scene.varying import value_at
+from cranktopo.store import (
+    RESULT_FILES,
+    SWEEP,
+    Json,
+    RunStore,
+    check_destination,
+    open_run,
+    require_kind,
+    write_json,
+    write_text,
+)
+
+if TYPE_CHECKING:
+    import pandas
+
+SCHEMA_VERSION = 1
+TABLE = "table"
+
+
+@dataclass(frozen=True)
+class SweptRun:
+    """A finished sweep; `data` is the content of sweep.json."""
+
+    folder: Path
+    data: Json
+
+    @property
+    def frame(self) -> pandas.DataFrame:
+        """One row per point, units in the column names."""
+        return frame_of(self.data["points"], self.data["front"])
+
+    @property
+    def failed(self) -> int:
+        """Points that failed, of webs that may well be possible."""
+        return sum(row["status"] == FAILED for row in self.data["points"])
+
+
+@dataclass(frozen=True)
+class Workplace:
+    """Where the points of a sweep are computed; without anything, on all cores of this machine."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+
+
+def run_sweep(
+    plan: SweepPlan,
+    place: Workplace | None = None,
+    out: Path | None = None,
+    command: Sequence[str] = (),
+    info: Info = lambda _: None,
+    function: PointFunction | None = None,
+) -> SweptRun:
+    """Compute all points of a plan in a new run directory; nothing is written before all is checked.
+
+    Args:
+        place: workers of this machine, or the address of a Dask scheduler.
+        out: run directory; by default a new one under runs/.
+        command: the command line, for the manifest.
+        info: called with lines of progress.
+        function: in place of the stages: numbers of a scene, by name.
+
+    Raises:
+        CranktopoError: bad input, no point that can be, Dask missing, or interruption (exit code 130).
+    """
+    check_destination(out)
+    points = points_of(plan, _settings(function))
+    if all(point.reason for point in points):
+        raise CranktopoError(f"no point of the sweep can be: {points[0].reason}", hint="Check the values.")
+    run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **_settings(function)})
+    return _worked(run, plan, points, place or Workplace(), info, function)
+
+
+def resume_sweep(
+    reference: str,
+    place: Workplace | None = None,
+    info: Info = lambda _: None,
+    function: PointFunction | None = None,
+) -> SweptRun:
+    """Continue a sweep: points that have ended are read, not repeated.
+
+    Args:
+        reference: its run directory.
+        function: the same that it was started with, where it was with one.
+
+    Raises:
+        CranktopoError: no sweep, a changed input, another function, or as `run_sweep`.
+    """
+    run = open_run(reference)
+    require_kind(run, SWEEP)
+    run.require_same_inputs()
+    options = run.manifest()["options"]
+    wanted = options.get("function")
+    if wanted != _settings(function).get("function"):
+        raise CranktopoError(
+            f"run '{run.path}': was started with {wanted or 'no function'}.",
+            hint="Continue it in Python: resume=DIR with that function."
+            if wanted
+            else "Leave the function out.",
+        )
+    plan = plan_from_json(options[SWEEP])
+    run.resume()
+    return _worked(run, plan, points_of(plan, _settings(function)), place or Workplace(), info, function)
+
+
+def _settings(function: PointFunction | None) -> dict[str, Any]:
+    return {} if function is None else {"function": f"{function.__module__}.{function.__qualname__}"}
+
+
+def _worked(
+    run: RunStore,
+    plan: SweepPlan,
+    points: Sequence[Point],
+    place: Workplace,
+    info: Info,
+    function: PointFunction | None,
+) -> SweptRun:
+    began, original = time.perf_counter(), original_of(plan, _settings(function))
+    with working_in(run, "finished points are kept") as check:
+        root = str(run.path.resolve())
+        jobs = [Job(point, root, plan.element_size_mm, function) for point in _once([*points, original])]
+        found = _results(jobs, _engine(plan, place, len(jobs)), info)
+        check()
+        data = _told(run, plan, points, original, found)
+        frame = frame_of(data["points"], data["front"])
+        data["files"] = {**write_tables(frame, run.path, TABLE), "page": REPORT}
+        write_text(run.path / REPORT, sweep_html(data))
+        data["seconds"] = {"total": time.perf_counter() - began}
+        write_json(run.path / RESULT_FILES[SWEEP], data)
+    run.log(", ".join(f"{count} {status}" for status, count in data["ends"].items()))
+    return SweptRun(run.path, data)
+
+
+def _once(points: Sequence[Point]) -> list[Point]:
+    return list({point.id: point for point in points}.values())
+
+
+def _results(jobs: Sequence[Job], engine: Engine, info: Info) -> dict[str, Json]:
+    """The result of every job by the id of its point: kept, impossible from the start, or computed now."""
+    found: dict[str, Json] = {}
+    for job in jobs:
+        kept = row_of(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
+        if kept is not None:
+            found[job.point.id] = kept
+    progress = Progress(len(jobs), len(found), info)
+
+    def done(job: Job, result: Json) -> None:
+        if result["status"] != FAILED or "seconds" in result:
+            keep_result(job, result)
+        found[job.point.id] = result
+        progress.add(result["status"])
+
+    left = [job for job in jobs if job.point.id not in found]
+    if left:
+        compute(left, engine, done, info)
+    return found
+
+
+def _engine(plan: SweepPlan, place: Workplace, points: int) -> Engine:
+    if place.scheduler is not None:
+        return Engine(scheduler=place.scheduler)
+    memory = max(point_memory_MiB(plan.original, stage, plan.element_size_mm) for stage in plan.stages)
+    workers = workers_for(points, memory, place.workers)
+    return Engine(workers, max(1, cores() // workers))
+
+
+def _told(
+    run: RunStore, plan: SweepPlan, points: Sequence[Point], original: Point, found: Mapping[str, Json]
+) -> Json:
+    """The content of sweep.json but for files and seconds."""
+    rows = [_row(point, found[point.id]) for point in points]
+    finished = [row for row in rows if row["status"] == DONE]
+    own = plan.original.model_dump(mode="json")
+    varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
+    reference = {**found[original.id], "varied": varied}
+    known = reference if reference["status"] == DONE else None
+    front, objectives = front_of(finished)
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "run": run.name,
+        "design": plan.designs[0],
+        "varied": [variation.key for variation in plan.vary],
+        "sampling": plan.sampling,
+        "points": rows,
+        "ends": dict(Counter(row["status"] for row in rows)),
+        "original": reference,
+        "objectives": {name: "less" if OBJECTIVES[name] < 0 else "more" for name in objectives},
+        "front": front,
+        "picks": picks_of(finished, known),
+    }
+
+
+def _row(point: Point, result: Json) -> Json:
+    """The result as of this point; `original` and a point of the same scene share one."""
+    return {**result, "varied": dict(point.varied), "design": point.design}

@@ -1,0 +1,167 @@
+"""How far a point goes: evaluation, fatigue, optimisation, re-model or shape, each judged alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from cranktopo.effects import planned_scene
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.evaluate.targets import Target, simulated
+from cranktopo.pipeline.evaluate import MeshRequest, evaluate_target
+from cranktopo.pipeline.sweep.plan import Stage
+from cranktopo.scene import Scene, load_scene
+from cranktopo.scene.writing import toml_text
+from cranktopo.store import SHAPE, Json, RunKind, open_run, read_json, read_result, write_text
+
+DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
+"""In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
+StageFunction = Callable[[Scene, Path, float | None], Json]
+
+
+def run_stage(stage: Stage, scene: Scene, folder: Path, element_size_mm: float | None) -> Json:
+    """What a stage tells of a scene: quantities with their units in the names, `target` for `compare`.
+
+    Args:
+        folder: directory of the point; what an interrupted stage left there is continued.
+
+    Raises:
+        CranktopoError: a web that cannot be, a failed solve, or an optimisation without a body.
+    """
+    write_text(folder / DESIGN, toml_text(scene, f"Point of a sweep: {stage} of this design"))
+    return _STAGES[stage](scene, folder, element_size_mm)
+
+
+def columns_of(entry: Mapping[str, Any]) -> Json:
+    """The quantities of an entry of `evaluate --json`, units in the names, for the supports of its scene."""
+    supports, mass = entry["supports"], entry["mass_kg"]["throw"]
+    torsion = entry["torsion"][f"{supports['torsion']}_Nm_per_rad"]
+    bending = entry["bending"][f"{supports['bending']}_N_per_mm"]
+    errors = entry["error_estimate_percent"]
+    return {
+        "mass_kg": mass,
+        "web_mass_kg": entry["mass_kg"]["web"],
+        "inertia_kg_mm2": entry["inertia_kg_mm2"],
+        "unbalance_kg_mm": entry["unbalance_kg_mm"],
+        "torsion_Nm_per_rad": torsion,
+        "bending_N_per_mm": bending,
+        "torsion_per_mass_Nm_per_rad_kg": torsion / mass,
+        "bending_per_mass_N_per_mm_kg": bending / mass,
+        "torsion_error_percent": errors["torsion"],
+        "bending_error_percent": errors["bending"],
+    }
+
+
+def _evaluated(scene: Scene, folder: Path, size: float | None) -> Json:
+    return {**_judged(Target(scene.name, simulated(scene)), size), "target": DESIGN}
+
+
+def _fatigue(scene: Scene, folder: Path, size: float | None) -> Json:
+    from cranktopo.pipeline.fatigue import assess_fatigue
+
+    found = assess_fatigue([Target(scene.name, simulated(scene, fillets=True))])
+    safety = found.fields[0].critical.safety
+    return {**_evaluated(scene, folder, size), "fatigue_safety": safety}
+
+
+def _optimised(scene: Scene, folder: Path, size: float | None) -> Json:
+    from cranktopo.pipeline.optimise import optimise_design, resume_optimisation
+
+    run = folder / RUN
+    metrics = (
+        _finished(run, "optimise")
+        or (resume_optimisation(str(run)) if _begun(run) else optimise_design(scene, run)).metrics
+    )
+    if "refusal" in metrics["surface"]:
+        raise CranktopoError(
+            f"the optimisation has no web: {metrics['surface']['refusal']}", code=ExitCode.NOT_CONVERGED
+        )
+    surface = Target(scene.name, planned_scene(scene), run / metrics["files"]["stl"], run)
+    return {
+        **_judged(surface, size),
+        **_limits(metrics),
+        "optimiser_status": metrics["status"],
+        "iterations": metrics["iterations"],
+        "target": RUN,
+    }
+
+
+def _remodelled(scene: Scene, folder: Path, size: float | None) -> Json:
+    from cranktopo.pipeline.remodel import remodel_run
+
+    optimised = _optimised(scene, folder, size)
+    done = folder / REMODEL / "remodel.json"
+    if not done.is_file():
+        remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
+    data = read_json(done)
+    file = f"{REMODEL}/{data['files']['design']}"
+    web = load_scene(str(folder / file))
+    told = {key: optimised[key] for key in ("optimiser_status", "iterations")}
+    return {**_judged(Target(scene.name, simulated(web)), size), **told, "target": file}
+
+
+def _shaped(scene: Scene, folder: Path, size: float | None) -> Json:
+    from cranktopo.pipeline.shape import resume_shape, shape_design
+    from cranktopo.scene.goal.changing import with_goal
+
+    run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
+    data = (
+        _finished(run, SHAPE)
+        or (resume_shape(str(run)) if _begun(run) else shape_design(wanted, out=run)).data
+    )
+    safety = data["values"]["result"].get("fatigue_safety")
+    return {
+        **columns_of(data["result"]),
+        **({} if safety is None else {"fatigue_safety": safety}),
+        **_limits(data),
+        **_bound(data),
+        "optimiser_status": data["status"],
+        "iterations": data["iterations"],
+        "target": f"{RUN}/{data['files']['design']}",
+    }
+
+
+_STAGES: Mapping[Stage, StageFunction] = {
+    "evaluate": _evaluated,
+    "fatigue": _fatigue,
+    "optimise": _optimised,
+    "remodel": _remodelled,
+    "shape": _shaped,
+}
+
+
+def _judged(target: Target, size: float | None) -> Json:
+    return columns_of(evaluate_target(target, MeshRequest(size)).as_json())
+
+
+def _begun(run: Path) -> bool:
+    return (run / "manifest.json").is_file()
+
+
+def _finished(run: Path, kind: RunKind) -> Json | None:
+    """What a run that is done reached; None where it has still to be begun or continued."""
+    if not _begun(run):
+        return None
+    store = open_run(str(run))
+    return read_result(store) if store.manifest()["status"] == "done" else None
+
+
+def _limits(data: Mapping[str, Any]) -> Json:
+    """Whether every limit of the goal holds, where there is one."""
+    limits = (data.get("goal") or {}).get("limits")
+    return {} if limits is None else {"limits_hold": all(limit["holds"] is not False for limit in limits)}
+
+
+def _bound(data: Mapping[str, Any]) -> Json:
+    """What no web of the point's envelope can beat, named after its quantity."""
+    bound = data.get("bound") or {}
+    names = {
+        "mass": "mass_kg",
+        "torsion": "torsion_Nm_per_rad",
+        "bending": "bending_N_per_mm",
+        "torsion_per_mass": "torsion_per_mass_Nm_per_rad_kg",
+        "bending_per_mass": "bending_per_mass_N_per_mm_kg",
+    }
+    name = names.get(bound.get("quantity", ""))
+    return {} if name is None or bound.get("value") is None else {f"bound_{name}": bound["value"]}

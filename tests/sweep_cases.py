@@ -1,0 +1,45 @@
+"""Functions of a scene that sweeps of tests compute: numbers without a mesh, and a trace of every call."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.scene import Scene
+
+TRACE, HELD = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS"
+
+
+def empty(scene: Scene) -> dict[str, float]:
+    """Numbers that cost nothing; each call leaves a line, and takes as long as is asked for."""
+    time.sleep(float(os.environ.get(HELD, "0")))
+    if TRACE in os.environ:
+        with Path(os.environ[TRACE]).open("a", encoding="ascii") as file:
+            file.write(f"{scene.name}\n")
+    width = scene.web.width_mm  # type: ignore[union-attr]
+    return {"mass_kg": width / 30, "torsion_Nm_per_rad": 1000 * (width - 10 * scene.throw.crankpin.fillet_mm)}
+
+
+def failing(scene: Scene) -> dict[str, float]:
+    """Fails in every way by the width of the web."""
+    width = scene.web.width_mm  # type: ignore[union-attr]
+    if width == 51:
+        raise CranktopoError("the solver failed.", code=ExitCode.SOLVER)
+    if width == 52:
+        raise CranktopoError("no such web.")
+    if width == 53:
+        raise ZeroDivisionError("a defect")
+    return empty(scene)
+
+
+def deadly(scene: Scene) -> dict[str, float]:
+    """Kills its worker, once or always, by the width of the web."""
+    width, trace = scene.web.width_mm, Path(os.environ[TRACE])  # type: ignore[union-attr]
+    once = trace.with_name(f"{scene.name}.once")
+    if width == 52 or (width == 51 and not once.exists()):
+        once.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return empty(scene)

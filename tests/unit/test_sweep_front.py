@@ -1,0 +1,68 @@
+"""The Pareto front, its near-ties, and the picks."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from typing import Any
+
+from cranktopo.pipeline.sweep.front import front_of, picks_of
+
+Row = dict[str, Any]
+
+
+def row(name: str, mass_kg: float, torsion: float, bending: float = 1.0, **more: float) -> Row:
+    ratio = {"torsion_per_mass_Nm_per_rad_kg": torsion / mass_kg}
+    return {
+        "id": name,
+        "mass_kg": mass_kg,
+        "torsion_Nm_per_rad": torsion,
+        "bending_N_per_mm": bending,
+        **ratio,
+        **more,
+    }
+
+
+def test_front_is_that_of_the_definition() -> None:
+    """Against every pair, on numbers with few values so that there are ties."""
+    draw = random.Random(3)
+    rows = [row(str(n), *(draw.randint(1, 9) for _ in range(3))) for n in range(80)]
+    values = {r["id"]: (-r["mass_kg"], r["torsion_Nm_per_rad"], r["bending_N_per_mm"]) for r in rows}
+    beaten = {
+        b
+        for a, b in itertools.permutations(values, 2)
+        if values[a] != values[b] and all(x >= y for x, y in zip(values[a], values[b], strict=True))
+    }
+    first = {value: name for name, value in reversed(values.items())}
+    expected = [name for name in values if name not in beaten and first[values[name]] == name]
+    assert front_of(rows) == (expected, ["mass_kg", "torsion_Nm_per_rad", "bending_N_per_mm"])
+
+
+def test_of_points_that_differ_in_the_fifth_digit_the_first_counts() -> None:
+    near = [row("a", 1.50001, 140002.0), row("b", 1.5, 140001.0), row("c", 1.49, 139000.0)]
+    assert front_of(near)[0] == ["a", "c"]
+    assert front_of(near[1::-1])[0] == ["b"]
+
+
+def test_safety_counts_where_every_point_tells_it() -> None:
+    rows = [row("a", 1.0, 2.0, fatigue_safety=1.1), row("b", 1.1, 1.9, fatigue_safety=1.3)]
+    assert front_of(rows)[0] == ["a", "b"]
+    del rows[1]["fatigue_safety"]
+    assert front_of(rows)[0] == ["a"]
+    assert front_of([]) == ([], [])
+
+
+def test_picks() -> None:
+    original = row("o", 1.5, 100.0, 50.0)
+    rows = [
+        row("light", 1.0, 99.0, 60.0, fatigue_safety=1.2),
+        row("fit", 1.3, 100.001, 50.0, fatigue_safety=1.0),
+        row("same", 1.3, 101.0, 51.0, fatigue_safety=1.0),
+        row("stiff", 1.6, 190.0, 90.0, fatigue_safety=1.1),
+    ]
+    assert picks_of(rows, original) == {
+        "lightest that is no softer": "fit",
+        "stiffest in torsion per mass": "stiff",
+        "safest": "light",
+    }
+    assert "lightest that is no softer" not in picks_of(rows, None)
