@@ -3,7 +3,8 @@
     python -m tests.benchmarks.shape_webs [ENGINE:GOAL...]
 
 ENGINE is a built-in design, `wide` (a wide web between solid journals) or `overlapping` (journals that
-overlap deeply), GOAL is `mass` or `torsion_per_mass`. Every web is evaluated with its fillets on the
+overlap deeply), GOAL is `mass` or `torsion_per_mass`; on these two once more with the web's thickness free,
+which no density on the cells between the web's faces can move. Every web is evaluated with its fillets on the
 default mesh against the original web; one line per web as Markdown.
 """
 
@@ -44,9 +45,11 @@ OWN: dict[str, dict[str, Any]] = {
         "envelope": {"shape": "box", "half_width_mm": 52.0, "y_min_mm": -54.0, "y_max_mm": 94.0},
     },
 }
+THICKNESS_MM = {"wide": (16.0, 27.0), "overlapping": (13.5, 23.0)}
+"""Range of the web's thickness where it is free: about 0.8 to 1.35 of the engine's own."""
 HEAD = ("engine", "goal", "web", "mass %", "torsion %", "bending %", "torsion per mass %", "safety %")
 NAMES = ("mass", "torsion", "bending", "torsion_per_mass", "fatigue_safety")
-MORE = ("limits missed by %", "webs solved", "s")
+MORE = ("limits", "webs solved", "s")
 TASKS = [
     f"{name}:{goal}"
     for name in ("mikron-iiic", "opposed-piston", *OWN)
@@ -69,9 +72,10 @@ def webs(name: str, goal: str) -> Iterator[tuple[str, dict[str, float], str]]:
     scene = with_goal(scene_of(name), limits=(), **asked)
     with tempfile.TemporaryDirectory() as folder:
         shaped = shape_design(scene, out=Path(folder) / "shape").data
-        missed = max(max(row["excess_percent"]) for row in shaped["rounds"][-1:])
-        told = f"{max(missed, 0.0):.2f} | {shaped['evaluations']} | {shaped['seconds']['total']:.0f}"
-        yield "dimensions", shaped["change_percent"], told
+        yield "dimensions", shaped["change_percent"], _told(shaped)
+        if name in THICKNESS_MM:
+            freed = shape_design(_thickness_free(scene, THICKNESS_MM[name]), out=Path(folder) / "free").data
+            yield "dimensions, thickness free", freed["change_percent"], _told(freed)
         began = time.perf_counter()
         run = optimise_design(scene, Path(folder) / "density")
         remodel_run(str(run.folder), evaluated=False)
@@ -84,6 +88,17 @@ def webs(name: str, goal: str) -> Iterator[tuple[str, dict[str, float], str]]:
         bound = shaped["bound"]
         if bound and bound["quantity"] in NAMES:
             yield "bound", {bound["quantity"]: bound["percent_of_original"] - 100}, "- | - | -"
+
+
+def _thickness_free(scene: Scene, range_mm: tuple[float, float]) -> Scene:
+    data = scene.model_dump(mode="json", exclude_none=True)
+    return scene_from_dict(data | {"shape": {"free": {"web_thickness_mm": list(range_mm)}}})
+
+
+def _told(shaped: dict[str, Any]) -> str:
+    """Whether the best web keeps the limits, webs solved and seconds."""
+    kept = all(limit["holds"] for limit in shaped["goal"]["limits"])
+    return f"{'kept' if kept else 'missed'} | {shaped['evaluations']} | {shaped['seconds']['total']:.0f}"
 
 
 def main() -> None:
