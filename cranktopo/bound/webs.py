@@ -22,6 +22,7 @@ from cranktopo.optimise.forging_constraint import Parting
 from cranktopo.optimise.manufacturing import designable, is_manufactured, parting_of, pull_axis
 from cranktopo.optimise.responses import Design, Response, quantities
 from cranktopo.scene import Scene
+from cranktopo.scene.web_moments import bolted_mass
 
 Array = NDArray[np.float64]
 _TINY = 1e-300
@@ -119,7 +120,7 @@ def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> Webs:
     """The webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
     layers = slice(*domain.web_layers)
     design = np.asarray(designable(scene, domain))
-    known = quantities(model, scene.material.density_kg_m3)
+    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     sums = {name: known[name] for name in LINEAR}
     solid = jnp.asarray(domain.fixed)
     return Webs(

@@ -28,7 +28,8 @@ from cranktopo.domain.grid import Extent, Grid, plan_grid
 from cranktopo.domain.stl_envelope import bounds_mm, envelope_from_file
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_sizes import check_envelope_reach
-from cranktopo.scene.features import Body, web_bodies, web_contains
+from cranktopo.scene.checks_web import check_counterweight_inside
+from cranktopo.scene.features import Body, counterweight_bodies, web_bodies, web_contains
 from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.polygons import Coordinates, Shape, polygons
 from cranktopo.scene.schema import Scene
@@ -183,21 +184,27 @@ def _body_from_file(scene: Scene, body: Manifold) -> list[_Layer]:
     return found
 
 
-def _section(bodies: list[Body], z_mm: float) -> Shape:
+def _section(bodies: Sequence[Body], z_mm: float) -> Shape:
     return lambda x, y: web_contains(bodies, x, y, z_mm)
 
 
 def _design_space(scene: Scene) -> list[_Layer]:
-    """The envelope less the bores as layers; in a clearance only the journal goes on."""
+    """The envelope less the bores as layers, a counterweight solid; in a clearance only the journal goes on."""
     (start, stop), envelope, throw = scene.web_z_mm, _envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
     bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
-    found = []
-    for z in _ranges_mm(scene, [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]):
+    weights, found = counterweight_bodies(scene), []
+    heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
+    for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
         middle = sum(z) / 2
         if low < middle < high:
-            shape = _without(envelope_outline(envelope, middle), bores)
-            found.append(_Layer(z, fixed=None, design=shape, pin=None, web=shape))
+            outline = envelope_outline(envelope, middle)
+            check_counterweight_inside(scene, outline, middle)
+            web = _without(outline, bores)
+            here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
+            fixed = _without(_section(here, middle), bores) if here else None
+            design = _without(web, [fixed]) if fixed else web
+            found.append(_Layer(z, fixed=fixed, design=design, pin=None, web=web))
             continue
         journal, y = throw.journals[0 if middle < low else 1]
         shape = _without(disc(journal.radius_mm, y), bores)

@@ -81,7 +81,8 @@ class Facts:
         radial = self.state("bending").case.radial_N
         torque = self.state("torsion").case.torque_Nm * NMM_PER_NM
         tangential = self.state("tangential").case.tangential_N
-        spin = self.overspeed_pull_N + self.rotating(self.top_speed_rpm).throw_N
+        # What the counterweight balances still bends the throw: pin and weight pull at different places.
+        spin = self.overspeed_pull_N + abs(self.rotating(self.top_speed_rpm).throw_N)
         return {
             "bending": radial**2 * bend / 2,
             "torsion": torque**2 * self.compliance.torsion_rad_per_Nmm / 2,

@@ -37,7 +37,12 @@ def centrifugal(facts: Facts) -> Estimate:
         return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
     speed = facts.top_speed_rpm
     throw, pull = facts.rotating(speed).throw_N, facts.overspeed_pull_N
-    return _case(facts, "centrifugal", f"throw {throw:,.0f} N and rod {pull:,.0f} N at {speed:g} rpm")
+    weight = facts.scene.web.counterweight
+    left_out = (
+        ", the bolted counterweight's own pull left out" if weight is not None and weight.bolted else ""
+    )
+    forces = f"throw {throw:,.0f} N and rod {pull:,.0f} N at {speed:g} rpm{left_out}"
+    return _case(facts, "centrifugal", forces)
 
 
 def reciprocating_inertia(facts: Facts) -> Estimate:

@@ -33,6 +33,7 @@ from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import EVALUATED, Assumption, among, assumed_json
+from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
 SCHEMA_VERSION = 1
@@ -305,9 +306,10 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
     return Evaluation(
         target=target.name,
         throw_kg=meshed_throw_kg(meshed, scene),
-        web_kg=density * meshed.web_volume_mm3,
+        web_kg=density * meshed.web_volume_mm3 + bolted_mass(scene).volume,
         inertia_kg_mm2=throw_inertia_kg_mm2(meshed, scene),
-        unbalance_kg_mm=meshed_throw_kg(meshed, scene) * meshed.half.centre_mm[1],
+        unbalance_kg_mm=2
+        * (density * meshed.half.volume_mm3 * meshed.half.centre_mm[1] + bolted_mass(scene).first_y),
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,
@@ -332,13 +334,15 @@ def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> t
 
 
 def meshed_throw_kg(meshed: MeshedThrow, scene: Scene) -> float:
-    """Mass of the whole throw, from the exact volume of its half."""
-    return 2 * density_kg_per_mm3(scene.material.density_kg_m3) * meshed.half.volume_mm3
+    """Mass of the whole throw, from the exact volume of its half, bolted counterweights counted."""
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    return 2 * (density * meshed.half.volume_mm3 + bolted_mass(scene).volume)
 
 
 def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
     """Inertia of the whole throw about the crank axis."""
-    return 2 * density_kg_per_mm3(scene.material.density_kg_m3) * meshed.half.inertia_z_mm5
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    return 2 * (density * meshed.half.inertia_z_mm5 + bolted_mass(scene).polar)
 
 
 def _known(value: float | None) -> float:

@@ -1,4 +1,4 @@
-"""Mass, unbalance and inertia of a throw in closed form, and the counterweight that it needs.
+"""Mass, unbalance and inertia of a throw in closed form, and what counterweight it still needs.
 
 Journals, bores and fillets are exact, the web to 1e-9. A fillet that reaches beyond the web's edge is counted
 whole.
@@ -13,7 +13,7 @@ import numpy as np
 
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
-from cranktopo.scene.web_moments import Moments, web_moments
+from cranktopo.scene.web_moments import Moments, bolted_mass, counterweight_mass, web_moments
 from cranktopo.units import density_kg_per_mm3
 
 
@@ -23,7 +23,7 @@ class ThrowBalance:
 
     Attributes:
         mass_kg: mass of the throw, kg.
-        web_kg: mass of one web, kg.
+        web_kg: mass of one web with its counterweight, kg.
         journal_kg: mass of the main journal (both halves), kg.
         crankpin_kg: mass of the crankpin between the web faces, kg.
         throw_unbalance_kg_mm: mass times y of the throw's centre of mass, kg mm.
@@ -31,6 +31,8 @@ class ThrowBalance:
         rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin, kg mm.
         inertia_kg_mm2: inertia of the throw about the crank axis, kg mm2.
         rod_inertia_kg_mm2: what the rotating mass of the rod adds to it, kg mm2.
+        own_counterweight_kg: mass that the counterweight adds to one web, kg.
+        own_counterweight_kg_mm: unbalance that the counterweights of both webs take away, kg mm.
     """
 
     mass_kg: float
@@ -42,10 +44,15 @@ class ThrowBalance:
     rotating_unbalance_kg_mm: float
     inertia_kg_mm2: float
     rod_inertia_kg_mm2: float
+    own_counterweight_kg: float
+    own_counterweight_kg_mm: float
 
     @property
     def counterweight_kg_mm(self) -> float:
-        """Mass times radius of the counterweights of both webs that balance the rotating masses, kg mm."""
+        """Mass times radius of counterweights of both webs, beside their own, that balance the rotating masses.
+
+        In kg mm; negative where their own are too heavy.
+        """
         return self.rotating_unbalance_kg_mm
 
     def as_json(self) -> dict[str, float]:
@@ -54,6 +61,8 @@ class ThrowBalance:
             "rotating_unbalance_kg_mm": self.rotating_unbalance_kg_mm,
             "inertia_kg_mm2": self.inertia_kg_mm2,
             "counterweight_kg_mm": self.counterweight_kg_mm,
+            "own_counterweight_kg_mm": self.own_counterweight_kg_mm,
+            "own_counterweight_kg": self.own_counterweight_kg,
             "throw_unbalance_kg_mm": self.throw_unbalance_kg_mm,
             "lateral_unbalance_kg_mm": self.lateral_unbalance_kg_mm,
             "rod_inertia_kg_mm2": self.rod_inertia_kg_mm2,
@@ -71,11 +80,12 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     """
     throw, radius = scene.throw, scene.throw.radius_mm
     density = density_kg_per_mm3(scene.material.density_kg_m3)
-    web = web_moments(scene).times(density)
+    web = web_moments(scene).times(density) + bolted_mass(scene)
     journal = _cylinder(throw.main_journal, 0.0).times(density)
     crankpin = _cylinder(throw.crankpin, radius).times(density)
     fillets = (_fillets(throw.main_journal, 0.0) + _fillets(throw.crankpin, radius)).times(density)
     total = journal + crankpin + fillets + web + web
+    own = counterweight_mass(scene)
     rod_kg = scene.engine.rod_rotating_kg * scene.engine.rods_per_pin if scene.engine else 0.0
     return ThrowBalance(
         mass_kg=total.volume,
@@ -87,6 +97,8 @@ def throw_balance(scene: Scene) -> ThrowBalance:
         rotating_unbalance_kg_mm=total.first_y + rod_kg * radius,
         inertia_kg_mm2=total.polar,
         rod_inertia_kg_mm2=rod_kg * radius**2,
+        own_counterweight_kg=own.volume,
+        own_counterweight_kg_mm=0.0 - 2 * own.first_y,
     )
 
 

@@ -14,6 +14,7 @@ from cranktopo.optimise.material import relative_moduli
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.responses import Design, quantities
 from cranktopo.scene.schema import Scene
+from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.units import density_kg_per_mm3
 
 Array = NDArray[np.float64]
@@ -64,6 +65,8 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
     design = Design(jnp.asarray(moduli), jnp.asarray(solid), works, works, solution.displacements)
-    known = quantities(model, scene.material.density_kg_m3)
+    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     values = {name: float(response.value(design)) for name, response in known.items()}
-    return Assessment(cases, float(kg.sum()), float(kg[:, :, first:last].sum()) / 2, values)
+    bolted = bolted_mass(scene).volume
+    web_kg = float(kg[:, :, first:last].sum()) / 2
+    return Assessment(cases, float(kg.sum()) + 2 * bolted, web_kg + bolted, values)

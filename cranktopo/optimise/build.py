@@ -27,6 +27,7 @@ from cranktopo.scene.goal import Limit
 from cranktopo.scene.goal.quantities import quantity_named
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.schema import Optimise, Scene
+from cranktopo.scene.web_moments import bolted_mass
 
 LEFT_TO_EVALUATION = "fatigue_safety"
 # Half the design space is where the projection turns neither way.
@@ -51,7 +52,9 @@ def build_problem(
     statement = (
         _of_volume(chain, model, weights, settings)
         if goal is None or original is None
-        else _of_goal(goal, quantities(model, scene.material.density_kg_m3), original.quantities)
+        else _of_goal(
+            goal, quantities(model, scene.material.density_kg_m3, bolted_mass(scene)), original.quantities
+        )
     )
     simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"
     return DensityProblem(

@@ -30,6 +30,7 @@ from cranktopo.fem.response import (
 from cranktopo.loads.load_case import LoadCase
 from cranktopo.optimise.material import Interpolation
 from cranktopo.scene.goal.quantities import MOTIONS
+from cranktopo.scene.web_moments import Moments
 from cranktopo.units import NMM_PER_NM
 
 
@@ -98,12 +99,19 @@ def volume(chain: Interpolation) -> Response:
     return Response("volume fraction", "", value, needs_solve=False)
 
 
-def quantities(model: ThrowModel, density_kg_m3: float) -> dict[str, Response]:
+def quantities(model: ThrowModel, density_kg_m3: float, bolted: Moments | None = None) -> dict[str, Response]:
     """Every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
 
     The stiffness of a load case has the case's name.
+
+    Args:
+        bolted: mass moments of what is bolted to each web, kg and mm.
     """
-    mass, *others = (_of_solid(name, unit, of, model, density_kg_m3) for name, unit, of in _OF_SOLID)
+    parts = (0.0,) * 3 if bolted is None else (bolted.volume, bolted.polar, bolted.first_y)
+    mass, *others = (
+        _of_solid(name, unit, of, model, density_kg_m3, 2 * part)
+        for (name, unit, of), part in zip(_OF_SOLID, parts, strict=True)
+    )
     loaded = [r for index, case in enumerate(model.cases) for r in _of_case(index, case, mass)]
     return {response.name: response for response in (mass, *others, *loaded)}
 
@@ -121,8 +129,13 @@ def _of_solid(
     of: Callable[[ThrowModel, jax.Array, float], jax.Array],
     model: ThrowModel,
     density_kg_m3: float,
+    part: float,
 ) -> Response:
-    return Response(name, unit, lambda design: of(model, design.solid, density_kg_m3), needs_solve=False)
+    def value(design: Design) -> jax.Array:
+        found = of(model, design.solid, density_kg_m3)
+        return found + part if part else found
+
+    return Response(name, unit, value, needs_solve=False)
 
 
 def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:

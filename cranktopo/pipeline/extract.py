@@ -18,6 +18,7 @@ from cranktopo.optimise.loop import WebDensities, design_of
 from cranktopo.optimise.state import from_checkpoint
 from cranktopo.scene import Scene
 from cranktopo.scene.of_run import scene_of_run
+from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.store import RunStore, load_checkpoint, load_iteration, open_run, require_kind, resume_command
 from cranktopo.surface.checked_surface import checked_surface
 from cranktopo.surface.fidelity import iso_distance_mm
@@ -58,12 +59,12 @@ class Extraction:
     @property
     def throw_kg(self) -> float:
         """Mass of the full throw."""
-        return 2 * self.report.volume_mm3 * self._kg_per_mm3
+        return 2 * (self.report.volume_mm3 * self._kg_per_mm3 + bolted_mass(self.scene).volume)
 
     @property
     def web_kg(self) -> float:
         """Mass of one web."""
-        return self.report.web_volume_mm3 * self._kg_per_mm3
+        return self.report.web_volume_mm3 * self._kg_per_mm3 + bolted_mass(self.scene).volume
 
     @property
     def _kg_per_mm3(self) -> float:

@@ -102,7 +102,8 @@ def bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[A
 
 def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     """The `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
-    return {**_rounded(exact_web_of(layout, values, scene)), "thickness_mm": scene.web.thickness_mm}
+    web = _rounded(exact_web_of(layout, values, scene))
+    return {**web, "thickness_mm": scene.web.thickness_mm, **_counterweight(scene)}
 
 
 def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
@@ -118,7 +119,14 @@ def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
         "stations_mm": [float(y) for y in flank.points_mm[:, 1]],
         "half_widths_mm": [float(h) for h in flank.points_mm[:, 0]],
         **features,
+        **_counterweight(scene),
     }
+
+
+def _counterweight(scene: Scene) -> dict[str, Any]:
+    """The scene's counterweight, which no fit changes."""
+    weight = scene.web.counterweight
+    return {} if weight is None else {"counterweight": weight.model_dump(exclude_none=True)}
 
 
 def frame_of(flank: Flank) -> Frame:

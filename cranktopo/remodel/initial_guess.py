@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cranktopo.remodel.constraints import reaches_mm
 from cranktopo.remodel.family import Layout, flank_of, station_shares
+from cranktopo.remodel.model_fill import added_mm
 from cranktopo.remodel.search import FitProblem
 from cranktopo.scene.features.flank import flank_half_width_mm
 
@@ -22,7 +23,7 @@ def outline_guess(problem: FitProblem, stations: int) -> Array:
         stations: points of the profile, both round ends included.
     """
     cells = problem.target
-    rows = np.flatnonzero(cells.solid.any(axis=(0, 2)))
+    rows = np.flatnonzero(_solid(problem).any(axis=(0, 2)))
     half = cells.cell_mm[1] / 2
     low, high = cells.y_mm[rows[0]] - half, cells.y_mm[rows[-1]] + half
     extent = np.quantile(_extents(problem), _TYPICAL, axis=-1)
@@ -54,4 +55,11 @@ def _extents(problem: FitProblem) -> Array:
     """Lateral extent of each row in each layer, (ny, nz), mm."""
     cells = problem.target
     outer = cells.x_mm + cells.cell_mm[0] / 2
-    return np.asarray((cells.solid * outer[:, None, None]).max(axis=0))
+    return np.asarray((_solid(problem) * outer[:, None, None]).max(axis=0))
+
+
+def _solid(problem: FitProblem) -> NDArray[np.bool_]:
+    """Cells that the body fills beside the counterweight, (nx, ny, nz)."""
+    cells = problem.target
+    added = added_mm(problem.scene, (cells.x_mm, cells.y_mm, cells.z_mm))
+    return cells.solid if added is None else cells.solid & (added < 0)

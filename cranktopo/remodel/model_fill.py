@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.remodel.family import own_values
+from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import Axes, FittedFeature
 
 _TINY = 1e-12
+ADDED = -1
+"""Number of the field of a counterweight."""
 CHORDS = 48
 """Chords of the outline's right half in the distance field."""
 Array = NDArray[np.float64]
@@ -24,15 +27,21 @@ class Fill:
     def __init__(self, parts: tuple[FittedFeature, ...], axes: Axes, web_z_mm: tuple[float, float]) -> None:
         self.parts, self.axes, self.web_z_mm = parts, axes, web_z_mm
 
-    def inside_mm(self, points: Array, values: Array) -> tuple[Array, NDArray[np.int8]]:
-        """Signed distance of every cell, (nx, ny, nz), mm, and which field is the least there: 0 the outline.
+    def inside_mm(
+        self, points: Array, values: Array, added: Array | None = None
+    ) -> tuple[Array, NDArray[np.int8]]:
+        """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of: 0 the outline.
 
         Args:
             points: (n, 2) points of the outline's right half, from end to end, mm.
+            added: signed distance from what is added to the outline, (nx, ny, nz); field `ADDED`.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
         inside[:] = outline_distance(points, *self.axes[:2])[:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
+        if added is not None:
+            which[added > inside] = ADDED
+            np.maximum(inside, added, out=inside)
         for k, (part, own) in enumerate(own_values(self.parts, values)):
             field = part.field_mm(own, _ends(points), self.axes, self.web_z_mm)
             lower = field < inside
@@ -47,7 +56,7 @@ class Fill:
 
         Args:
             points: (n, 2) points of the outline's right half, from end to end, mm.
-            which: (nx, ny, nz) which field is the least in each cell, from `inside_mm`.
+            which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
             weight: (nx, ny, nz) weight of each cell's distance.
         """
         chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
@@ -59,6 +68,19 @@ class Fill:
             by_values.append(by_own)
             by_points[[0, -1], 1] += by_ends
         return by_points, np.concatenate([np.zeros(0), *by_values])
+
+
+def added_mm(scene: Scene, axes: Axes) -> Array | None:
+    """Signed distance of cells from a counterweight that is one piece with the web, (nx, ny, nz), mm."""
+    weight = scene.web.counterweight
+    if weight is None or weight.bolted:
+        return None
+    sector, (x, y, z) = weight.sector(scene), axes
+    (start, end), (low, high) = scene.web_z_mm, sector.z_mm
+    flat = sector.inside_mm(x[:, None], y[None, :])[:, :, None]
+    # The web's own faces bound the cells already.
+    below, above = z - low if low > start else np.inf, high - z if high < end else np.inf
+    return np.asarray(np.minimum(flat, np.broadcast_to(np.minimum(below, above), z.shape)))
 
 
 def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:

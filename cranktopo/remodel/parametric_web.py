@@ -12,7 +12,7 @@ from cranktopo.remodel.constraints import outline_rules, part_rules
 from cranktopo.remodel.dimensions import all_bounds, scene_at, size_rules
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.model_fill import CHORDS, Fill
+from cranktopo.remodel.model_fill import CHORDS, Fill, added_mm
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import Axes, Rule
 
@@ -88,6 +88,7 @@ class ParametricWeb:
         self.layout, self.bounds = layout, all_bounds(layout, scene, limits)
         self._scene, self._limits = scene, limits
         self._grid = Fill(layout.parts, axes, scene.web_z_mm)
+        self._added = added_mm(scene, axes)
         self._outline = _Outline(layout, scene, limits)
 
     def points(self, values: Array) -> tuple[Array, Array]:
@@ -96,14 +97,14 @@ class ParametricWeb:
         return shape.points, shape.point_slopes
 
     def inside_mm(self, values: Array) -> tuple[Array, NDArray[np.int8]]:
-        """Signed distance of every cell, (nx, ny, nz), mm, and which field is the least there."""
-        return self._grid.inside_mm(self._outline.at(values).points, self._parts(values))
+        """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
+        return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added)
 
     def pulled_back(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
         """Derivative of sum(weight * inside_mm) by the parameters.
 
         Args:
-            which: (nx, ny, nz) which field is the least in each cell, from `inside_mm`.
+            which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
             weight: (nx, ny, nz) weight of each cell's distance.
         """
         shape = self._outline.at(values)

@@ -74,6 +74,9 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
         yield f"throw.{name}.fillet_mm", journal.fillet_mm, SMALLEST_FILLET
         yield f"throw.{name}.fillet_axial_mm", journal.fillet_axial_mm or 0.0, SMALLEST_FILLET
     yield "web.thickness_mm", scene.web.thickness_mm, SMALLEST
+    if scene.web.counterweight is not None:
+        yield "web.counterweight.outer_radius_mm", scene.web.counterweight.outer_radius_mm, SMALLEST
+        yield "web.counterweight.thickness_mm", scene.web.counterweight.thickness_mm or 0.0, SMALLEST
 
 
 def _check(scene: Scene, key: str, value: float, smallest: float) -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.errors import invalid
 from cranktopo.scene.features.body import ROUNDING_MM, least_shoulder_mm
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
+
+Array = NDArray[np.float64]
 
 
 def check_solid(scene: Scene) -> None:
@@ -18,7 +23,7 @@ def check_solid(scene: Scene) -> None:
             shoulder, bore through the rim, pocket outside the web, too deep, or cutting a bore.
     """
     web = scene.web
-    features = [(f"web.{key}[{index}]", feature) for key, index, feature in web.features()]
+    features = list(web.features())
     web.check_outline(scene.throw.radius_mm)
     for key, feature in features:
         feature.check_alone(scene, key)
@@ -26,6 +31,37 @@ def check_solid(scene: Scene) -> None:
     _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
     for key, feature in features:
         feature.check_in_web(scene, key)
+
+
+def check_counterweight_inside(
+    scene: Scene, section: Callable[[Array, Array], NDArray[np.bool_]], z_mm: float | None = None
+) -> None:
+    """Check that a section of the design space holds the counterweight: no optimiser takes it away.
+
+    Args:
+        section: whether points (x, y), mm, lie in the design space.
+        z_mm: height of the section; None where all are alike.
+
+    Raises:
+        CranktopoError: a part of it lies outside.
+    """
+    weight = scene.web.counterweight
+    if weight is None:
+        return
+    sector = weight.sector(scene)
+    if z_mm is not None and not sector.z_mm[0] < z_mm < sector.z_mm[1]:
+        return
+    x, y = sector.rim_mm()
+    inward = 1 - 1e-6
+    outside = ~(section(inward * x, inward * y) & section(-inward * x, inward * y))
+    if outside.any():
+        at = int(np.flatnonzero(outside)[0])
+        raise invalid(
+            "web.counterweight.outer_radius_mm",
+            weight.outer_radius_mm,
+            f"reaches beyond the design space [envelope] at x = {x[at]:.4g}, y = {y[at]:.4g} mm",
+            "Enlarge the envelope, or make the counterweight smaller.",
+        )
 
 
 def shoulder_mm(scene: Scene, y_mm: float) -> float:

@@ -7,12 +7,9 @@ from cranktopo.scene.schema import Scene
 
 def web_asymmetry(scene: Scene) -> str:
     """Key of the web's first feature without its mirrored twin; empty when the web is symmetric in x."""
-    lonely = (
-        f"web.{key}.{index}"
-        for key, index, feature in scene.web.features()
-        if feature.mirrored() not in getattr(scene.web, key)
-    )
-    return next(lonely, "")
+    features = list(scene.web.features())
+    twins = [feature for _, feature in features]
+    return next((key for key, feature in features if feature.mirrored() not in twins), "")
 
 
 def envelope_asymmetry(scene: Scene) -> str:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cranktopo.scene.features import Body, web_bodies
 from cranktopo.scene.schema import Scene
+from cranktopo.units import density_kg_per_mm3
 
 Array = NDArray[np.float64]
 _HEIGHTS, _PLACES = 8, 12
@@ -62,6 +63,30 @@ class Moments:
 def web_moments(scene: Scene) -> Moments:
     """Moments of one whole web, bores and features taken out."""
     return moments(web_bodies(scene))
+
+
+_NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
+
+
+def bolted_mass(scene: Scene) -> Moments:
+    """Mass moments of a counterweight that is bolted to one web, kg and mm; all 0 without one."""
+    weight = scene.web.counterweight
+    return counterweight_mass(scene) if weight is not None and weight.bolted else _NOTHING
+
+
+@lru_cache(maxsize=16)
+def counterweight_mass(scene: Scene) -> Moments:
+    """Mass moments of what a counterweight adds to one web, kg and mm; all 0 without one.
+
+    What of it lies within the web is the web's, and what a pocket cuts is neither's.
+    """
+    weight = scene.web.counterweight
+    if weight is None:
+        return _NOTHING
+    bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+    bodies = web_bodies(bare)
+    added = moments([*bodies, weight.sector(scene)]) + moments(bodies).times(-1.0)
+    return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
 
 
 def moments(bodies: Sequence[Body]) -> Moments:

@@ -20,6 +20,7 @@ from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, exact_web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.scene import Scene
+from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.shape.mesh_fatigue import FilletFatigue
 from cranktopo.shape.mesh_stiffness import bending_slopes, torsion_slopes
 from cranktopo.shape.moved_mesh import MovedMesh
@@ -155,10 +156,11 @@ class MeshModel:
 
     def _masses(self, model: Elasticity) -> _ByNodes:
         """Mass, inertia and unbalance of the whole throw, exact where the mesh was made, and their slopes."""
-        kg = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3)
+        kg, bolted = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3), bolted_mass(self.scene)
         integrals, slopes = moments(model)
         names = ("mass", "unbalance", "inertia")
-        found = kg * (self._parts * integrals + self._missing)
+        parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
+        found = kg * (self._parts * integrals + self._missing) + 2 * parts
         pairs = zip(found.tolist(), kg * self._parts * slopes, strict=True)
         return dict(zip(names, pairs, strict=True))
 

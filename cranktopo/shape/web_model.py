@@ -26,6 +26,7 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.model_fill import smooth_step
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
+from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.shape.free_bores import FreeBores, domain_without_free_bores
 
 Array = NDArray[np.float64]
@@ -162,7 +163,7 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     domain = domain_without_free_bores(scene, resolution_mm)
     effects = plan(scene).enabled - {"tangential", "centrifugal"} | {"bending", "torsion"}
     model = build_model(scene, domain, load_cases(scene, effects))
-    known = quantities(model, scene.material.density_kg_m3)
+    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).fixed
     solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}

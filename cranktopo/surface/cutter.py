@@ -18,6 +18,7 @@ from cranktopo.surface.isosurface import FineField, iso_solid, resample, unsmoot
 from cranktopo.surface.release import released
 from cranktopo.surface.solids import (
     ON_MIRROR_MM,
+    counterweight_solid,
     envelope_solid,
     is_mirror_image,
     journal_stubs,
@@ -38,7 +39,7 @@ _X_AXIS = (1.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Cutter:
-    """What turns an iso-surface into the web: envelope, bores, journal stubs, lateral symmetry."""
+    """What turns an iso-surface into the web: envelope, bores, journal stubs and counterweight, symmetry."""
 
     envelope: Manifold
     bores: Manifold
@@ -89,7 +90,7 @@ def build_cutter(
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
     symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)
-    return Cutter(envelope, web_bores(scene), journal_stubs(scene), symmetric)
+    return Cutter(envelope, web_bores(scene), journal_stubs(scene) + counterweight_solid(scene), symmetric)
 
 
 def fine_field(

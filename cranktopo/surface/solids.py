@@ -79,6 +79,19 @@ def journal_stubs(scene: Scene) -> Manifold:
     return stubs
 
 
+def counterweight_solid(scene: Scene) -> Manifold:
+    """The counterweight that is one piece with the web, within what the envelope's clearances leave."""
+    low, high = envelope_z_mm(scene)
+    weight = scene.web.counterweight
+    if weight is None or weight.bolted:
+        return Manifold()
+    sector = weight.sector(scene)
+    x, y = sector.rim_mm(max(3, math.ceil(segments(sector.radius_mm) * sector.half_angle / (2 * math.pi))))
+    points = np.column_stack([np.r_[0.0, -x[:0:-1], x], np.r_[0.0, y[:0:-1], y]])
+    section = CrossSection([points], FillRule.NonZero)
+    return _prism(section, max(low, sector.z_mm[0]), min(high, sector.z_mm[1]))
+
+
 def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
     """Design envelope between the web faces less the clearances.
 

@@ -169,7 +169,7 @@ def test_bearing_estimate_is_springs_in_series():
 def test_asymmetry_switches_the_mirror_off():
     pocket = CylinderPocket(shape="cylinder", x_mm=8.0, y_mm=24.0, diameter_mm=6.0)
     mirrored = pocket.model_copy(update={"x_mm": -8.0})
-    assert web_asymmetry(with_part(MIKRON, "web", pocket=(pocket,))) == "web.pocket.0"
+    assert web_asymmetry(with_part(MIKRON, "web", pocket=(pocket,))) == "web.pocket[0]"
     assert web_asymmetry(with_part(MIKRON, "web", pocket=(pocket, mirrored))) == ""
     points = ((-30.0, -30.0), (30.0, -30.0), (30.0, 80.0), (-20.0, 80.0))
     scene = MIKRON.model_copy(update={"envelope": OutlineEnvelope(shape="outline", points_mm=points)})
@@ -193,7 +193,7 @@ def test_what_is_off_is_taken_out_of_the_simulated_scene():
     assert simulated_scene(lopsided, plan(lopsided)).effects.lateral_symmetry == "off"
     assert not may_mirror(bare, "")
     assert may_mirror(MIKRON, "")
-    assert not may_mirror(MIKRON, "web.pocket.0")
+    assert not may_mirror(MIKRON, "web.pocket[0]")
 
 
 def test_bores_matter_by_stiffness_or_by_mass():

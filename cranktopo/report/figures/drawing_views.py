@@ -68,20 +68,27 @@ class Sheet:
     @cached_property
     def features(self) -> list[FeatureDrawing]:
         """How each feature of the web appears."""
-        return [feature.drawing(self.scene) for _, _, feature in self.scene.web.features()]
+        return [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
 
     @property
     def y_range_mm(self) -> tuple[float, float]:
         """Extent of web and journals along the throw."""
         throw = self.scene.throw
         low, high = self.scene.web.y_range_mm(throw.radius_mm)
+        low = min([low, *(y for feature in self.features for _, y in feature.added)])
         reach = throw.radius_mm + throw.crankpin.radius_mm
         return min(low, -throw.main_journal.radius_mm), max(high, reach)
 
     @property
+    def half_width_mm(self) -> float:
+        """Largest half-width of the web with what features add to it."""
+        added = (x for feature in self.features for x, _ in feature.added)
+        return max([self.scene.web.largest_half_width_mm, *added])
+
+    @property
     def front(self) -> Room:
         """Room of the front view."""
-        half = self.scene.web.largest_half_width_mm
+        half = self.half_width_mm
         text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
         return Room((-half, half), self.y_range_mm, (_GAP_MM + 2.5 * _LINE_MM, text, 2.2 * _GAP_MM, _GAP_MM))
 
@@ -108,18 +115,18 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     low, high = web.y_range_mm(radius)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, _POINTS))
     half = web.half_width_mm(radius, y)
-    hatched(axes, [np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])], "")
+    hatched(axes, _with_added(sheet, np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])), "")
     if sheet.body is not None:
         ghost(axes, sheet.body.project().to_polygons())
     _journals(axes, sheet.scene)
     for stroke in (stroke for feature in sheet.features for stroke in feature.front):
         _edges(axes, stroke)
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
-    under = sheet.y_range_mm[0]
+    under, beside = sheet.y_range_mm[0], sheet.half_width_mm
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
     for number, (start, end) in enumerate(((low, 0.0), (low, high))):
-        dimension(axes, (0, start), (0, end), (-widest - gap - number * line, 0), f"{end - start:.2f}")
-    dimension(axes, (0, 0), (0, radius), (-widest - gap, 0), f"{radius:g}")
+        dimension(axes, (0, start), (0, end), (-beside - gap - number * line, 0), f"{end - start:.2f}")
+    dimension(axes, (0, 0), (0, radius), (-beside - gap, 0), f"{radius:g}")
     if isinstance(web, ProfileWeb):
         for number, (station, width) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
             axes.plot([width, widest + 4 / scale], [station, station], color=THIN, lw=0.4)
@@ -191,6 +198,17 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
         for one in shown.across:
             dimension(axes, one.start, one.end, one.shift, one.text)
     finish(axes, f"Section y = {y:.2f}")
+
+
+def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
+    """The outline, (n, 2), and what features add to it, as polygons."""
+    added = [np.array(feature.added) for feature in sheet.features if feature.added]
+    if not added:
+        return [outline]
+    from manifold3d import CrossSection, FillRule
+
+    sections = [CrossSection([polygon], FillRule.NonZero) for polygon in (outline, *added)]
+    return [np.asarray(polygon) for polygon in sum(sections[1:], sections[0]).to_polygons()]
 
 
 def _section_x(solid: Manifold) -> list[Array]:

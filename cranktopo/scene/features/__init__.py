@@ -10,13 +10,14 @@ from pydantic import Field
 from cranktopo.scene.features.bevel import EndBevel
 from cranktopo.scene.features.body import Body, Feature
 from cranktopo.scene.features.box_pocket import BoxPocket
+from cranktopo.scene.features.counterweight import Counterweight
 from cranktopo.scene.features.cylinder_pocket import CylinderPocket
 from cranktopo.scene.features.ellipse import EllipseWeb
 from cranktopo.scene.features.hull import ObroundWeb, TaperedWeb
 from cranktopo.scene.features.profile import ProfileWeb
 from cranktopo.scene.features.rectangle import RectangleWeb
 from cranktopo.scene.features.side_pocket import SidePocket
-from cranktopo.scene.features.web import Pocket, WebTable, web_bodies, web_contains
+from cranktopo.scene.features.web import Pocket, WebTable, counterweight_bodies, web_bodies, web_contains
 
 Web = Annotated[
     ObroundWeb | RectangleWeb | EllipseWeb | TaperedWeb | ProfileWeb, Field(discriminator="outline")
@@ -25,6 +26,7 @@ Web = Annotated[
 __all__ = [
     "Body",
     "BoxPocket",
+    "Counterweight",
     "CylinderPocket",
     "EllipseWeb",
     "EndBevel",
@@ -37,6 +39,7 @@ __all__ = [
     "TaperedWeb",
     "Web",
     "WebTable",
+    "counterweight_bodies",
     "web_bodies",
     "web_contains",
 ]

@@ -128,6 +128,7 @@ class FeatureDrawing:
         across: dimensions in the section across the throw at `section_y_mm`, (x, z).
         section_y_mm: where a section across the throw shows the feature best; None for no preference.
         lines: its numbers, for the table.
+        added: corners (x, y) of the material that it adds to the outline in the front view.
     """
 
     front: tuple[Circle | Polyline, ...] = ()
@@ -135,6 +136,7 @@ class FeatureDrawing:
     across: tuple[Dimension, ...] = ()
     section_y_mm: float | None = None
     lines: tuple[str, ...] = ()
+    added: tuple[FlatPoint, ...] = ()
 
 
 def number_lines(title: str, values: dict[str, float]) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from cranktopo.scene.base import Length, SceneTable
 from cranktopo.scene.features.bevel import EndBevel, FittedBevel
 from cranktopo.scene.features.body import Array, Body, Feature, Mask, Span
 from cranktopo.scene.features.box_pocket import BoxPocket, FittedBox
+from cranktopo.scene.features.counterweight import Counterweight
 from cranktopo.scene.features.cylinder_pocket import CylinderPocket, FittedCylinder
 from cranktopo.scene.features.fitted import FittedFeature, FittedToSections
 from cranktopo.scene.features.fitted_pocket import FittedPocket
@@ -50,9 +51,10 @@ class WebTable(SceneTable, ABC):
     bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
     """What is taken out of the outline's solid; `shape` chooses the kind."""
+    counterweight: Counterweight | None = None
 
     feature_keys: ClassVar[tuple[str, ...]] = ("bevel", "pocket")
-    """Keys that hold features."""
+    """Keys that hold lists of features."""
 
     @abstractmethod
     def half_width_mm(self, throw_radius_mm: float, y_mm: Array) -> Array:
@@ -82,11 +84,13 @@ class WebTable(SceneTable, ABC):
             CranktopoError: first inconsistency found.
         """
 
-    def features(self) -> Iterator[tuple[str, int, Feature]]:
-        """Each feature with its key and number."""
+    def features(self) -> Iterator[tuple[str, Feature]]:
+        """Each feature with its key path in the scene."""
         for key in self.feature_keys:
             for index, feature in enumerate(getattr(self, key)):
-                yield key, index, feature
+                yield f"web.{key}[{index}]", feature
+        if self.counterweight is not None:
+            yield "web.counterweight", self.counterweight
 
 
 @dataclass(frozen=True)
@@ -136,11 +140,13 @@ def web_bodies(scene: ThrowView) -> list[Body]:
 
 def feature_bodies(scene: ThrowView) -> list[Body]:
     """The bodies of all features of the web in the order of the scene."""
-    return [
-        body
-        for key, index, feature in scene.web.features()
-        for body in feature.bodies(scene, f"web.{key}[{index}]")
-    ]
+    return [body for key, feature in scene.web.features() for body in feature.bodies(scene, key)]
+
+
+def counterweight_bodies(scene: ThrowView) -> tuple[Body, ...]:
+    """The body of a counterweight that is one piece with the web; none without one."""
+    weight = scene.web.counterweight
+    return weight.bodies(scene, "web.counterweight") if weight is not None else ()
 
 
 def web_contains(bodies: Sequence[Body], x_mm: Array, y_mm: Array, z_mm: float) -> Mask:

@@ -1,0 +1,208 @@
+"""Counterweight opposite the crankpin: a sector about the crank axis that grows out of the web."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from pydantic import Field
+from typing_extensions import override
+
+from cranktopo.errors import CranktopoError, invalid
+from cranktopo.scene.base import Length
+from cranktopo.scene.features.body import Array, Body, Face, Feature, Mask, Span, least_shoulder_mm
+from cranktopo.scene.features.primitives import (
+    Arc,
+    Extrusion,
+    FeatureDrawing,
+    Line,
+    Point,
+    Solid,
+    number_lines,
+)
+
+if TYPE_CHECKING:
+    from cranktopo.scene.features.throw_view import ThrowView
+
+_DRAWN, _SAMPLES = 61, 181
+"""Points of the arc in a drawing, and where it is compared with others."""
+
+
+class Counterweight(Feature):
+    """Counterweight opposite the crankpin: a sector about the crank axis, bounded inside by the web itself.
+
+    It is one piece with the web and counts wherever the web does, unless it has a density of its own. Then it
+    is a part that is bolted on or let in: its mass, unbalance and inertia count, its stiffness does not, nor
+    does its pull as a load, and solids, cells and meshes leave it out.
+    """
+
+    outer_radius_mm: Length = Field(examples=[60.0])
+    """Outer radius about the crank axis; beyond the web's outline, or nothing would be added."""
+    half_angle_deg: float = Field(ge=5, le=90, examples=[60.0])
+    """Angle of each flank to the direction away from the crankpin; 90 = half a disc."""
+    thickness_mm: Length | None = Field(default=None, examples=[15.0])
+    """Thickness along the crank axis, at most that of the web, which it has by default."""
+    face: Face = "journal"
+    """Web face with which it is flush if it is thinner than the web."""
+    density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
+    """Density of a part that is bolted on or let in, such as heavy metal; left out, one piece with the web."""
+
+    @property
+    def bolted(self) -> bool:
+        """Whether it is a part of its own, which has mass and no stiffness."""
+        return self.density_kg_m3 is not None
+
+    def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
+        """Its body."""
+        start, end = scene.web_z_mm
+        thick = scene.web.thickness_mm if self.thickness_mm is None else self.thickness_mm
+        z_mm = (start, start + thick) if self.face == "journal" else (end - thick, end)
+        return Sector(key, z_mm, self.outer_radius_mm, math.radians(self.half_angle_deg))
+
+    @override
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        return () if self.bolted else (self.sector(scene, key),)
+
+    @override
+    def check_alone(self, scene: ThrowView, key: str) -> None:
+        web, journal = scene.web, scene.throw.main_journal
+        if self.thickness_mm is not None and self.thickness_mm > web.thickness_mm:
+            allowed = f"must be at most web.thickness_mm = {web.thickness_mm:g} mm"
+            raise invalid(f"{key}.thickness_mm", self.thickness_mm, allowed, "Leave it out for all of it.")
+        least = journal.radius_mm + journal.fillet_mm + least_shoulder_mm(scene.throw)
+        if self.outer_radius_mm <= least:
+            raise invalid(
+                f"{key}.outer_radius_mm",
+                self.outer_radius_mm,
+                f"must be larger than {least:.4g} mm, what the main journal needs for its radius and fillet",
+                "Enlarge it, or remove the counterweight.",
+            )
+        x, y = self.sector(scene).rim_mm()
+        if (x <= web.half_width_mm(scene.throw.radius_mm, y)).all():
+            raise invalid(
+                f"{key}.outer_radius_mm",
+                self.outer_radius_mm,
+                "lies within the web's outline and adds nothing",
+                "Enlarge it, or remove the counterweight.",
+            )
+
+    @override
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
+        """Nothing that is cut from the outline's end or sides runs into it: it would leave a hollow."""
+        for name, bevel in enumerate(scene.web.bevel):
+            if bevel.face == "pin":
+                raise CranktopoError(
+                    f"web.bevel[{name}]: bevels the main journal's end of the web, where {key} is.",
+                    hint="Remove one of them.",
+                )
+        sector = self.sector(scene, key)
+        for path, pocket in scene.web.features():
+            if getattr(pocket, "shape", "") == "side" and _meets(pocket.bodies(scene, path)[0], sector):
+                raise CranktopoError(
+                    f"{path}: runs into {key}, which is wider than the web's outline there.",
+                    hint="Move the pocket toward the crankpin, or narrow the counterweight.",
+                )
+
+    @override
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
+        sector = self.sector(scene)
+        x, y = sector.rim_mm(_DRAWN)
+        right = list(zip(x.tolist(), y.tolist(), strict=True))
+        edge = ((0.0, 0.0), *((-a, b) for a, b in right[::-1]), *right)
+        numbers = self.model_dump(exclude={"face", "density_kg_m3"}, exclude_none=True)
+        title = (
+            "COUNTERWEIGHT"
+            if self.thickness_mm is None
+            else f"COUNTERWEIGHT, flush with the {self.face} face"
+        )
+        part = f"   bolted on, {self.density_kg_m3:g} kg/m³" if self.bolted else ""
+        return FeatureDrawing(added=edge, lines=(*number_lines(title, numbers), *filter(None, [part])))
+
+
+@dataclass(frozen=True)
+class Sector(Body):
+    """A sector about the crank axis, symmetric about the direction away from the crankpin.
+
+    Attributes:
+        radius_mm: of its arc.
+        half_angle: of each flank to that direction, rad, at most a right angle.
+    """
+
+    radius_mm: float
+    half_angle: float
+    adds: ClassVar[bool] = True
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        half = np.where((z_mm >= self.z_mm[0]) & (z_mm <= self.z_mm[1]), self.half_width_mm(y_mm), 0.0)
+        return [(-half, half)]
+
+    @override
+    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
+        return np.asarray(np.abs(x_mm) < self.half_width_mm(y_mm))
+
+    def half_width_mm(self, y_mm: Array) -> Array:
+        """Half of its width at places along the throw; 0 beyond its ends."""
+        chord = np.sqrt(np.maximum(self.radius_mm**2 - y_mm**2, 0.0))
+        return np.asarray(np.minimum(chord, np.maximum(-y_mm, 0.0) * math.tan(self.half_angle)))
+
+    def inside_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Signed distance of points of a section from the nearer of flank and arc, positive inside."""
+        return np.minimum(self.below_rim_mm(x_mm, y_mm), self.inside_flank_mm(x_mm, y_mm))
+
+    def below_rim_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Distance from the outer cylinder, positive inside it."""
+        return np.asarray(self.radius_mm - np.hypot(x_mm, y_mm))
+
+    def inside_flank_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Distance from the flank on the points' side of x = 0, positive between both flanks."""
+        return np.asarray(-y_mm * math.sin(self.half_angle) - np.abs(x_mm) * math.cos(self.half_angle))
+
+    def rim_mm(self, points: int = _SAMPLES) -> tuple[Array, Array]:
+        """Points of its arc at x >= 0, from the bottom to the flank."""
+        angle = self.half_angle * np.linspace(0.0, 1.0, points)
+        return self.radius_mm * np.sin(angle), -self.radius_mm * np.cos(angle)
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        return -self.radius_mm, 0.0
+
+    @property
+    @override
+    def y_breaks_mm(self) -> tuple[float, ...]:
+        return -self.radius_mm, -self.radius_mm * math.cos(self.half_angle), 0.0
+
+    @property
+    @override
+    def x_range_mm(self) -> tuple[float, float]:
+        half = self.radius_mm * math.sin(self.half_angle)
+        return -half, half
+
+    @override
+    def solids(self) -> tuple[Solid, ...]:
+        low, high = self.z_mm
+        x, y = self.radius_mm * math.sin(self.half_angle), -self.radius_mm * math.cos(self.half_angle)
+        apex, bottom = (0.0, 0.0, low), (0.0, -self.radius_mm, low)
+        left: Point = (-x, y, low)
+        right: Point = (x, y, low)
+        contour = (
+            Line(apex, left),
+            Arc(left, apex, bottom),
+            Arc(bottom, apex, right),
+            Line(right, apex),
+        )
+        return (Extrusion(contour, (0.0, 0.0, high - low)),)
+
+
+def _meets(slot: Body, sector: Sector) -> bool:
+    """Whether the tool of a side pocket ends in the sector."""
+    low, high = (max(slot.z_mm[0], sector.z_mm[0]), min(slot.z_mm[1], sector.z_mm[1]))
+    if low >= high:
+        return False
+    y = np.linspace(*slot.y_range_mm, 401)
+    reach = np.max([end for _, end in slot.spans(y, np.asarray(sum(slot.z_mm) / 2))], axis=0)
+    return bool((sector.half_width_mm(y) > reach - 1e-9).any())
