@@ -189,7 +189,7 @@ def _section(bodies: Sequence[Body], z_mm: float) -> Shape:
 
 
 def _design_space(scene: Scene) -> list[_Layer]:
-    """The envelope less the bores as layers, a counterweight solid; in a clearance only the journal goes on."""
+    """The envelope less the bores as layers, a counterweight solid; in a clearance the journal alone."""
     (start, stop), envelope, throw = scene.web_z_mm, _envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
     bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]

@@ -49,9 +49,9 @@ class ThrowBalance:
 
     @property
     def counterweight_kg_mm(self) -> float:
-        """Mass times radius of counterweights of both webs, beside their own, that balance the rotating masses.
+        """Mass times radius that counterweights of both webs need beside their own, kg mm.
 
-        In kg mm; negative where their own are too heavy.
+        They balance the rotating masses; negative where their own are too heavy.
         """
         return self.rotating_unbalance_kg_mm
 

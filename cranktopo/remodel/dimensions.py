@@ -91,7 +91,7 @@ def size_rules(layout: Layout, values: Array, scene: Scene, limits: Manufacturin
         scene: the design; its dimensions are those of the values.
     """
     sized, found = scene_at(scene, layout, values), list[Rule]()
-    if any(name != "web_thickness" for name in layout.dimensions):
+    if any(name.endswith(("bore", "fillet", "axial")) for name in layout.dimensions):
         found += _bore_rules(sized, limits.min_wall_mm)
     if any("fillet" in name for name in layout.dimensions):
         found += _ellipse_rules(sized)

@@ -55,8 +55,8 @@ class Layout:
 
 
 def unit_of(parameter: str) -> str:
-    """Unit of a parameter by its name: degrees for a draft, else mm."""
-    return "deg" if parameter.endswith("draft") else "mm"
+    """Unit of a parameter by its name: degrees for a draft and an angle, else mm."""
+    return "deg" if parameter.endswith(("draft", "angle")) else "mm"
 
 
 def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Array]]:
@@ -124,7 +124,7 @@ def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
 
 
 def _counterweight(scene: Scene) -> dict[str, Any]:
-    """The scene's counterweight, which no fit changes."""
+    """The scene's counterweight, which no fit to a body changes."""
     weight = scene.web.counterweight
     return {} if weight is None else {"counterweight": weight.model_dump(exclude_none=True)}
 

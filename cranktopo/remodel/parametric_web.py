@@ -12,9 +12,10 @@ from cranktopo.remodel.constraints import outline_rules, part_rules
 from cranktopo.remodel.dimensions import all_bounds, scene_at, size_rules
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.model_fill import CHORDS, Fill, added_mm
+from cranktopo.remodel.model_fill import ADDED, CHORDS, Fill, added_mm
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import Axes, Rule
+from cranktopo.scene.free_dimensions import is_of_counterweight
 
 Array = NDArray[np.float64]
 _COMPLEX = 1e-30
@@ -88,7 +89,8 @@ class ParametricWeb:
         self.layout, self.bounds = layout, all_bounds(layout, scene, limits)
         self._scene, self._limits = scene, limits
         self._grid = Fill(layout.parts, axes, scene.web_z_mm)
-        self._added = added_mm(scene, axes)
+        self._weight = [name for name in layout.dimensions if is_of_counterweight(name)]
+        self._own_added = added_mm(scene, axes)
         self._outline = _Outline(layout, scene, limits)
 
     def points(self, values: Array) -> tuple[Array, Array]:
@@ -98,7 +100,7 @@ class ParametricWeb:
 
     def inside_mm(self, values: Array) -> tuple[Array, NDArray[np.int8]]:
         """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
-        return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added)
+        return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added(values))
 
     def pulled_back(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
         """Derivative of sum(weight * inside_mm) by the parameters.
@@ -109,8 +111,26 @@ class ParametricWeb:
         """
         shape = self._outline.at(values)
         by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
-        by_sizes = np.zeros(len(self.layout.dimensions))
+        by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))
         return np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
+
+    def _added(self, values: Array) -> Array | None:
+        """Signed distance of the cells from the counterweight."""
+        return self._moved_added(values) if self._weight else self._own_added
+
+    def _moved_added(self, values: Array) -> Array:
+        found = added_mm(scene_at(self._scene, self.layout, values), self._grid.axes)
+        assert found is not None
+        return found
+
+    def _by_sizes(self, values: Array, weight: Array) -> Array:
+        """Derivative of sum(weight * distance from the counterweight) by the dimensions of the throw."""
+        result = np.zeros(len(self.layout.dimensions))
+        for name in self._weight:
+            step = _DIFFERENCE * np.eye(len(values))[self.layout.names.index(name)]
+            above, below = (np.sum(weight * self._moved_added(values + s * step)) for s in (1, -1))
+            result[self.layout.dimensions.index(name)] = (above - below) / (2 * _DIFFERENCE)
+        return result
 
     def constraints(self, values: Array) -> Array:
         """Manufacturing constraints, kept where <= 0."""

@@ -101,7 +101,8 @@ def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Ca
 
 def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
     for group in FITTED_TO_SECTIONS:
-        guesses = ((part, part.guess(problem.target, problem.scene, problem.limits)) for part in group)
+        possible = (part for part in group if part.possible(problem.scene))
+        guesses = ((part, part.guess(problem.target, problem.scene, problem.limits)) for part in possible)
         best = _try(problem, best, [(part, guess) for part, guess in guesses if guess is not None], trials)
     for _ in range(_MOST_POCKETS):
         before = best

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene.features.body import ROUNDING_MM
+from cranktopo.scene.features.counterweight import LEAST_HALF_ANGLE_DEG
 from cranktopo.scene.free_dimensions import (
     AXIAL,
     DIMENSIONS,
     DimensionName,
     fillet_of,
+    free_key,
     free_range_mm,
     is_axial,
+    is_of_counterweight,
     journal_of,
     key_of,
     own_dimension_mm,
@@ -32,6 +35,9 @@ def check_free_dimensions(scene: Scene) -> None:
         found = free_range_mm(scene, name)
         if found is None:
             continue
+        if is_of_counterweight(name):
+            _check_counterweight(scene, name, found)
+            continue
         _check_own(scene, name, found)
         if name == "web_thickness":
             _check_thickness(scene, found[0])
@@ -43,13 +49,35 @@ def check_free_dimensions(scene: Scene) -> None:
         _check_clear(scene, name, found)
 
 
+def _check_counterweight(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """There is one to change, and its least is sound; room for its greatest is a rule of the search."""
+    weight = scene.web.counterweight
+    if weight is None:
+        hint = "Add [web.counterweight], or leave it out."
+        raise _refused(name, found, "the design has no counterweight", hint)
+    if weight.bolted:
+        allowed = "the counterweight is a part of its own (density_kg_m3), which no shape changes"
+        raise _refused(name, found, allowed, "Leave it out, or leave the density out.")
+    _check_own(scene, name, found)
+    if name == "counterweight_angle" and found[0] < LEAST_HALF_ANGLE_DEG:
+        allowed = f"the least must be at least {LEAST_HALF_ANGLE_DEG:g} deg"
+        raise _refused(name, found, allowed, "Narrow the range.")
+    least = with_dimensions(scene, {name: found[0]})
+    assert least.web.counterweight is not None
+    try:
+        least.web.counterweight.check_alone(least, "web.counterweight")
+    except CranktopoError as error:
+        raise _refused(name, found, f"its least gives {str(error).rstrip('.')}", "Narrow it.") from None
+
+
 def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
     own = own_dimension_mm(scene, name)
     if not found[0] - ROUNDING_MM <= own <= found[1] + ROUNDING_MM:
         raise _refused(
             name,
             found,
-            f"the range must hold the design's own value, {key_of(name)} = {own:g} mm",
+            f"the range must hold the design's own value, {key_of(name)} = {own:g}"
+            f" {free_key(name).rpartition('_')[2]}",
             "Widen the range, or change the design.",
         )
 
@@ -147,4 +175,4 @@ def _check_thickness(scene: Scene, least: float) -> None:
 
 
 def _refused(name: DimensionName, found: tuple[float, float], allowed: str, hint: str) -> CranktopoError:
-    return invalid(f"shape.free.{name}_mm", list(found), allowed, hint)
+    return invalid(f"shape.free.{free_key(name)}", list(found), allowed, hint)

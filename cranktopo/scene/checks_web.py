@@ -33,6 +33,21 @@ def check_solid(scene: Scene) -> None:
         feature.check_in_web(scene, key)
 
 
+def check_counterweight(scene: Scene) -> None:
+    """Check a counterweight against web, journal and a design space whose sections are all alike.
+
+    Raises:
+        CranktopoError: first inconsistency found.
+    """
+    weight, envelope = scene.web.counterweight, scene.envelope
+    if weight is None:
+        return
+    weight.check_alone(scene, "web.counterweight")
+    weight.check_in_web(scene, "web.counterweight")
+    if envelope is not None and envelope.stl_file is None:
+        check_counterweight_inside(scene, envelope.contains)
+
+
 def check_counterweight_inside(
     scene: Scene, section: Callable[[Array, Array], NDArray[np.bool_]], z_mm: float | None = None
 ) -> None:

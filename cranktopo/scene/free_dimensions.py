@@ -16,6 +16,8 @@ DimensionName = Literal[
     "pin_bore",
     "journal_bore",
     "web_thickness",
+    "counterweight_radius",
+    "counterweight_angle",
 ]
 DIMENSIONS: tuple[DimensionName, ...] = get_args(DimensionName)
 """All of them; keys of `[shape.free]` have their unit besides."""
@@ -24,6 +26,10 @@ AXIAL: dict[DimensionName, DimensionName] = {
     "journal_fillet": "journal_fillet_axial",
 }
 """The semi-axis along the crank of each fillet."""
+_COUNTERWEIGHT: dict[DimensionName, str] = {
+    "counterweight_radius": "outer_radius_mm",
+    "counterweight_angle": "half_angle_deg",
+}
 _JOURNALS = {"pin": "crankpin", "journal": "main_journal"}
 _KEYS = {"fillet": "fillet_mm", "fillet_axial": "fillet_axial_mm", "bore": "bore_diameter_mm"}
 
@@ -32,6 +38,8 @@ def key_of(name: DimensionName) -> str:
     """Key path of a dimension in the scene."""
     if name == "web_thickness":
         return "web.thickness_mm"
+    if name in _COUNTERWEIGHT:
+        return f"web.counterweight.{_COUNTERWEIGHT[name]}"
     journal, _, kind = name.partition("_")
     return f"throw.{_JOURNALS[journal]}.{_KEYS[kind]}"
 
@@ -43,7 +51,7 @@ def journal_of(scene: Scene, name: DimensionName) -> Journal:
 
 
 def own_dimension_mm(scene: Scene, name: DimensionName) -> float:
-    """A dimension of a scene, mm; the axial semi-axis of a round fillet is its radius."""
+    """A dimension of a scene, mm or degrees; the axial semi-axis of a round fillet is its radius."""
     if is_axial(name):
         return journal_of(scene, name).fillet.axial_mm
     value: Any = scene
@@ -53,9 +61,19 @@ def own_dimension_mm(scene: Scene, name: DimensionName) -> float:
 
 
 def free_range_mm(scene: Scene, name: DimensionName) -> tuple[float, float] | None:
-    """Least and greatest of a dimension in `[shape.free]`, mm; None where it is not free."""
-    found: tuple[float, float] | None = getattr(scene.shape.free, f"{name}_mm")
+    """Least and greatest of a dimension in `[shape.free]`, mm or degrees; None where it is not free."""
+    found: tuple[float, float] | None = getattr(scene.shape.free, free_key(name))
     return found
+
+
+def free_key(name: DimensionName) -> str:
+    """Key of a dimension in `[shape.free]`."""
+    return f"{name}_{'deg' if name == 'counterweight_angle' else 'mm'}"
+
+
+def is_of_counterweight(name: DimensionName) -> bool:
+    """Whether a dimension is one of the counterweight."""
+    return name in _COUNTERWEIGHT
 
 
 def fillet_of(name: DimensionName) -> DimensionName:
@@ -72,7 +90,7 @@ def with_dimensions(scene: Scene, values: Mapping[DimensionName, float]) -> Scen
     """The scene with other dimensions, not checked; the pitch stays, the main journal gives way to the web.
 
     Args:
-        values: mm, by name.
+        values: mm or degrees, by name.
     """
     if not values:
         return scene
@@ -83,6 +101,10 @@ def with_dimensions(scene: Scene, values: Mapping[DimensionName, float]) -> Scen
             longer = 2 * (web.thickness_mm - float(value))
             changes["main_journal"]["length_mm"] = throw.main_journal.length_mm + longer
             web = web.model_copy(update={"thickness_mm": float(value)})
+        elif name in _COUNTERWEIGHT:
+            assert web.counterweight is not None
+            weight = web.counterweight.model_copy(update={_COUNTERWEIGHT[name]: float(value)})
+            web = web.model_copy(update={"counterweight": weight})
         else:
             _, journal, key = key_of(name).split(".")
             changes[journal][key] = float(value)

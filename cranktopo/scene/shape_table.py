@@ -10,7 +10,7 @@ from cranktopo.scene.base import LARGEST_MM, Length, SceneTable
 from cranktopo.scene.goal.limit import refused
 
 
-def _ascending(value: Any) -> Any:
+def _ascending(value: Any, most: float = LARGEST_MM, unit: str = "mm", example: str = "[2.5, 5.0]") -> Any:
     """Least and greatest as floats.
 
     Raises:
@@ -18,10 +18,10 @@ def _ascending(value: Any) -> Any:
     """
     numbers = isinstance(value, list | tuple) and len(value) == 2
     if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
-        raise refused("must be the least and the greatest value in mm", "Write [2.5, 5.0], for example.")
+        raise refused(f"must be the least and the greatest value in {unit}", f"Write {example}, for example.")
     low, high = map(float, value)
-    if not 0 <= low <= LARGEST_MM or not 0 <= high <= LARGEST_MM:
-        raise refused(f"both must be >= 0 and <= {LARGEST_MM:g} mm", "Correct that value, or its unit.")
+    if not 0 <= low <= most or not 0 <= high <= most:
+        raise refused(f"both must be >= 0 and <= {most:g} {unit}", "Correct that value, or its unit.")
     if low >= high:
         raise refused("the least must be smaller than the greatest", "Exchange them, or leave the key out.")
     return low, high
@@ -31,6 +31,11 @@ Range = Annotated[
     tuple[float, float],
     BeforeValidator(_ascending),
     WithJsonSchema({"type": "array", "kind": "least and greatest", "minimum": 0, "maximum": LARGEST_MM}),
+]
+AngleRange = Annotated[
+    tuple[float, float],
+    BeforeValidator(lambda value: _ascending(value, 90.0, "deg", "[40.0, 75.0]")),
+    WithJsonSchema({"type": "array", "kind": "least and greatest", "minimum": 0, "maximum": 90}),
 ]
 
 
@@ -57,6 +62,10 @@ class FreeDimensions(SceneTable):
     web_thickness_mm: Range | None = Field(default=None, examples=[[17.0, 22.0]])
     """Range of the web's thickness; the pitch stays, so the main journal gets shorter by twice what the web
     gets thicker."""
+    counterweight_radius_mm: Range | None = Field(default=None, examples=[[50.0, 70.0]])
+    """Range of the counterweight's outer radius."""
+    counterweight_angle_deg: AngleRange | None = Field(default=None, examples=[[40.0, 75.0]])
+    """Range of the counterweight's half-angle; 5 to 90."""
 
 
 class ShapeTable(SceneTable):

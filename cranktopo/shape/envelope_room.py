@@ -1,4 +1,4 @@
-"""The outline of a parametric web stays inside the envelope: distances of its points, with derivatives."""
+"""Outline and counterweight of a web stay inside the envelope: distances of points, with derivatives."""
 
 from __future__ import annotations
 
@@ -8,12 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.envelope_section import envelope_bounds_mm, envelope_outline, envelope_sections
+from cranktopo.remodel.dimensions import scene_at
+from cranktopo.remodel.family import Layout
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import CLEAR_MM
+from cranktopo.scene.free_dimensions import is_of_counterweight
 from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Envelope
 
 Array = NDArray[np.float64]
+_RIM = 25
+"""Points of a counterweight's arc."""
+_STEP = 1e-6
 _SAMPLES = 400
 """Samples of an envelope's section along its longer side, where it has no closed form."""
 
@@ -22,18 +28,43 @@ class EnvelopeRoom:
     """How far points of the outline's right half lie outside the envelope, mm; 0 or less inside."""
 
     def __init__(self, scene: Scene) -> None:
-        self._envelope, self._web_z_mm = scene.envelope, scene.web_z_mm
+        self._scene, self._envelope, self._web_z_mm = scene, scene.envelope, scene.web_z_mm
 
     def constraints(self, web: ParametricWeb, values: Array) -> tuple[Array, Array]:
-        """Constraints of an outline, kept where <= 0, and their gradients (constraints, parameters).
+        """Constraints of outline and free counterweight, kept where <= 0, and gradients by the parameters.
 
         Without an envelope there are none.
         """
-        points, by_values = web.points(values)
         if self._envelope is None:
             return np.zeros(0), np.zeros((0, len(values)))
-        outside, by_points = self._outside(self._envelope, points)
-        slopes = np.zeros((outside.size, len(values)))
+        bodies = [web.points(values)]
+        if any(is_of_counterweight(name) for name in web.layout.dimensions):
+            bodies.append(self._rim(web.layout, values))
+        found = [self._of_points(self._envelope, *body, len(values)) for body in bodies]
+        outside, slopes = zip(*found, strict=True)
+        return np.concatenate(outside), np.vstack(slopes)
+
+    def _rim(self, layout: Layout, values: Array) -> tuple[Array, Array]:
+        """Points of the counterweight's arc, (n, 2), mm, and their derivatives, (n, 2, parameters)."""
+
+        def points(values: Array) -> Array:
+            weight = scene_at(self._scene, layout, values).web.counterweight
+            assert weight is not None
+            return np.stack(weight.sector(self._scene).rim_mm(_RIM), axis=1)
+
+        slopes = np.zeros((_RIM, 2, len(values)))
+        for name in filter(is_of_counterweight, layout.dimensions):
+            index = layout.names.index(name)
+            step = _STEP * np.eye(len(values))[index]
+            slopes[..., index] = (points(values + step) - points(values - step)) / (2 * _STEP)
+        return points(values), slopes
+
+    def _of_points(
+        self, envelope: Envelope, points: Array, by_values: Array, count: int
+    ) -> tuple[Array, Array]:
+        """Excess of points whose derivatives are by the first of `count` parameters."""
+        outside, by_points = self._outside(envelope, points)
+        slopes = np.zeros((outside.size, count))
         slopes[:, : by_values.shape[2]] = np.einsum("cnk,nkp->cnp", by_points, by_values).reshape(
             outside.size, -1
         )

@@ -1,4 +1,4 @@
-"""Free bores of the throw on cells: what they leave of each cell, and its derivatives by their diameters."""
+"""Free dimensions of the throw on cells: what bores leave of each cell, derivatives by their diameters."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ from cranktopo.remodel.dimensions import free_dimensions, scene_at
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.model_fill import smooth_step
 from cranktopo.scene import Scene
-from cranktopo.scene.free_dimensions import DimensionName, free_range_mm, own_dimension_mm, with_dimensions
+from cranktopo.scene.free_dimensions import (
+    DimensionName,
+    free_range_mm,
+    is_of_counterweight,
+    own_dimension_mm,
+    with_dimensions,
+)
 
 Array = NDArray[np.float64]
 
@@ -24,18 +30,26 @@ def free_bores(scene: Scene) -> tuple[DimensionName, ...]:
     return tuple(name for name in free_dimensions(scene) if name.endswith("bore"))
 
 
-def bored(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[DimensionName, ...]:
-    """Free bores of the web to begin with; that of a solid journal is tried as a feature is.
+def first_on_cells(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[DimensionName, ...]:
+    """Free dimensions of the web to begin with that cells can tell: bores and those of the counterweight.
+
+    The bore of a solid journal is tried as a feature is.
 
     Args:
-        begun: dimensions that are not those of the scene, mm.
+        begun: dimensions that are not those of the scene, mm or degrees.
     """
-    return tuple(name for name in free_bores(scene) if begun.get(name, own_dimension_mm(scene, name)))
+    there = (name for name in free_bores(scene) if begun.get(name, own_dimension_mm(scene, name)))
+    return (*there, *_of_counterweight(scene))
 
 
 def not_on_cells(scene: Scene) -> tuple[DimensionName, ...]:
     """Free dimensions that cells cannot tell: fillets, which they lack, and the thickness, their grid's."""
-    return tuple(name for name in free_dimensions(scene) if name not in free_bores(scene))
+    told = (*free_bores(scene), *_of_counterweight(scene))
+    return tuple(name for name in free_dimensions(scene) if name not in told)
+
+
+def _of_counterweight(scene: Scene) -> tuple[DimensionName, ...]:
+    return tuple(name for name in free_dimensions(scene) if is_of_counterweight(name))
 
 
 def kept_features(scene: Scene) -> tuple[Feature, ...]:
@@ -46,10 +60,14 @@ def kept_features(scene: Scene) -> tuple[Feature, ...]:
 def domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
     """Cells of the design space with free bores filled; the pin is loaded outside its greatest bore.
 
+    A counterweight that changes is no fixed part of them.
+
     Raises:
         CranktopoError: no envelope, or one that does not touch a journal.
     """
     free = free_bores(scene)
+    if _of_counterweight(scene):
+        scene = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
     filled = build_domain(with_dimensions(scene, dict.fromkeys(free, 0.0)), resolution_mm)
     if "pin_bore" not in free:
         return filled

@@ -190,10 +190,10 @@ class Growth:
     def _ends(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
         there = {part.label for part in best.layout.parts}
         for bevel in (FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True)):
-            if bevel.label not in there:
+            if bevel.label not in there and bevel.possible(self.model.scene):
                 yield bevel, bevel_start(self.model.scene, bevel)
         groove, guess = groove_start(self.model.scene)
-        if groove.label not in there:
+        if groove.label not in there and groove.possible(self.model.scene):
             yield groove, guess
 
     def _with(self, best: Grown, part: FittedFeature, guess: Array) -> Grown:

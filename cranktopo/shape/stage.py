@@ -23,7 +23,7 @@ from cranktopo.remodel.read_web import WebRead
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
 from cranktopo.shape.body_fitted import EvaluatedWeb, evaluated_web
-from cranktopo.shape.free_bores import bored, not_on_cells
+from cranktopo.shape.free_bores import first_on_cells, not_on_cells
 from cranktopo.shape.goal_in_model import goal_on_cells, search_goal_of
 from cranktopo.shape.growth import Growth, Trial
 from cranktopo.shape.mesh_model import MeshResponses
@@ -161,8 +161,8 @@ def optimise_shape(
     coarse = MeshedWebs(scene, settings.limits, settings.mesh_mm, shares=shares)
     growth = Growth(cells, coarse, goals, original.values, work)
     start = start or scene_start(scene, settings.limits)
-    bores = bored(scene, start.sizes)
-    grown = growth.grown(growth.first(*with_free(start.layout, start.values, scene, bores, start.sizes)))
+    told = first_on_cells(scene, start.sizes)
+    grown = growth.grown(growth.first(*with_free(start.layout, start.values, scene, told, start.sizes)))
     stated = search_goal_of(goal, original.values, original.values, cases)
     layout, first = with_free(grown.layout, grown.values, scene, not_on_cells(scene), start.sizes)
     finish = _Finish(cells, stated, layout, original, settings, work)

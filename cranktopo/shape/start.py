@@ -21,6 +21,7 @@ from cranktopo.scene.free_dimensions import (
     DimensionName,
     free_range_mm,
     is_axial,
+    is_of_counterweight,
     journal_of,
     own_dimension_mm,
 )
@@ -88,6 +89,8 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
 def _own_dimensions(scene: Scene, begun: Scene) -> Iterator[DimensionName]:
     """Dimensions that may differ by themselves: the axial semi-axis of a round fillet follows its radius."""
     for name in DIMENSIONS:
+        if is_of_counterweight(name) and None in (scene.web.counterweight, begun.web.counterweight):
+            continue
         own = is_axial(name) and not all(journal_of(of, name).fillet.round for of in (scene, begun))
         if own or not is_axial(name) or free_range_mm(scene, name):
             yield name

@@ -17,6 +17,7 @@ from typing_extensions import override
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.scene import Scene
+from cranktopo.scene.features.counterweight import Sector
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.flank import Flank
 from cranktopo.scene.fillet_section import FilletSection
@@ -233,10 +234,28 @@ def _throw_faces(
     for k, (journal, _) in enumerate(scene.throw.journals):
         if journal.bore_radius_mm:
             yield "bore", partial(_off_bore, k)
+    yield from _counterweight_faces(scene)
     if layout.dimensions:
         yield "journal section", lambda _, at: at[2]
         yield "pin section", lambda scene, at: at[2] - scene.pitch_mm / 2
         yield from (("cylinder", partial(_off_journal, k)) for k in range(2))
+
+
+def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, Callable[[Scene, Array], Array]]]:
+    """Rim and flank of a counterweight that is one piece with the web, and its face where it is thinner."""
+    weight = scene.web.counterweight
+    if weight is None or weight.bolted:
+        return
+    yield "counterweight rim", lambda scene, at: _sector(scene).below_rim_mm(at[0], at[1])
+    yield "counterweight flank", lambda scene, at: _sector(scene).inside_flank_mm(at[0], at[1])
+    if weight.thickness_mm is not None and weight.thickness_mm < scene.web.thickness_mm:
+        end = 1 if weight.face == "journal" else 0
+        yield "counterweight face", lambda scene, at: at[2] - _sector(scene).z_mm[end]
+
+
+def _sector(scene: Scene) -> Sector:
+    assert scene.web.counterweight is not None
+    return scene.web.counterweight.sector(scene)
 
 
 def fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:

@@ -14,30 +14,19 @@ from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.balance import throw_balance
 from cranktopo.remodel.fit import scene_with_web
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene import Scene
 from cranktopo.scene.web_moments import bolted_mass, web_moments
 from cranktopo.surface.solids import counterweight_solid
 from tests.step_volume import step_volume_mm3
+from tests.unit.counterweight_cases import DISC, PLAIN, THIN, roomy_scene, weighted
 
-PLAIN = {"outer_radius_mm": 62.0, "half_angle_deg": 60.0}
-THIN = {"outer_radius_mm": 55.0, "half_angle_deg": 75.0, "thickness_mm": 12.0, "face": "pin"}
-DISC = {"outer_radius_mm": 70.0, "half_angle_deg": 90.0}
 END_MM = 25.0
 """Radius of the obround's end, which is round about the crank axis."""
 
 
 @pytest.fixture(scope="module")
 def roomy(mikron: Scene) -> Scene:
-    """The Mikron with a design space that holds counterweights."""
-    data = mikron.model_dump(mode="json", exclude_none=True)
-    data["envelope"] |= {"half_width_mm": 75.0, "y_min_mm": -75.0}
-    return scene_from_dict(data, "roomy")
-
-
-def weighted(scene: Scene, counterweight: dict[str, Any], **features: Any) -> Scene:
-    """The scene with a counterweight."""
-    web = scene.web.model_dump(mode="json", exclude_none=True)
-    return scene_with_web(scene, {**web, **features, "counterweight": counterweight})
+    return roomy_scene(mikron)
 
 
 @pytest.mark.parametrize("counterweight", [PLAIN, THIN, DISC], ids=["plain", "thin", "disc"])

@@ -10,6 +10,7 @@ from cranktopo.remodel.dimensions import scene_at, with_free, with_part
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.initial_guess import with_stations
 from cranktopo.scene import Scene
+from cranktopo.scene.features import Counterweight
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.free_dimensions import DIMENSIONS, own_dimension_mm, with_dimensions
 from cranktopo.scene.loading import designs_folder, parse_scene
@@ -66,6 +67,8 @@ def test_the_length_of_an_ellipse_is_its_axial_semi_axis() -> None:
 
 def test_each_dimension_goes_to_its_place_and_the_pitch_stays() -> None:
     before = scene("pin_fillet_mm = [2, 5]\nweb_thickness_mm = [18, 24]")
+    weight = Counterweight(outer_radius_mm=30.0, half_angle_deg=60.0)
+    before = before.model_copy(update={"web": before.web.model_copy(update={"counterweight": weight})})
     values = {name: 3.0 + k for k, name in enumerate(DIMENSIONS)}
     after = with_dimensions(before, values)
     assert {name: own_dimension_mm(after, name) for name in DIMENSIONS} == values

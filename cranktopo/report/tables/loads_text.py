@@ -74,7 +74,8 @@ def _balance(balance: dict[str, float]) -> str:
     return (
         f"balance of the throw: rotating unbalance {balance['rotating_unbalance_kg_mm']:.2f} kg mm "
         f"(throw alone {balance['throw_unbalance_kg_mm']:.2f}), counterweights "
-        f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm, inertia {balance['inertia_kg_mm2']:.0f} kg mm2, mass "
+        f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm, "
+        f"inertia {balance['inertia_kg_mm2']:.0f} kg mm2, mass "
         f"{balance['throw_mass_kg']:.3f} kg{own if balance['own_counterweight_kg'] else ''}"
     )
 

@@ -256,6 +256,10 @@ class FittedBevel(FittedToSections):
         return [(-far, far), (_LEAST_DEPTH_MM, thickness - limits.min_wall_mm), crown]
 
     @override
+    def possible(self, scene: ThrowView) -> bool:
+        return self.face == "journal" or scene.web.counterweight is None
+
+    @override
     def arc(self, named: Named, ends: Array) -> BevelArc:
         return _arc(self.face, named["y"], named["depth"], named["crown"], (ends[0], ends[1]))
 

@@ -27,6 +27,7 @@ from cranktopo.scene.features.primitives import (
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
 
+LEAST_HALF_ANGLE_DEG = 5.0
 _DRAWN, _SAMPLES = 61, 181
 """Points of the arc in a drawing, and where it is compared with others."""
 
@@ -41,14 +42,14 @@ class Counterweight(Feature):
 
     outer_radius_mm: Length = Field(examples=[60.0])
     """Outer radius about the crank axis; beyond the web's outline, or nothing would be added."""
-    half_angle_deg: float = Field(ge=5, le=90, examples=[60.0])
+    half_angle_deg: float = Field(ge=LEAST_HALF_ANGLE_DEG, le=90, examples=[60.0])
     """Angle of each flank to the direction away from the crankpin; 90 = half a disc."""
     thickness_mm: Length | None = Field(default=None, examples=[15.0])
     """Thickness along the crank axis, at most that of the web, which it has by default."""
     face: Face = "journal"
     """Web face with which it is flush if it is thinner than the web."""
     density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
-    """Density of a part that is bolted on or let in, such as heavy metal; left out, one piece with the web."""
+    """Density of a part that is bolted on or let in, of heavy metal say; left out: one piece with the web."""
 
     @property
     def bolted(self) -> bool:

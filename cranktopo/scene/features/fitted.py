@@ -149,6 +149,10 @@ class FittedFeature(ABC):
     def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
         """Lower and upper bound of each parameter."""
 
+    def possible(self, scene: ThrowView) -> bool:
+        """Whether the web of a scene may have one, whatever its values."""
+        return True
+
     @abstractmethod
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         """Signed distance of points from each of its faces, positive on the side of the material.

@@ -224,6 +224,10 @@ class FittedSlot(FittedToSections):
             walls.append(np.abs(y - named["y"]) - named["length"] / 2 - opening)
         return [-deep, *(wall * np.cos(angle) for wall in walls)]
 
+    @override
+    def possible(self, scene: ThrowView) -> bool:
+        return not self.through or scene.web.counterweight is None
+
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Flanges on both sides, walls toward bores and, unless it runs through them, bevels."""
         scene, slope = around.scene, np.tan(np.deg2rad(named["draft"]))
@@ -233,6 +237,9 @@ class FittedSlot(FittedToSections):
         yield f"least depth of the {self.title}, {_LEAST_DEPTH_MM:.3g} mm", _LEAST_DEPTH_MM - deep
         flange = tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
         yield wall_rule(f"beside the {self.title}", least), flange
+        if not self.through and scene.web.counterweight is not None:
+            low = named["y"] - named["length"] / 2 - slope * (deep + BEYOND_MM)
+            yield f"the {self.title} stays clear of the counterweight", CLEAR_MM - low
         for name, (journal, y) in zip(JOURNALS, scene.throw.journals, strict=True):
             if journal.bore_radius_mm:
                 beyond = 0.0 if self.through else max(abs(y - named["y"]) - named["length"] / 2, 0.0)

@@ -1,0 +1,116 @@
+"""A free counterweight in the shape optimisation: masses by formula, gradients by differences."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cranktopo.errors import CranktopoError
+from cranktopo.remodel.dimensions import free_dimensions, with_free
+from cranktopo.remodel.family import exact_web_of
+from cranktopo.remodel.fit import scene_with_web
+from cranktopo.remodel.parametric_web import ParametricWeb
+from cranktopo.remodel.usual_size import usual_limits
+from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.shape.mesh_model import MeshModel
+from cranktopo.shape.rules import rules_at
+from cranktopo.shape.start import scene_start
+from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted
+
+FREE = {"counterweight_radius_mm": [50.0, 80.0], "counterweight_angle_deg": [40.0, 90.0]}
+
+
+@pytest.fixture(scope="module")
+def free(mikron: Scene) -> Scene:
+    data = weighted(roomy_scene(mikron), PLAIN).model_dump(mode="json", exclude_none=True)
+    return scene_from_dict({**data, "shape": {"free": FREE}}, "free")
+
+
+def ring(outer: float, inner: float, degrees: float, density: float) -> dict[str, tuple[float, float]]:
+    """Derivatives of both counterweights' mass, unbalance, inertia by radius, per mm, and angle, per deg."""
+    angle, kg, deg = math.radians(degrees), 2 * 19.0 * density * 1e-9, math.radians(1)
+    sine, cosine = math.sin(angle), math.cos(angle)
+    return {
+        "mass": (kg * 2 * angle * outer, kg * (outer**2 - inner**2) * deg),
+        "unbalance": (-kg * 2 * sine * outer**2, -kg * 2 / 3 * cosine * (outer**3 - inner**3) * deg),
+        "inertia": (kg * 2 * angle * outer**3, kg / 2 * (outer**4 - inner**4) * deg),
+    }
+
+
+def test_mesh_moves_with_the_counterweight(free: Scene) -> None:
+    """Masses by the ring sector's formula, torsion by differences of the very same mesh."""
+    start = scene_start(free, usual_limits(free))
+    layout, values = with_free(start.layout, start.values, free, free_dimensions(free))
+    assert layout.names[-2:] == ("counterweight_radius", "counterweight_angle")
+    model = MeshModel(free, layout, values, 14.0)
+    assert model.moved.distances_mm(model.moved.mesh.points_mm, values).max() < 1e-9
+    found = model.responses(values, ("torsion",))
+    # The sampled outline is not round about the crank axis to the last digit: the inner radius is near 25.
+    for name, expected in ring(62.0, 25.0, 60.0, free.material.density_kg_m3).items():
+        assert found.slopes[name][-2] == pytest.approx(expected[0], rel=1e-5), name
+        assert found.slopes[name][-1] == pytest.approx(expected[1], rel=2e-2), name
+    step = 1e-2 * np.eye(len(values))[-1]
+    above, below = (model.responses(values + s * step, ("torsion",)).values["torsion"] for s in (1, -1))
+    assert found.slopes["torsion"][-1] == pytest.approx((above - below) / 2e-2, rel=1e-4)
+
+
+def test_cells_follow_the_counterweight(free: Scene) -> None:
+    """Signed distances of cells: where they count, of which sign, and their derivatives by differences."""
+    limits = usual_limits(free)
+    start = scene_start(free, limits)
+    layout, values = with_free(start.layout, start.values, free, free_dimensions(free))
+    axes = np.arange(1.1, 75.0, 4.0), np.arange(-73.3, 80.0, 4.0), np.arange(21.5, 39.0, 4.0)
+    web = ParametricWeb(layout, free, limits, axes)
+    inside, which = web.inside_mm(values)
+    x, y = axes[0][:, None], axes[1][None, :]
+    beyond = (np.hypot(x, y) > 27.0) & (y < 0)
+    in_sector = (np.hypot(x, y) < 62.0) & (np.arctan2(x, -y) < math.radians(60.0))
+    np.testing.assert_array_equal(inside[beyond] > 0, np.repeat(in_sector[beyond][:, None], len(axes[2]), 1))
+    weight = np.random.default_rng(3).normal(size=inside.shape) * (np.abs(inside) < 6.0)
+    slopes = web.pulled_back(values, which, weight)
+    for k in (2, -2, -1):
+        step = 1e-5 * np.eye(len(values))[k]
+        change = [(weight * web.inside_mm(values + s * step)[0]).sum() for s in (1, -1)]
+        assert slopes[k] == pytest.approx((change[0] - change[1]) / 2e-5, rel=1e-4), k
+    assert rules_at(free, web, values).broken == ()
+    values[-2] = 76.0
+    assert rules_at(free, web, values).broken == ("room of the envelope",)
+
+
+def test_the_web_of_a_free_counterweight_keeps_it(free: Scene) -> None:
+    start = scene_start(free, usual_limits(free))
+    again = scene_with_web(free, exact_web_of(start.layout, start.values, free))
+    assert again.web.counterweight == free.web.counterweight
+
+
+REFUSED = {
+    "none": ({}, r"counterweight_radius_mm.*no counterweight"),
+    "bolted": ({**PLAIN, "density_kg_m3": 9000.0}, r"counterweight_radius_mm.*part of its own"),
+    "outside its range": ({**PLAIN, "outer_radius_mm": 48.0}, r"must hold the design's own value.*48 mm"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused(name: str, mikron: Scene) -> None:
+    counterweight, message = REFUSED[name]
+    bare = roomy_scene(mikron)
+    scene = weighted(bare, counterweight) if counterweight else bare
+    data = scene.model_dump(mode="json", exclude_none=True)
+    with pytest.raises(CranktopoError, match=message):
+        scene_from_dict({**data, "shape": {"free": FREE}}, "refused")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("counterweight_radius_mm", [24.0, 70.0], r"its least gives.*adds nothing"),
+        ("counterweight_angle_deg", [2.0, 70.0], r"least must be at least 5 deg"),
+        ("counterweight_angle_deg", [40.0, 100.0], r"both must be >= 0 and <= 90 deg"),
+    ],
+)
+def test_ranges_are_refused(free: Scene, key: str, value: list[float], message: str) -> None:
+    data = free.model_dump(mode="json", exclude_none=True)
+    with pytest.raises(CranktopoError, match=message):
+        scene_from_dict({**data, "shape": {"free": {**FREE, key: value}}}, "refused")
