@@ -8,7 +8,8 @@ The stages, in the order in which data flows through them; each takes what the o
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`,
-`study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `report_run`, `report_comparison`, `export_solid`,
+`study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
+`report_run`, `report_comparison`, `export_solid`,
 `summarise_runs`, `clean_runs`, `check_machine`. A name loads its module when it is first used, so that
 importing the package costs nothing.
 """
@@ -29,8 +30,10 @@ if TYPE_CHECKING:
     from cranktopo.evaluate.targets import Target, resolve_target, resolve_targets
     from cranktopo.fem.precision import double_precision
     from cranktopo.loads import LoadCase, load_cases
+    from cranktopo.loads.whole_engine import EngineBalance, engine_balance
     from cranktopo.optimise.stage import Optimum, Prepared, optimise_density, prepare
     from cranktopo.pipeline.accuracy import study_accuracy
+    from cranktopo.pipeline.balance import balance_json, report_balance
     from cranktopo.pipeline.bound import bound_of
     from cranktopo.pipeline.compare import compare_targets, report_comparison
     from cranktopo.pipeline.doctor import check_machine
@@ -70,6 +73,8 @@ _HOMES = {
     "plan": "effects",
     "LoadCase": "loads",
     "load_cases": "loads",
+    "EngineBalance": "loads.whole_engine",
+    "engine_balance": "loads.whole_engine",
     "double_precision": "fem.precision",
     "Prepared": "optimise.stage",
     "prepare": "optimise.stage",
@@ -91,6 +96,8 @@ _HOMES = {
     "resume_shape": "pipeline.shape",
     "bound_of": "pipeline.bound",
     "sweep": "pipeline.sweep",
+    "balance_json": "pipeline.balance",
+    "report_balance": "pipeline.balance",
     "export_solid": "cad.solid_files",
     "Target": "evaluate.targets",
     "resolve_target": "evaluate.targets",
@@ -131,6 +138,7 @@ __all__ = [
     "Comparison",
     "CranktopoError",
     "EffectPlan",
+    "EngineBalance",
     "Entry",
     "Evaluation",
     "FittedWeb",
@@ -147,6 +155,7 @@ __all__ = [
     "Target",
     "WebTarget",
     "assess_fatigue",
+    "balance_json",
     "bound_of",
     "check_machine",
     "checked_surface",
@@ -155,6 +164,7 @@ __all__ = [
     "compare_targets",
     "continue_loop",
     "double_precision",
+    "engine_balance",
     "evaluate_sensitivities",
     "evaluate_shaft",
     "evaluate_target",
@@ -173,6 +183,7 @@ __all__ = [
     "plot_load_curves",
     "prepare",
     "remodel_run",
+    "report_balance",
     "report_comparison",
     "report_run",
     "resolve_target",

@@ -19,6 +19,7 @@ COMMANDS = {
     "optimise": "Optimise the web's density under bending and torsion; write a run with STL.",
     "plan": "Which effects a design calls for, why, and what each would cost.",
     "loads": "Forces over the working cycle, their extremes, and the load cases.",
+    "balance": "Balance of the whole engine: free forces and moments, counterweights, balancer shafts.",
     "evaluate": "Evaluate designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.",
     "compare": "Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.",
     "accuracy": "What accuracy costs in time: error against seconds for evaluation and optimiser.",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cranktopo.errors import CranktopoError, invalid
@@ -93,5 +95,5 @@ def equivalent_load_N(load_N: Array) -> float:
 
 def rating_life_h(dynamic_rating_kN: float, equivalent_N: float, speed_rpm: float) -> float:
     """Basic rating life of a roller bearing (90 % survive), hours: (C / P)^(10/3) million turns, ISO 281."""
-    turns = 1e6 * (dynamic_rating_kN * N_PER_KN / equivalent_N) ** LIFE_EXPONENT
+    turns = 1e6 * math.pow(dynamic_rating_kN * N_PER_KN / equivalent_N, LIFE_EXPONENT)
     return turns / (60.0 * speed_rpm)

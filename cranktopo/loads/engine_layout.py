@@ -51,7 +51,7 @@ def engine_layout(scene: Scene) -> EngineLayout:
     engine = engine_of(scene)
     arranged, throws, numbers = engine.arranged, engine.throws, range(1, engine.cylinders + 1)
     pitch = arranged.cylinder_pitch_mm or scene.pitch_mm
-    throw_z = (np.arange(throws) - (throws - 1) / 2) * pitch
+    throw_z = (np.arange(throws, dtype=np.float64) - (throws - 1) / 2) * pitch
     web_mm = (scene.throw.crankpin.length_mm + scene.web.thickness_mm) / 2
     offset = arranged.rod_offset_mm
     offset = scene.throw.crankpin.length_mm / 2 if offset is None else offset
@@ -68,7 +68,7 @@ def engine_layout(scene: Scene) -> EngineLayout:
         firing_deg=np.array(engine.firing_angles_deg),
         cylinder_z_mm=throw_z[list(throw_of)] + side * offset / 2,
         web_z_mm=(throw_z[:, None] + web_mm * np.array([-1.0, 1.0])).ravel(),
-        bearing_z_mm=(np.arange(throws + 1) - throws / 2) * pitch,
+        bearing_z_mm=(np.arange(throws + 1, dtype=np.float64) - throws / 2) * pitch,
     )
 
 

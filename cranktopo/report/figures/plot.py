@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _WIDE_INCHES = 9.0
-_PANEL_INCHES, _AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74)
+_PANEL_INCHES, _AXES, _POLAR_AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74), (0.07, 0.09, 0.5, 0.72)
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,18 @@ class Picture:
         return bool(self.figure.get_size_inches()[0] > _WIDE_INCHES)
 
 
-def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any) -> Picture:
-    """A plot with one pair of axes; `draw` is called with them and the arguments."""
+def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, polar: bool = False) -> Picture:
+    """A plot with one pair of axes; `draw` is called with them and the arguments.
+
+    Args:
+        polar: axes of direction and size, with room for a legend beside them.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=_PANEL_INCHES, facecolor="none")
     FigureCanvasAgg(figure)
-    axes = figure.add_axes(_AXES)
+    axes = figure.add_axes(_POLAR_AXES, projection="polar") if polar else figure.add_axes(_AXES)
     axes.set_facecolor("none")
     draw(axes, *arguments)
     return Picture(name, figure, alt)

@@ -139,6 +139,7 @@ _UNITS = {
     "mm": "mm",
     "mm3": "mm3",
     "s": "s",
+    "h": "h",
     "deg": "deg",
     "MPa": "MPa",
     "MiB": "MiB",
