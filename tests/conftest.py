@@ -21,9 +21,12 @@ def mikron() -> Scene:
 
 @pytest.fixture(scope="session", autouse=True)
 def compilations(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Compiled programs of this test process and the commands it starts, apart from the user's."""
+    """Compiled programs, apart from the user's: all test processes and the commands they start share them."""
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
     before = os.environ.get("XDG_CACHE_HOME")
-    os.environ["XDG_CACHE_HOME"] = str(tmp_path_factory.mktemp("cache"))
+    os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
     yield
     os.environ.pop("XDG_CACHE_HOME")
     if before is not None:

@@ -67,7 +67,7 @@ def visit(browser: Any) -> Iterator[Any]:
     contexts = []
 
     def opened(path: Path, **window: Any) -> Visit:
-        context = browser.new_context(**{"viewport": {"width": 1200, "height": 800}, **window})
+        context = browser.new_context(**{"viewport": {"width": 900, "height": 600}, **window})
         contexts.append(context)
         found = Visit(context.new_page())
         found.page.on("console", lambda message: found.complaints.append(message.text))
@@ -86,7 +86,7 @@ def visit(browser: Any) -> Iterator[Any]:
 def run(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short run on a coarse grid, with its report."""
     out = tmp_path_factory.mktemp("runs") / "short"
-    assert main(["optimise", "--resolution-mm", "4.5", "--max-iterations", "9", "--out", str(out)]) == 5
+    assert main(["optimise", "--resolution-mm", "4.5", "--max-iterations", "5", "--out", str(out)]) == 5
     return out
 
 

@@ -43,8 +43,8 @@ def test_original_web_at_half_a_mm(float64: None, mikron: Scene) -> None:
     assert result["bending"] == pytest.approx(PINNED_N_PER_MM, rel=0.015)
 
 
-CELL_MM = 7.0
-"""Coarse: what follows holds on any grid, and few shapes of it mean few compilations."""
+CELL_MM = 10.0
+"""Coarse: what follows holds on any grid, and its programs are those of test_gradients.py."""
 FREE = {"torsion": "free", "bending": "pinned"}
 SPRINGS = {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": 2e5}
 

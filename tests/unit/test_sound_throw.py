@@ -20,7 +20,7 @@ from tests.unit.surface_cases import ball, grid_of, obround, scene_with, without
 
 TRIES = len(SLIVERS_MM)
 """Surfaces that are looked at on each way."""
-CELL_MM = 3.0
+CELL_MM = 4.0
 
 
 @pytest.fixture(scope="module")
