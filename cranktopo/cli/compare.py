@@ -73,7 +73,7 @@ def command(
     The stiffnesses are those of the supports in the designs, each with a bound of its error, and their
     changes with smaller ones, since errors of like meshes cancel. A star marks the best of each column,
     unless another is within that bound. The baseline is evaluated too when it is not among the targets. Of a
-    design with a [goal] it tells which limits hold; --fatigue tells its safety.
+    design with a [goal] it tells which limits hold; --fatigue tells its safety. Of a sweep its picks count.
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """

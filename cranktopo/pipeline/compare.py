@@ -17,6 +17,7 @@ from cranktopo.pipeline.bound_beside import bounds_beside
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 from cranktopo.pipeline.evaluated_goal import evaluated_goals
 from cranktopo.pipeline.fatigue import FatigueMethod, assess_fatigue
+from cranktopo.pipeline.sweep.targets import with_picks
 from cranktopo.report.comparison import Comparison, Entry, check_same_supports, compare
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
 from cranktopo.report.pages.report_file import check_report_path, write_report
@@ -56,7 +57,8 @@ def compare_targets(
     """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
 
     Args:
-        names: targets as the user types them; the baseline is put before them where it is not among them.
+        names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
+            them where it is not among them.
         baseline: the target that counts as 100 %.
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
@@ -64,7 +66,8 @@ def compare_targets(
     Raises:
         CranktopoError: no such target, different supports, no fillets for the fatigue, or a failed solve.
     """
-    every = list(names) if baseline in names else [baseline, *names]
+    given = with_picks(names)
+    every = given if baseline in given else [baseline, *given]
     index = every.index(baseline)
     targets = resolve_targets(every, design, align=align)
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)

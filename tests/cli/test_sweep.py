@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,8 +20,9 @@ import pytest
 from cranktopo import sweep
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.pipeline.sweep.targets import with_picks
 from tests import sweep_cases
-from tests.sweep_cases import TRACE
+from tests.sweep_cases import HELD, TRACE
 
 WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
 
@@ -126,17 +133,117 @@ def test_no_scheduler_is_said(tmp_path: Path) -> None:
 
 
 def test_a_sweep_of_evaluations(scheduler: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    """The same numbers as `evaluate` gives; `runs show` takes the directory."""
+    """The same numbers as `evaluate` gives; `runs show` and `compare` take the directory."""
     out, coarse = tmp_path / "out", ["--element-size-mm", "14"]
-    words = ["sweep", "--vary", f"{WIDTH}=52", *coarse, "--out", str(out), "--scheduler", scheduler, "--json"]
+    words = ["sweep", "--vary", f"{WIDTH}=50", *coarse, "--out", str(out), "--scheduler", scheduler, "--json"]
     assert main(words) == 0
     data = json.loads(capfd.readouterr().out)
     (point,) = data["points"]
     assert data["picks"]["lightest that is no softer"] == point["id"]
-    assert main(["evaluate", str(out / point["run"] / point["target"]), *coarse, "--json"]) == 0
+    web = out / point["run"] / point["target"]
+    assert with_picks(["mikron-iiic", str(out)]) == ["mikron-iiic", str(web)]
+    assert main(["evaluate", str(web), *coarse, "--json"]) == 0
     (entry,) = json.loads(capfd.readouterr().out)["evaluations"]
+    assert entry["target"] == f"mikron-iiic-{point['id']}"
     assert entry["mass_kg"]["throw"] == point["mass_kg"]
     assert entry["torsion"]["free_Nm_per_rad"] == point["torsion_Nm_per_rad"]
     assert entry["bending"]["pinned_N_per_mm"] == point["bending_N_per_mm"]
     assert main(["runs", "show", str(out)]) == 0
     assert "1 points: 1 done" in capfd.readouterr().out
+
+
+def script(folder: Path, body: str) -> list[str]:
+    """A command line that sweeps with functions of the tests, on workers of its own."""
+    file = folder / "script.py"
+    imports = "from cranktopo import sweep\nfrom tests.sweep_cases import *\n"
+    file.write_text(f"{imports}if __name__ == '__main__':\n    {body}\n")
+    return [sys.executable, str(file)]
+
+
+def environment() -> dict[str, str]:
+    root = str(Path(__file__).resolve().parents[2])
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
+
+
+def signal_after(process: subprocess.Popen[str], trace: Path, lines: int, how: signal.Signals) -> int:
+    """Send a signal once so many points were computed; the exit code."""
+    end = time.monotonic() + 120
+    while len(trace.read_text().splitlines()) < lines and process.poll() is None and time.monotonic() < end:
+        time.sleep(0.02)
+    process.send_signal(how)
+    return process.wait(60)
+
+
+def test_a_killed_sweep_goes_on(
+    scheduler: str, tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`kill -9` of workers and all: no finished point is lost or computed twice."""
+    out = tmp_path / "out"
+    monkeypatch.setenv(HELD, "0.1")
+    body = f"sweep(vary={{'{WIDTH}': '46:56:11'}}, out={str(out)!r}, workers=1, function=empty)"
+    killed = subprocess.Popen(script(tmp_path, body), env=environment(), text=True)
+    assert signal_after(killed, trace, 3, signal.SIGKILL) == -signal.SIGKILL
+    time.sleep(0.5)  # until its workers have ended too
+    kept = {file: file.stat().st_mtime_ns for file in out.glob("points/*/point.json")}
+    assert 2 <= len(kept) <= 8
+    monkeypatch.setenv(HELD, "0")
+    frame = sweep(resume=out, scheduler=scheduler, function=sweep_cases.empty)
+    assert frame["status"].value_counts().to_dict() == {"done": 9, "impossible": 2}
+    assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
+    assert len(trace.read_text().splitlines()) <= 9 + 1, "one was under way at the kill"
+
+
+def test_an_interrupted_sweep_says_how_to_go_on(scheduler: str, tmp_path: Path) -> None:
+    def interrupted(line: str) -> None:
+        if line.startswith("dashboard"):
+            raise KeyboardInterrupt
+
+    out = tmp_path / "out"
+    with pytest.raises(CranktopoError, match=f"cranktopo sweep --resume {out}") as raised:
+        swept(scheduler, out, vary={WIDTH: [50, 52]}, info=interrupted)
+    assert raised.value.code == ExitCode.INTERRUPTED
+    assert (
+        sweep(resume=out, scheduler=scheduler, function=sweep_cases.empty)["status"].tolist() == ["done"] * 2
+    )
+
+
+@pytest.mark.slow
+def test_dead_workers_and_twenty_kills(tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A point that always kills its worker, one that does it once, and a sweep that is ended twenty times.
+
+    `python -m pytest -m slow tests/cli/test_sweep.py -n 0`, a few minutes.
+    """
+    monkeypatch.setenv(HELD, "0.3")
+    vary = {WIDTH: "48:60:49", FILLET: [2.0, 2.5]}
+    whole = sweep(vary=vary, out=tmp_path / "whole", workers=2, function=sweep_cases.empty)
+    trace.write_text("")
+    out, place = tmp_path / "out", "workers=2, function=deadly"
+    command, counts = script(tmp_path, f"sweep(vary={vary}, out={str(out)!r}, {place})"), [0]
+    for kill in range(20):
+        with subprocess.Popen(command, env=environment(), text=True, stderr=subprocess.DEVNULL) as process:
+            signal_after(process, trace, 3 * (kill + 1), signal.SIGINT if kill % 2 else signal.SIGKILL)
+        counts.append(len(list(out.glob("points/*/point.json"))))
+        command = script(tmp_path, f"sweep(resume={str(out)!r}, {place})")
+    assert counts == sorted(counts)
+    subprocess.run(command, env=environment(), check=True)
+    calls = Counter(trace.read_text().split())
+    assert sum(calls.values()) <= len(calls) + 2 * 20, "at most what was under way at a kill is repeated"
+    frame = pd.read_parquet(out / "table.parquet")
+    fine = frame["status"] == "done"
+    assert frame[WIDTH][frame["status"] == "failed"].tolist() == [52.0, 52.0]
+    numbers = [WIDTH, FILLET, "mass_kg", "torsion_Nm_per_rad"]
+    pd.testing.assert_frame_equal(frame[numbers][fine], whole[numbers][fine])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2])
+def test_ten_thousand_empty_points(tmp_path: Path, workers: int) -> None:
+    """`python -m pytest -m slow tests/cli/test_sweep.py -n 0 -s` prints the overhead of a point."""
+    vary = {WIDTH: "46:60:100", "throw.radius_mm": "44:52:100"}
+    began = time.perf_counter()
+    frame = sweep(vary=vary, out=tmp_path / "out", workers=workers, function=sweep_cases.empty)
+    seconds = time.perf_counter() - began
+    print(f"{workers} workers: {1000 * seconds / len(frame):.1f} ms a point")
+    assert len(frame) == 10_000
+    assert set(frame["status"]) == {"done", "impossible"}
+    assert (tmp_path / "out" / "report.html").stat().st_size < 10_000_000

@@ -17,7 +17,8 @@ class Progress:
     def __init__(self, points: int, kept: int, info: Info) -> None:
         self._points, self._done, self._info = points, kept, info
         self._ends: Counter[str] = Counter()
-        self._began = self._told = time.perf_counter()
+        self._told = time.perf_counter()
+        self._first = 0.0
         if kept:
             info(f"{kept} of {points} points need no computing")
 
@@ -26,15 +27,22 @@ class Progress:
         self._done += 1
         self._ends[status] += 1
         now = time.perf_counter()
+        self._first = self._first or now
         if now - self._told >= _EVERY_S or self._done == self._points:
             self._told = now
             self._info(self._line(now))
 
     def _line(self, now: float) -> str:
-        left = (self._points - self._done) * (now - self._began) / self._ends.total()
         bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
-        time_left = f", about {duration(left)} left" if self._done < self._points else ""
-        return f"{', '.join([f'{self._done} of {self._points} points', *bad])}{time_left}"
+        return f"{', '.join([f'{self._done} of {self._points} points', *bad])}{self._time_left(now)}"
+
+    def _time_left(self, now: float) -> str:
+        """By the points that ended since the first one, which waited for the workers to start."""
+        since = self._ends.total() - 1
+        if since == 0 or self._done == self._points:
+            return ""
+        left = (self._points - self._done) * (now - self._first) / since
+        return f", about {duration(left)} left"
 
 
 def duration(seconds: float) -> str:
