@@ -6,6 +6,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cranktopo.cad.drilling_solid import add_drillings, drill
 from cranktopo.cad.orientation import orient_outward
 from cranktopo.cad.session import cad_session, quiet_stdout, triangles
 from cranktopo.cad.step_text import StepLabel, label_step
@@ -98,7 +99,7 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
     if part == "web":
         check_solid(scene)
-        body = add_web(occ, scene)
+        body = drill(occ, add_web(occ, scene), add_drillings(occ, scene))
         check_body(occ, body, web_volume_mm3(scene), "web")
     else:
         add = {"half": add_half_throw, "throw": add_full_throw, "crankshaft": add_crankshaft}[part]

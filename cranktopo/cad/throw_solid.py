@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from cranktopo.cad.drilling_solid import add_drillings, drill
 from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.cad.web_solid import DimTags, add_solid, add_web
 from cranktopo.errors import CranktopoError, ExitCode
@@ -51,9 +52,11 @@ def add_half_throw(occ: Any, scene: Scene) -> DimTags:
     check_solid(scene)
     expected = half_throw_volume_mm3(scene)
     throw, (start, end) = scene.throw, scene.web_z_mm
+    tools = add_drillings(occ, scene)
     main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1)
     pin = _add_journal(occ, scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), -1)
     body, _ = occ.fuse(add_web(occ, scene), main + pin)
+    body = drill(occ, body, tools)
     check_body(occ, body, expected, "half throw")
     return list(body)
 

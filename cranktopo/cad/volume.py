@@ -7,15 +7,16 @@ import math
 import numpy as np
 
 from cranktopo.scene import Scene
+from cranktopo.scene.drilling_moments import drilled
 from cranktopo.scene.features import web_bodies
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.web_moments import web_moments
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:
-    """Volume of the half throw, mm3: journals, web and fillets less bores and pockets."""
+    """Volume of the half throw, mm3: journals, web and fillets less bores, pockets and drillings."""
     throw = scene.throw
-    total = web_volume_mm3(scene)
+    total = web_moments(scene).volume - drilled(scene).volume
     for journal in (throw.main_journal, throw.crankpin):
         ring = journal.radius_mm**2 - journal.bore_radius_mm**2
         total += math.pi * ring * journal.length_mm / 2
@@ -26,7 +27,7 @@ def half_throw_volume_mm3(scene: Scene) -> float:
 
 def web_volume_mm3(scene: Scene) -> float:
     """Volume of the web between its two faces, mm3."""
-    return web_moments(scene).volume
+    return web_moments(scene).volume - drilled(scene, "web").volume
 
 
 def _fillet_volume(scene: Scene, journal: Journal, y: float, face_z: float) -> float:

@@ -17,6 +17,7 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
+from cranktopo.domain.drilled_cells import drill_cells
 from cranktopo.domain.envelope_section import (
     SECTIONS,
     disc,
@@ -139,6 +140,7 @@ def build_domain(
         kind: _fractions(grid, [(layer.z, getattr(layer, kind)) for layer in layers], sampled)
         for kind in ("fixed", "design", "pin", "web")
     }
+    planes = drill_cells(scene, grid, planes)
     if extent == "full":
         half = len(grid.z_mm) // 2
         planes = {k: np.concatenate([v[..., :half], v[..., :half][..., ::-1]], -1) for k, v in planes.items()}

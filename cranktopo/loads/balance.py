@@ -1,7 +1,7 @@
 """Mass, unbalance and inertia of a throw in closed form, and what counterweight it still needs.
 
-Journals, bores and fillets are exact, the web to 1e-9. A fillet that reaches beyond the web's edge is counted
-whole.
+Journals, bores and fillets are exact, the web and oil drillings to 1e-9. A fillet that reaches beyond the
+web's edge is counted whole.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.scene import Scene
+from cranktopo.scene.drilling_moments import drilled
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.web_moments import Moments, bolted_mass, counterweight_mass, web_moments
 from cranktopo.units import density_kg_per_mm3
@@ -80,9 +81,9 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     """
     throw, radius = scene.throw, scene.throw.radius_mm
     density = density_kg_per_mm3(scene.material.density_kg_m3)
-    web = web_moments(scene).times(density) + bolted_mass(scene)
-    journal = _cylinder(throw.main_journal, 0.0).times(density)
-    crankpin = _cylinder(throw.crankpin, radius).times(density)
+    web = (web_moments(scene) - drilled(scene, "web")).times(density) + bolted_mass(scene)
+    journal = (_cylinder(throw.main_journal, 0.0) - drilled(scene, "main_journal").times(2)).times(density)
+    crankpin = (_cylinder(throw.crankpin, radius) - drilled(scene, "crankpin").times(2)).times(density)
     fillets = (_fillets(throw.main_journal, 0.0) + _fillets(throw.crankpin, radius)).times(density)
     total = journal + crankpin + fillets + web + web
     own = counterweight_mass(scene)

@@ -20,6 +20,7 @@ from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.meshing.curving import straighten_folded
+from cranktopo.meshing.drilling_sizes import drilling_size_mm, drilling_size_terms
 from cranktopo.scene import Scene
 from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.scale import usual_scale
@@ -187,6 +188,7 @@ def _set_sizes(
     if graded:
         rings = _rings(scene, full)
         terms += [_ring_size(_finest(scene, size, ring[-1], fillet_fraction), *ring) for ring in rings]
+    terms += drilling_size_terms(scene, size, fillet_fraction, full)
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"
@@ -214,9 +216,9 @@ def _ring_size(finest: float, y: float, radius: float, z: float, fillet: FilletS
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Element size at points of the half throw, (n,), mm: finer toward fillets and sharp rings."""
+    """Element size at points of the half throw, (n,), mm: finer toward fillets, sharp rings and drillings."""
     x, y, z = points_mm.T
-    result = np.full(len(points_mm), size)
+    result = drilling_size_mm(scene, size, points_mm)
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
         away = np.abs(fillet.off_mm(np.hypot(x, y - axis_y) - radius, z - centre_z))
         result = np.minimum(result, _finest(scene, size, fillet) + _GROWTH * away)

@@ -93,7 +93,9 @@ class SceneTable(BaseModel):
     The text below a field is its meaning in the reference of all keys; a required one has an example.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", strict=True, use_attribute_docstrings=True, serialize_by_alias=True
+    )
 
     @model_validator(mode="before")
     @classmethod

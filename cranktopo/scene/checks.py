@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.errors import invalid
+from cranktopo.scene.checks_drilling import check_drilling_ends
 from cranktopo.scene.checks_engine import check_engine, check_supports
 from cranktopo.scene.checks_free import check_free_dimensions
 from cranktopo.scene.checks_goal import check_goal
@@ -28,6 +29,7 @@ def check_scene(scene: Scene) -> None:
     check_engine(scene)
     check_supports(scene)
     check_shaft(scene)
+    check_drilling_ends(scene)
     check_solid(scene)
     check_web_extent(scene)
     _check_envelope(scene)

@@ -73,6 +73,9 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
         yield f"throw.{name}.length_mm", journal.length_mm, SMALLEST
         yield f"throw.{name}.fillet_mm", journal.fillet_mm, SMALLEST_FILLET
         yield f"throw.{name}.fillet_axial_mm", journal.fillet_axial_mm or 0.0, SMALLEST_FILLET
+    for index, drilling in enumerate(throw.drilling):
+        yield f"throw.drilling[{index}].diameter_mm", drilling.diameter_mm, SMALLEST
+        yield f"throw.drilling[{index}].outlet_radius_mm", drilling.outlet_radius_mm, SMALLEST_FILLET
     yield "web.thickness_mm", scene.web.thickness_mm, SMALLEST
     if scene.web.counterweight is not None:
         yield "web.counterweight.outer_radius_mm", scene.web.counterweight.outer_radius_mm, SMALLEST

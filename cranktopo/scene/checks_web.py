@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.errors import invalid
+from cranktopo.scene.checks_drilling import check_drillings
 from cranktopo.scene.features.body import ROUNDING_MM, least_shoulder_mm
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
@@ -20,7 +21,8 @@ def check_solid(scene: Scene) -> None:
 
     Raises:
         CranktopoError: corner larger than the web, outline that misses a journal, fillet larger than the
-            shoulder, bore through the rim, pocket outside the web, too deep, or cutting a bore.
+            shoulder, bore through the rim, pocket outside the web, too deep, or cutting a bore, drilling that
+            breaks out.
     """
     web = scene.web
     features = list(web.features())
@@ -31,6 +33,7 @@ def check_solid(scene: Scene) -> None:
     _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
     for key, feature in features:
         feature.check_in_web(scene, key)
+    check_drillings(scene)
 
 
 def check_counterweight(scene: Scene) -> None:

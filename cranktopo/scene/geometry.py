@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from cranktopo.errors import invalid
 from cranktopo.scene.base import Length, LengthOrZero, Place, SceneTable
+from cranktopo.scene.drilling import Drilling
 from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.polygons import Coordinates, polygons, self_intersection
 
@@ -57,6 +58,7 @@ class Throw(SceneTable):
     """The main journal, centred on the crank axis."""
     crankpin: Journal
     """The crankpin, centred on the throw radius."""
+    drilling: tuple[Drilling, ...] = Field(default=(), max_length=8)
 
     @property
     def journals(self) -> tuple[tuple[Journal, float], tuple[Journal, float]]:

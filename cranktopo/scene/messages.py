@@ -192,21 +192,26 @@ def _field(loc: tuple[int | str, ...]) -> Any:
     """The field of a location, or the type of an array's item."""
     table, key = _annotation(loc[:-1]), loc[-1]
     for model in _models(table):
-        if key in model.model_fields:
-            return model.model_fields[str(key)]
+        if key in _fields(model):
+            return _fields(model)[str(key)]
     return _field(loc[:-1]) if isinstance(key, int) and len(loc) > 1 else None
 
 
 def _valid_keys(loc: tuple[int | str, ...]) -> list[str]:
-    return sorted({name for model in _models(_annotation(loc)) for name in model.model_fields})
+    return sorted({name for model in _models(_annotation(loc)) for name in _fields(model)})
 
 
 def _all_keys(table: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """Every table and key of the scene."""
     for model in _models(table):
-        for name, field in model.model_fields.items():
+        for name, field in _fields(model).items():
             yield path, name
             yield from _all_keys(field.annotation, f"{path}.{name}" if path else name)
+
+
+def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The fields of a table by the key that stands in the file."""
+    return {field.alias or name: field for name, field in model.model_fields.items()}
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
@@ -239,6 +244,6 @@ def _child(annotation: Any, part: int | str) -> Any:
     if isinstance(part, int):
         return next((a for a in typing.get_args(annotation) if a is not Ellipsis), None)
     for model in _models(annotation):
-        if part in model.model_fields:
-            return model.model_fields[part].annotation
+        if part in _fields(model):
+            return _fields(model)[part].annotation
     return None

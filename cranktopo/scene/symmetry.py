@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
+from cranktopo.scene.drilling import drilling_asymmetry
 from cranktopo.scene.schema import Scene
 
 
 def web_asymmetry(scene: Scene) -> str:
-    """Key of the web's first feature without its mirrored twin; empty when the web is symmetric in x."""
+    """Key of the first feature of the web, or drilling, without a mirrored twin; empty where all have one."""
     features = list(scene.web.features())
     twins = [feature for _, feature in features]
-    return next((key for key, feature in features if feature.mirrored() not in twins), "")
+    lonely = (key for key, feature in features if feature.mirrored() not in twins)
+    return next(lonely, drilling_asymmetry(scene))
 
 
 def envelope_asymmetry(scene: Scene) -> str:
-    """Key of an envelope that is not symmetric in x, or not known to be; empty when it is or is absent."""
-    return scene.envelope.asymmetry if scene.envelope else ""
+    """Key of an envelope or drilling that is not symmetric in x, or not known to be; empty for none."""
+    return (scene.envelope.asymmetry if scene.envelope else "") or drilling_asymmetry(scene)
 
 
 def mirror_image(scene: Scene) -> Scene:
-    """The scene with its web mirrored in x = 0."""
+    """The scene with its web and drillings mirrored in x = 0."""
     turned = {
         key: tuple(feature.mirrored() for feature in getattr(scene.web, key))
         for key in scene.web.feature_keys
     }
-    return scene.model_copy(update={"web": scene.web.model_copy(update=turned)})
+    drilled = {"drilling": tuple(drilling.mirrored() for drilling in scene.throw.drilling)}
+    throw, web = scene.throw.model_copy(update=drilled), scene.web.model_copy(update=turned)
+    return scene.model_copy(update={"throw": throw, "web": web})
 
 
 def may_mirror(scene: Scene, asymmetry: str) -> bool:

@@ -54,6 +54,9 @@ class Moments:
             self.polar + other.polar,
         )
 
+    def __sub__(self, other: Moments) -> Moments:
+        return self + other.times(-1)
+
     def times(self, factor: float) -> Moments:
         """All moments multiplied by a height or a density."""
         return Moments(*(factor * value for value in (self.volume, self.first_x, self.first_y, self.polar)))
@@ -97,13 +100,13 @@ def moments(bodies: Sequence[Body]) -> Moments:
         values = _moments_at(bodies, y[:, None], heights)
         return np.asarray((values * weights[..., None]).sum(axis=1))
 
-    return Moments(*_integrate(slices, _breaks(bodies)).tolist())
+    return Moments(*integrate(slices, _breaks(bodies)).tolist())
 
 
 def section_moments(scene: Scene, z_mm: float) -> Moments:
     """Moments of the web's cross-section at a height over the mid-main-journal plane, per mm of height."""
     bodies = web_bodies(scene)
-    found = _integrate(lambda y: _moments_at(bodies, y, np.full_like(y, z_mm)), _breaks(bodies))
+    found = integrate(lambda y: _moments_at(bodies, y, np.full_like(y, z_mm)), _breaks(bodies))
     return Moments(*found.tolist())
 
 
@@ -154,8 +157,12 @@ def _material(bodies: Sequence[Body], y: Array, z: Array) -> tuple[Array, Array]
     return places[:-1], np.where(solid, places[1:], places[:-1])
 
 
-def _integrate(function: Callable[[Array], Array], breaks: Array) -> Array:
-    """Integrals of a function with values (y, n) between breaks; intervals are halved until they add up."""
+def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE) -> Array:
+    """Integrals (n,) of a function with values (y, n) between breaks; intervals are halved until they add up.
+
+    Args:
+        tolerance: largest change of an integral by halving an interval, over the whole.
+    """
     low, high = breaks[:-1], breaks[1:]
     values = _quadrature(function, low, high)
     total, scale = np.zeros(values.shape[1]), np.abs(values).sum(axis=0)
@@ -163,7 +170,7 @@ def _integrate(function: Callable[[Array], Array], breaks: Array) -> Array:
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         below, above = _quadrature(function, low, middle), _quadrature(function, middle, high)
-        open_ = (np.abs(below + above - values) > _TOLERANCE * scale).any(axis=1)
+        open_ = (np.abs(below + above - values) > tolerance * scale).any(axis=1)
         total += (below + above)[~open_].sum(axis=0)
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
         values = np.concatenate([below[open_], above[open_]])

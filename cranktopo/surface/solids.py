@@ -5,19 +5,23 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from manifold3d import CrossSection, FillRule, JoinType, Manifold
+from manifold3d import CrossSection, FillRule, JoinType, Manifold, Mesh
 
 from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.domain.through_holes import envelope_z_mm, through_holes
 from cranktopo.frames import X
 from cranktopo.scene import Scene
+from cranktopo.scene.drilling import Mouth, across, channels
 from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
+from cranktopo.scene.outlet_ring import ring_points
 from cranktopo.surface.density_grid import DensityGrid
 
 CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
 _OVERLAP_MM = 0.2
 _SLICES = 32
+_ARC_POINTS, _OUTWARD = 9, 0.5
+"""Points on the rounding of an outlet; how far its edge is moved outward, over its distance from them."""
 ON_MIRROR_MM = 1e-4
 
 
@@ -42,15 +46,48 @@ def journal_halves(scene: Scene) -> tuple[Manifold, Manifold]:
     throw = scene.throw
     main = _tube(throw.main_journal, 0.0, (0.0, start))
     pin = _tube(throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2))
-    return main, pin
+    if not scene.throw.drilling:
+        return main, pin
+    drilled = drillings(scene)
+    return main - drilled, pin - drilled
 
 
 def web_bores(scene: Scene) -> Manifold:
-    """What both bores take out of the web: each runs through it from face to face, and stops there."""
+    """What bores and drillings take out of the web: a bore runs from face to face, and stops there."""
     start, end = scene.web_z_mm
     through = (start - _BEYOND_MM, end + _BEYOND_MM)
     bores = [cylinder(j.bore_radius_mm, y, through) for j, y in scene.throw.journals if j.bore_radius_mm > 0]
-    return sum(bores, Manifold())
+    return sum(bores, drillings(scene))
+
+
+def drillings(scene: Scene) -> Manifold:
+    """What the oil drillings take out of the half throw, with the roundings of their outlets."""
+    drilled = Manifold()
+    for channel in channels(scene):
+        (low, high), along, radius = channel.extent_mm, channel.direction, channel.radius_mm
+        start = np.array(channel.mouths[0].point_mm) + low * along
+        hole = Manifold.cylinder(high - low, radius, radius, segments(radius))
+        drilled += hole.transform(np.column_stack([*across(along), along, start]))
+        rounded = (mouth for mouth in channel.mouths if mouth.rounding_mm)
+        drilled += sum((_outlet_ring(radius, mouth) for mouth in rounded), Manifold())
+    return drilled
+
+
+def _outlet_ring(radius_mm: float, mouth: Mouth) -> Manifold:
+    """The ring of a rounding; its sharp edge is moved outward, into the drilling and beyond the journal."""
+    around = segments(radius_mm + mouth.rounding_mm)
+    turns = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    turn, arc = (v.ravel() for v in np.meshgrid(turns, np.linspace(0, 1, _ARC_POINTS)))
+    rounding = ring_points(radius_mm, mouth, turn, arc, np.ones(turn.size))
+    edge = ring_points(radius_mm, mouth, turns, np.zeros(around), np.zeros(around))
+    edge += _OUTWARD * (edge - rounding.reshape(_ARC_POINTS, around, 3).mean(axis=0))
+    here = np.arange((_ARC_POINTS + 1) * around).reshape(-1, around)
+    after, up = np.roll(here, -1, axis=1), np.roll(here, -1, axis=0)
+    corners = (here, np.roll(up, -1, axis=1), after), (here, up, np.roll(up, -1, axis=1))
+    faces = np.concatenate([np.stack(three, -1).reshape(-1, 3) for three in corners])
+    points = np.concatenate([rounding, edge]).astype(np.float32)
+    ring = Manifold(Mesh(points, faces.astype(np.uint32)))
+    return ring if ring.volume() > 0 else Manifold(Mesh(points, faces[:, ::-1].astype(np.uint32)))
 
 
 def envelope_holes(scene: Scene) -> Manifold:

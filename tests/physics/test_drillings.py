@@ -1,0 +1,231 @@
+"""Oil drillings: closed form against rays and the exact solid, cells, surface, symmetry."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cranktopo.cad.session import cad_session
+from cranktopo.cad.throw_solid import add_half_throw, solid_properties
+from cranktopo.domain.build import build_domain
+from cranktopo.errors import CranktopoError
+from cranktopo.loads.balance import throw_balance
+from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene.drilling import channels, drilling_asymmetry
+from cranktopo.scene.drilling_moments import drilled
+from cranktopo.scene.outlet_ring import ring_points
+from cranktopo.scene.symmetry import envelope_asymmetry, mirror_image, web_asymmetry
+from cranktopo.surface.solids import journal_halves, web_bores
+from cranktopo.units import density_kg_per_mm3
+
+STEP = 1e-9
+
+
+def drilling(start, end, diameter=5.0, rounding=0.0):
+    ends = [dict(zip(("on", "angle_deg", "place_mm"), place, strict=True)) for place in (start, end)]
+    return {"from": ends[0], "to": ends[1], "diameter_mm": diameter, "outlet_radius_mm": rounding}
+
+
+LEANING = drilling(("main_journal", 160.0, 1.0), ("crankpin", 15.0, 2.0), rounding=1.0)
+STRAIGHT = drilling(("main_journal", 180.0, 6.0), ("crankpin", 0.0, 6.0), rounding=1.0)
+RADIAL = drilling(("crankpin", 60.0, 0.0), ("crankpin_bore", 60.0, 0.0), rounding=1.0)
+
+
+def mikron(*drillings, **journals) -> Scene:
+    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data["throw"]["drilling"] = list(drillings)
+    for name in ("main_journal", "crankpin"):
+        data["throw"][name] |= journals
+    return scene_from_dict(data)
+
+
+def along_rays(scene: Scene, points: int) -> tuple[float, float]:
+    """Volume and integral of x2 + y2 of a drilling's cylinder in journals and web, by rays along it."""
+    (channel,) = channels(scene)
+    (low, high), along = channel.extent_mm, channel.direction
+    radius, turn = np.meshgrid(
+        channel.radius_mm * np.sqrt((np.arange(points) + 0.5) / points),
+        2 * np.pi * (np.arange(2 * points) + 0.5) / (2 * points),
+    )
+    spokes = channel.around
+    one, other = spokes[0], spokes[len(spokes) // 4]
+    at = (radius * np.cos(turn)).ravel()[:, None] * one + (radius * np.sin(turn)).ravel()[:, None] * other
+    at = at + np.array(channel.mouths[0].point_mm)
+
+    def within(y, size, z):
+        foot = at[:, :2] - [0.0, y]
+        a, b, c = along[:2] @ along[:2], foot @ along[:2], (foot**2).sum(axis=1) - size**2
+        root = np.sqrt(np.maximum(b * b - a * c, 0.0))
+        ends = (np.array(z)[:, None] - at[:, 2]) / along[2]
+        return np.maximum((-b - root) / a, np.maximum(ends.min(axis=0), low)), np.minimum(
+            (-b + root) / a, np.minimum(ends.max(axis=0), high)
+        )
+
+    def integrals(span):
+        start, stop = span[0], np.maximum(span[0], span[1])
+        total = np.zeros(2)
+        for share in np.polynomial.legendre.leggauss(3)[0]:
+            place = start + (stop - start) * (1 + share) / 2
+            flat = at[:, :2] + place[:, None] * along[:2]
+            weight = (stop - start) * (8 / 18 if share == 0 else 5 / 18)
+            total += [weight.mean(), (weight * (flat**2).sum(axis=1)).mean()]
+        return total
+
+    throw, (z1, z2), z3 = scene.throw, scene.web_z_mm, scene.pitch_mm / 2
+    main, pin, r = throw.main_journal, throw.crankpin, throw.radius_mm
+    total = integrals(within(0, main.radius_mm, (0, z1))) + integrals(within(r, pin.radius_mm, (z2, z3)))
+    total = total + integrals(within(0, 1e4, (z1, z2)))
+    total -= integrals(within(0, main.bore_radius_mm, (0, z2)))
+    total -= integrals(within(r, pin.bore_radius_mm, (z1, z3)))
+    area = math.pi * channel.radius_mm**2
+    return float(total[0] * area), float(total[1] * area)
+
+
+@pytest.mark.parametrize("bore", [0.0, 24.0])
+def test_cylinder_is_exact(bore: float) -> None:
+    scene = mikron({**LEANING, "outlet_radius_mm": 0.0}, bore_diameter_mm=bore)
+    found, (volume, polar) = drilled(scene), along_rays(scene, 200)
+    assert found.volume == pytest.approx(volume, rel=1e-5)
+    assert found.polar == pytest.approx(polar, rel=1e-5)
+
+
+def test_rounding_is_a_rolled_ball() -> None:
+    """It touches the journal and the drilling."""
+    scene = mikron(RADIAL)
+    (channel,) = channels(scene)
+    mouth = channel.mouths[0]
+    turn = np.linspace(0, 2 * np.pi, 37)
+    ball = ring_points(channel.radius_mm, mouth, turn, np.zeros(37), np.ones(37))
+    touch = ring_points(channel.radius_mm, mouth, turn, np.ones(37), np.ones(37))
+    assert np.hypot(touch[:, 0], touch[:, 1] - 48.0) == pytest.approx(21.0, abs=STEP)
+    assert channel.distance_mm(*ball.T) == pytest.approx(2.5, abs=STEP)
+
+
+def test_solid_has_the_closed_form() -> None:
+    scene = mikron(RADIAL, bore_diameter_mm=24.0)
+    balance, density = throw_balance(scene), density_kg_per_mm3(scene.material.density_kg_m3)
+    with cad_session("drilled") as gmsh:
+        found = solid_properties(gmsh.model.occ, add_half_throw(gmsh.model.occ, scene))
+    mass = 2 * density * found.volume_mm3
+    assert balance.mass_kg == pytest.approx(mass, rel=1e-6)
+    assert balance.throw_unbalance_kg_mm == pytest.approx(mass * found.centre_mm[1], rel=1e-6)
+    assert balance.lateral_unbalance_kg_mm == pytest.approx(mass * found.centre_mm[0], abs=1e-4)
+    assert balance.inertia_kg_mm2 == pytest.approx(2 * density * found.inertia_z_mm5, rel=1e-6)
+
+
+def test_leaning_solid() -> None:
+    """The kernel integrates over the drilling's faces to some 1e-6 of the throw; the body itself is exact."""
+    scene = mikron(LEANING)
+    with cad_session("drilled") as gmsh:
+        found = solid_properties(gmsh.model.occ, add_half_throw(gmsh.model.occ, scene))
+    mass = 2 * density_kg_per_mm3(scene.material.density_kg_m3) * found.volume_mm3
+    assert throw_balance(scene).mass_kg == pytest.approx(mass, rel=6e-6)
+
+
+def test_cells_and_surface_have_it() -> None:
+    scene = mikron(LEANING)
+    bare = mikron()
+    parts = [drilled(scene, part).volume for part in ("main_journal", "crankpin")]
+    lost = [b.volume() - d.volume() for b, d in zip(journal_halves(bare), journal_halves(scene), strict=True)]
+    assert lost == pytest.approx(parts, rel=2e-3)
+    assert web_bores(scene).volume() > web_bores(bare).volume()
+    sharp = mikron({**LEANING, "outlet_radius_mm": 0.0})
+    for cell, share in ((4.0, 0.03), (2.0, 0.01)):
+        domain = build_domain(sharp, cell, "web")
+        whole = build_domain(bare, cell, "web", domain.extent, domain.grid)
+        gone = float(((whole.fixed - domain.fixed) * domain.volume_mm3).sum())
+        assert gone == pytest.approx(drilled(sharp).volume, rel=share)
+
+
+def test_design_space_keeps_hole_and_wall() -> None:
+    scene, bare = mikron(LEANING), mikron()
+    domain = build_domain(scene, 4.0)
+    whole = build_domain(bare, 4.0, extent=domain.extent, grid=domain.grid)
+    between = slice(*domain.web_layers)
+    hole = ((whole.web - domain.web) * domain.volume_mm3)[:, :, between].sum()
+    wall = (domain.fixed * domain.volume_mm3)[:, :, between].sum()
+    assert hole == pytest.approx(
+        drilled(mikron({**LEANING, "outlet_radius_mm": 0.0}), "web").volume, rel=0.03
+    )
+    assert wall == pytest.approx(3 * hole, rel=0.25)  # twice the radius: four times the section
+    assert ((domain.fixed + domain.design) <= whole.fixed + whole.design + 1e-12).all()
+
+
+def test_mirror() -> None:
+    assert drilling_asymmetry(mikron(LEANING)) == "throw.drilling[0]"
+    assert web_asymmetry(mikron(LEANING)) == envelope_asymmetry(mikron(LEANING)) == "throw.drilling[0]"
+    assert not drilling_asymmetry(mikron(STRAIGHT))
+    across = drilling(("crankpin", 90.0, 0.0), ("crankpin", 270.0, 0.0))
+    assert not drilling_asymmetry(mikron(across))
+    pair = [drilling(("crankpin", a, 0.0), ("crankpin_bore", a, 0.0)) for a in (50.0, -50.0)]
+    assert not drilling_asymmetry(mikron(*pair))
+    assert drilling_asymmetry(mikron(pair[0])) == "throw.drilling[0]"
+    turned = drilled(mirror_image(mikron(LEANING)))
+    assert turned.first_x == pytest.approx(-drilled(mikron(LEANING)).first_x, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"diameter_mm": 20.0}, "throw.drilling[0].diameter_mm = 20.0: must be at most 16.8 mm"),
+        ({"outlet_radius_mm": 6.0}, "outlet_radius_mm = 6.0: must be at most diameter_mm = 5 mm"),
+        (
+            {"from": {"on": "pin", "angle_deg": 0.0, "place_mm": 0.0}},
+            "throw.drilling[0].from.on = 'pin': must",
+        ),
+        ({"from": {"on": "crankpin", "angle_deg": 0.0}}, "throw.drilling[0].from.place_mm is missing"),
+        (
+            {"from": {"on": "main_journal", "angle_deg": 400.0, "place_mm": 0.0}},
+            "throw.drilling[0].from.angle_deg = 400.0: must be >= -360 and <= 360",
+        ),
+        (
+            {"from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 21.0}},
+            "from.place_mm = 21.0: must be at most half the journal's length (20 mm)",
+        ),
+        (
+            {"from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 16.0}},
+            "from.place_mm = 16.0: the outlet runs into the fillet beside it; must be at most",
+        ),
+        (
+            {"from": {"on": "main_journal", "angle_deg": 0.0, "place_mm": 6.0}},
+            "throw.drilling[0].from: the drilling lies outside the main journal there",
+        ),
+        (
+            {"from": {"on": "crankpin", "angle_deg": 60.0, "place_mm": 6.0}},
+            "from: the drilling leans 60 deg from the normal of the crankpin, at most 50 deg",
+        ),
+        ({"to": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 6.0}}, "begins where it ends"),
+        ({"radius_mm": 3.0}, "unknown key throw.drilling[0].radius_mm"),
+        (
+            {"from": {"on": "crankpin_bore", "angle_deg": 0.0, "place_mm": 6.0}, "diameter_mm": "5"},
+            "throw.drilling[0].diameter_mm = '5': must be a finite number",
+        ),
+    ],
+)
+def test_refused(change: dict[str, object], message: str) -> None:
+    with pytest.raises(CranktopoError) as caught:
+        mikron({**STRAIGHT, **change})
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_refused_together() -> None:
+    with pytest.raises(CranktopoError, match=r"throw.crankpin has no bore"):
+        mikron(RADIAL, bore_diameter_mm=0.0)
+    with pytest.raises(CranktopoError, match=r"drilling\[0\]: meets throw.drilling\[1\]"):
+        mikron(STRAIGHT, LEANING)
+    with pytest.raises(CranktopoError, match=r"grazes the bore of throw.crankpin"):
+        mikron(drilling(("crankpin", 30.0, 0.0), ("crankpin", 150.0, 0.0)))
+
+
+def test_pocket_and_envelope_keep_clear() -> None:
+    data = mikron(STRAIGHT).model_dump(mode="json", exclude_none=True)
+    data["web"]["pocket"] = [{"shape": "cylinder", "x_mm": 4.0, "y_mm": 24.0, "diameter_mm": 8.0}]
+    with pytest.raises(CranktopoError, match=r"throw.drilling\[0\]: runs into web.pocket\[0\]"):
+        scene_from_dict(data)
+    data["web"]["pocket"] = []
+    data["envelope"] = {"shape": "box", "half_width_mm": 4.0, "y_min_mm": -34.0, "y_max_mm": 82.0}
+    with pytest.raises(CranktopoError, match=r"does not hold throw.drilling\[0\]"):
+        build_domain(scene_from_dict(data), 4.0)
