@@ -12,6 +12,7 @@ MPA_PER_BAR = 0.1
 KG_PER_TONNE = 1000.0
 NMM_PER_NM = 1000.0
 N_PER_KN = 1000.0
+W_PER_KW = 1000.0
 
 
 def density_tonne_per_mm3(density_kg_m3: float) -> float:

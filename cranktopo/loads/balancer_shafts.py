@@ -6,6 +6,7 @@ turns against it the backward part; a pair takes both.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
@@ -13,11 +14,20 @@ from typing import Any, Literal
 import numpy as np
 
 from cranktopo.loads.engine_balance import Ellipse, FreeForce, direction_deg
-from cranktopo.scene.arrangement import BalancerShaft
-from cranktopo.units import MM_PER_M
+from cranktopo.scene.arrangement import BalancerShaft, Gear
+from cranktopo.units import MM_PER_M, W_PER_KW
 
 _ORDERS: tuple[Literal[1, 2], ...] = (1, 2)
 _TURNS: tuple[Literal["with", "against"], ...] = ("with", "against")
+
+
+@dataclass(frozen=True)
+class GearForces:
+    """Forces between a gear and its mate: around the shaft, toward its axis, along it."""
+
+    tangential_N: float
+    radial_N: float
+    axial_N: float
 
 
 @dataclass(frozen=True)
@@ -31,6 +41,7 @@ class SizedShaft:
         z_mm: place of the mass of a shaft that balances a force, from the middle of the shaft.
         distance_mm: of the two masses of a shaft that balances a moment.
         force_N: centrifugal force of each mass.
+        gear: forces of the gear that drives it; None where the scene tells none.
         in_scene: whether the scene has it; else the engine would need it.
     """
 
@@ -43,6 +54,7 @@ class SizedShaft:
     distance_mm: float
     force_N: float
     in_scene: bool
+    gear: GearForces | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The shaft with units in the names."""
@@ -90,6 +102,18 @@ def needed_shafts(free: Sequence[FreeForce], w2: float, length_mm: float) -> tup
     return tuple(found)
 
 
+def gear_forces(gear: Gear, speed_rad_s: float) -> GearForces:
+    """Forces of a helical gear whose shaft turns at a speed.
+
+    T / r around the shaft, times tan(helix) along it, times tan(pressure) / cos(helix) toward its axis.
+    """
+    helix, pressure = math.radians(gear.helix_deg), math.radians(gear.pressure_deg)
+    tangential = gear.power_kW * W_PER_KW / speed_rad_s / (gear.pitch_radius_mm / MM_PER_M)
+    return GearForces(
+        tangential, tangential * math.tan(pressure) / math.cos(helix), tangential * math.tan(helix)
+    )
+
+
 def _turn_of(shaft: BalancerShaft) -> int:
     given = shaft.unbalance_kg_mm is not None and shaft.phase_deg is not None
     return 0 if given else 1 if shaft.balances == "force" else 2
@@ -124,6 +148,7 @@ def _size(
         distance,
         abs(pull),
         in_scene,
+        None if shaft.gear is None else gear_forces(shaft.gear, shaft.order * math.sqrt(w2)),
     )
     return sized, effect
 

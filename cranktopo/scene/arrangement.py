@@ -12,6 +12,19 @@ Turn = Annotated[float, Field(ge=0, lt=360, allow_inf_nan=False)]
 """An angle about the crank axis, deg."""
 
 
+class Gear(SceneTable):
+    """Helical gear that drives a balancer shaft."""
+
+    power_kW: float = Field(ge=1e-6, le=1e5, allow_inf_nan=False, examples=[1.0])
+    """Power that it passes on: what the shaft's bearings and oil take."""
+    pitch_radius_mm: Length = Field(examples=[34.6])
+    """Radius of its pitch circle."""
+    helix_deg: float = Field(default=0.0, ge=0, le=60, allow_inf_nan=False)
+    """Helix angle at the pitch circle; 0 for a spur gear."""
+    pressure_deg: float = Field(default=20.0, ge=5, le=45, allow_inf_nan=False)
+    """Pressure angle in the section normal to the teeth."""
+
+
 class BalancerShaft(SceneTable):
     """A balancer shaft (Lanchester); its unbalance, phase and place are found where they are not given.
 
@@ -36,6 +49,7 @@ class BalancerShaft(SceneTable):
     """Direction of its mass (of two: of that nearer to the takeoff) at firing top dead centre of the first
     cylinder that fires, from the engine's plane of symmetry, in the crank's sense of rotation; by default
     what the engine needs."""
+    gear: Gear | None = None
 
 
 class Arrangement(SceneTable):

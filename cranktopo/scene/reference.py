@@ -25,6 +25,7 @@ _UNITS = {
     "_mm": "mm",
     "_kg": "kg",
     "_kN": "kN",
+    "_kW": "kW",
     "_N": "N",
 }
 _TYPES = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from cranktopo.loads import analyse, bearing_spring_N_per_mm
-from cranktopo.loads.bearings import roller_spring_N_per_mm
+from cranktopo.loads.balancer_shafts import gear_forces
+from cranktopo.loads.bearings import rating_life_h, roller_spring_N_per_mm
 from cranktopo.loads.kinematics import exact_motion, force_ratios
 from cranktopo.scene import load_scene
+from cranktopo.scene.arrangement import Gear
 from cranktopo.scene.engine import Gas
 from cranktopo.scene.supports import RollerBearing
 
@@ -89,3 +91,28 @@ def test_roller_bearing_stiffness_in_a_scene():
     angle = 2 * np.pi * (np.arange(40) + 0.5) / 40
     rollers = np.maximum(np.cos(angle), 0) * np.cos(angle)
     assert got == pytest.approx(rollers.sum() * roller_spring_N_per_mm(bearing), rel=1e-12)
+
+
+def test_gear_of_the_balancer_shaft():
+    """Kral prints 112.2, 43.4 and 40.8 N at 2460 rpm on a radius of 34.586 mm.
+
+    Power and angles are not in the data at hand: 1 kW, a helix of 20 deg and a pressure angle of 20 deg are
+    the round values that give all three forces, to 0.2 %. The printed forces of the counterweights cannot be
+    reproduced: neither their masses nor radii are there.
+    """
+    gear = Gear(power_kW=1.0, pitch_radius_mm=34.586, helix_deg=20.0, pressure_deg=20.0)
+    forces = gear_forces(gear, 2460 * math.pi / 30)
+    assert forces.tangential_N == pytest.approx(112.2, abs=0.05)
+    assert forces.radial_N == pytest.approx(43.4, rel=2e-3)
+    assert forces.axial_N == pytest.approx(40.8, abs=0.06)
+
+
+@pytest.mark.parametrize(("name", "rating_kN", "hours"), [("HK4520", 26.0, 9018), ("HK6020", 31.9, 17831)])
+def test_life_of_the_balancer_shafts_bearings(name, rating_kN, hours):
+    """Ratings as printed, life by ISO 281 under the largest printed force of a counterweight.
+
+    No printed life is at hand to compare with: (C / P)^(10/3), C / P = 8.655 and 10.619, at 2460 rpm.
+    """
+    bearing = RollerBearing.model_validate({"name": name})
+    assert bearing.dynamic_rating_kN == rating_kN
+    assert rating_life_h(bearing.dynamic_rating_kN, 3004.1, 2460.0) == pytest.approx(hours, rel=1e-4)

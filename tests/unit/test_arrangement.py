@@ -11,6 +11,7 @@ from tests.engine_arrangements import MIKRON, VEE
 from tests.engine_arrangements import arranged as scene
 
 SHAFT = "[[engine.arrangement.balancer_shaft]]\norder = 1\nturns = 'against'\n"
+GEAR = f"{SHAFT}[engine.arrangement.balancer_shaft.gear]\npitch_radius_mm = 30.0\n"
 TWIN = {"cylinders": 2, "order": (1, 2)}
 
 
@@ -101,6 +102,10 @@ REFUSED = [
     (SHAFT + "unbalance_kg_mm = -1.0", {}, r"balancer_shaft\[0\]\.unbalance_kg_mm = -1\.0: must be"),
     (SHAFT + "phase_deg = 400.0", {}, r"balancer_shaft\[0\]\.phase_deg = 400\.0: must be"),
     (SHAFT + "z_mm = 1e9", {}, r"balancer_shaft\[0\]\.z_mm = 1000000000\.0: must be"),
+    (GEAR + "power_kW = 0.0", {}, r"balancer_shaft\[0\]\.gear\.power_kW = 0\.0: must be"),
+    (GEAR + "power_kW = 1.0\nhelix_deg = 90.0", {}, r"gear\.helix_deg = 90\.0: must be"),
+    (GEAR + "power_kW = 1.0\npressure_deg = 0.0", {}, r"gear\.pressure_deg = 0\.0: must be"),
+    (GEAR.replace("30", "-30") + "power_kW = 1.0", {}, r"gear\.pitch_radius_mm = -30\.0: must be"),
     (SHAFT + SHAFT, {}, r"balancer_shaft\[1\] = .*is there twice"),
 ]  # fmt: skip
 

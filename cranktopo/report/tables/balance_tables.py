@@ -43,6 +43,10 @@ _SHAFTS: tuple[Column[_Entry], ...] = (
     Column("apart_mm", 1, lambda e: e["distance_mm"] or None),
     Column("force_N", 1, lambda e: e["force_N"]),
 )
+_GEARS: tuple[Column[_Entry], ...] = tuple(
+    Column(f"gear_{name}", 1, lambda e, name=name: e["gear"] and e["gear"][name])  # type: ignore[misc]
+    for name in ("tangential_N", "radial_N", "axial_N")
+)
 _BEARINGS: tuple[Column[_Entry], ...] = (
     Column("bearing", 0, lambda e: str(e["bearing"])),
     Column("max_N", 0, lambda e: e["max_N"]),
@@ -96,8 +100,10 @@ def inner_moment_table(data: _Entry) -> ResultTable:
 
 
 def shaft_table(data: _Entry) -> ResultTable | None:
-    """Balancer shafts; None where the engine has none and needs none."""
-    return tabulate(_SHAFTS, data["balancer_shafts"]) if data["balancer_shafts"] else None
+    """Balancer shafts with the forces of their gears; None where the engine has none and needs none."""
+    shafts = data["balancer_shafts"]
+    geared = any(shaft["gear"] for shaft in shafts)
+    return tabulate((*_SHAFTS, *(_GEARS if geared else ())), shafts) if shafts else None
 
 
 def bearing_table(data: _Entry) -> ResultTable:
