@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.loads.vibration_study import VibrationStudy
-from cranktopo.report.tables.result_table import ResultTable, terminal
+from cranktopo.report.tables.result_table import Cell, ResultTable, Row, terminal
 
 _WEAK = 0.05
 """Share of the cylinders that help each other below which a critical speed is not listed."""
@@ -12,10 +12,10 @@ _WEAK = 0.05
 def modes_table(study: VibrationStudy) -> ResultTable:
     """Natural frequencies with their damping."""
     chain = study.shaft.chain
-    rows = []
+    rows: list[Row] = []
     for number, mode in enumerate(study.modes, start=1):
         where = study.shaft.names[int(abs(mode.shape).argmax())]
-        row = {"mode": str(number), "frequency_Hz": mode.frequency_Hz, "swings_most": where}
+        row: dict[str, Cell] = {"mode": str(number), "frequency_Hz": mode.frequency_Hz, "swings_most": where}
         rows.append({**row, "damping_ratio_percent": 100 * chain.damping_ratio(mode)})
     columns = {"mode": 0, "frequency_Hz": 1, "damping_ratio_percent": 2, "swings_most": 0}
     return ResultTable(columns, tuple(rows))
@@ -24,7 +24,7 @@ def modes_table(study: VibrationStudy) -> ResultTable:
 def critical_table(study: VibrationStudy) -> ResultTable:
     """Critical speeds at which the cylinders help each other, with the torque that they cause."""
     response = study.response
-    rows = []
+    rows: list[Row] = []
     for found in study.critical:
         if found.share < _WEAK:
             continue
@@ -36,7 +36,7 @@ def critical_table(study: VibrationStudy) -> ResultTable:
             )
             if inside
         )
-        row = {"speed_rpm": found.speed_rpm, "order": found.order, "mode": str(found.mode)}
+        row: dict[str, Cell] = {"speed_rpm": found.speed_rpm, "order": found.order, "mode": str(found.mode)}
         row |= {"kind": "major" if found.major else "minor", "cylinders_helping_percent": 100 * found.share}
         rows.append({**row, "torque_amplitude_Nm": torque, "shear_MPa": study.shaft.shear_MPa(torque)})
     columns = {"speed_rpm": 0, "order": 1, "mode": 0, "kind": 0, "cylinders_helping_percent": 0}
@@ -46,11 +46,14 @@ def critical_table(study: VibrationStudy) -> ResultTable:
 def sections_table(study: VibrationStudy) -> ResultTable:
     """Every section of the shaft at the speed where it swings most."""
     response, shaft = study.response, study.shaft
-    rows = []
+    rows: list[Row] = []
     for index, name in enumerate(shaft.sections):
         speed = int(response.torque_amplitude_Nm[:, index].argmax())
         torque = float(response.torque_amplitude_Nm[speed, index])
-        row = {"section": name, "stiffness_kNm_per_rad": shaft.chain.stiffness_Nm_per_rad[index] / 1000}
+        row: dict[str, Cell] = {
+            "section": name,
+            "stiffness_kNm_per_rad": shaft.chain.stiffness_Nm_per_rad[index] / 1000,
+        }
         row |= {"worst_at_rpm": float(response.speeds_rpm[speed]), "torque_amplitude_Nm": torque}
         row["twist_amplitude_deg"] = float(response.twist_amplitude_deg[speed, index])
         row["mean_torque_Nm"] = float(response.mean_torque_Nm[index])
