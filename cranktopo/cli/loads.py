@@ -41,9 +41,9 @@ def command(
         click.echo(json.dumps(results[0] | ({"sweep": results} if len(results) > 1 else {}), indent=2))
         return
     from cranktopo.report.tables.loads_text import loads_text, sweep_text
-    from cranktopo.scene.assumed import LOADS, THROW, assumed_text, assumptions
+    from cranktopo.scene.assumed import LOADS, THROW, VIBRATION, assumed_text, assumptions
 
     click.echo(loads_text(results[0]) if len(results) == 1 else sweep_text(results))
-    assumed = assumptions(scene, (THROW, LOADS))
+    assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
     if assumed:
         click.echo(assumed_text(assumed), err=True)

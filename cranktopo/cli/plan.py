@@ -34,10 +34,12 @@ def command(
         LOADS,
         SUPPORTS,
         THROW,
+        VIBRATION,
         assumed_json,
         assumed_text,
         assumptions,
     )
+    from cranktopo.scene.checks_shaft import shaft_warnings
     from cranktopo.scene.goal.sentence import goal_text
     from cranktopo.scene.goal.wanted import wanted
 
@@ -45,7 +47,7 @@ def command(
     goal = wanted(scene)
     effects = plan(scene, goal=goal)
     todo = effort(scene)
-    assumed = assumptions(scene, (THROW, LOADS, SUPPORTS, ENVELOPE, GOAL))
+    assumed = assumptions(scene, (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL))
     if as_json:
         payload = {
             "schema_version": 1,
@@ -68,3 +70,5 @@ def command(
         click.echo(f"\n{plan_text(effects)}")
         if assumed:
             click.echo(assumed_text(assumed), err=True)
+        for line in shaft_warnings(scene) if scene.shaft else ():
+            click.echo(f"warning: {line}", err=True)

@@ -8,9 +8,8 @@ from functools import cached_property
 from cranktopo.effects.beam import ThrowCompliance, throw_compliance
 from cranktopo.effects.cost import Costing
 from cranktopo.effects.simulated import without
-from cranktopo.loads.analysis import INERTIA_EFFECTS
 from cranktopo.loads.balance import ThrowBalance, throw_balance
-from cranktopo.loads.forces import RotatingForces, rotating_forces
+from cranktopo.loads.forces import INERTIA_EFFECTS, RotatingForces, rotating_forces
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.loads.states import ExtremeState, extreme_states
 from cranktopo.scene import Scene
@@ -25,17 +24,20 @@ class Facts:
     Attributes:
         asymmetry: what is not its own mirror image in x; empty when all is.
         goal: what the optimisation is asked for; None for the weighted compliance.
+        vibrating: whether the torques are those of the vibrating shaft.
     """
 
     scene: Scene
     costing: Costing
     asymmetry: str
     goal: Goal | None = None
+    vibrating: bool = False
 
     @cached_property
     def states(self) -> tuple[ExtremeState, ...]:
         """Extreme load states with every inertia effect."""
-        return extreme_states(self.scene, INERTIA_EFFECTS)
+        vibration = {"torsional_vibration"} if self.vibrating else set()
+        return extreme_states(self.scene, INERTIA_EFFECTS | vibration)
 
     @cached_property
     def compliance(self) -> ThrowCompliance:

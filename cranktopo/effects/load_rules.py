@@ -9,7 +9,7 @@ from __future__ import annotations
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
 from cranktopo.effects.goal_rules import as_wanted
-from cranktopo.loads.analysis import INERTIA_EFFECTS
+from cranktopo.loads.forces import INERTIA_EFFECTS
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.loads.states import extreme_states
 

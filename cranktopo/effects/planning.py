@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
-from cranktopo.effects import load_rules, structure_rules
+from cranktopo.effects import load_rules, structure_rules, vibration_rule
 from cranktopo.effects.cost import Costing, CostRates
 from cranktopo.effects.effect import Effect, EffectPlan, Switch
 from cranktopo.effects.estimate import Estimate
@@ -25,6 +25,7 @@ _RULES: dict[str, Callable[[Facts], Estimate]] = {
     "reciprocating_inertia": load_rules.reciprocating_inertia,
     "rotating_rod_mass": load_rules.rotating_rod_mass,
     "centrifugal": load_rules.centrifugal,
+    "torsional_vibration": vibration_rule.torsional_vibration,
     "bearing_compliance": structure_rules.bearing_compliance,
     "fillets": structure_rules.fillets,
     "bores": structure_rules.bores,
@@ -33,6 +34,8 @@ _RULES: dict[str, Callable[[Facts], Estimate]] = {
     "fatigue": structure_rules.fatigue,
     "bound": bound,
 }
+_VIBRATION = "torsional_vibration"
+"""It comes first: the loads that the other rules look at depend on it."""
 LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
 
 
@@ -50,7 +53,12 @@ def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None)
     asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
     costing = Costing(scene, rates or CostRates(), may_mirror(scene, asymmetry))
     facts = Facts(scene, costing, asymmetry, goal)
-    decided = tuple(_decide(scene.effects, name, rule(facts)) for name, rule in _RULES.items())
+    vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](facts))
+    facts = replace(facts, vibrating=vibration.state == "on")
+    decided = tuple(
+        vibration if name == _VIBRATION else _decide(scene.effects, name, rule(facts))
+        for name, rule in _RULES.items()
+    )
     cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_CASES]
     if goal is None:
         _check_cases(scene, cases)

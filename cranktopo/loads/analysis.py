@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cranktopo.errors import invalid
 from cranktopo.loads.balance import ThrowBalance, throw_balance
 from cranktopo.loads.engine_torque import ShaftTorque, shaft_torque
-from cranktopo.loads.forces import RotatingForces, ThrowForces, rotating_forces, throw_forces
+from cranktopo.loads.forces import (
+    INERTIA_EFFECTS,
+    RotatingForces,
+    ThrowForces,
+    rotating_forces,
+    throw_forces,
+)
 from cranktopo.loads.gas import PressureCurve, pressure_curve
 from cranktopo.loads.kinematics import Array, exact_motion, series_motion
+from cranktopo.loads.vibrating_torque import vibrating_torque
 from cranktopo.scene import Scene
 from cranktopo.scene.engine import Engine
 from cranktopo.units import NMM_PER_NM
-
-INERTIA_EFFECTS = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
 
 
 @dataclass(frozen=True)
@@ -88,7 +93,8 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
 
     Args:
         enabled: `reciprocating_inertia` and `rotating_rod_mass` among these names make the inertia of the
-            piston and of the rod count.
+            piston and of the rod count; with `torsional_vibration` the torques are those of the vibrating
+            shaft at the engine's speed.
 
     Raises:
         CranktopoError: no engine, two rods on a pin, or gas data that cannot be used.
@@ -104,6 +110,8 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
     balance = throw_balance(scene)
     curve = pressure_curve(scene)
     cycle = None if curve is None else _cycle(engine, radius, curve, balance, enabled)
+    if cycle is not None and "torsional_vibration" in enabled:
+        cycle = replace(cycle, torque=vibrating_torque(scene, enabled))
     rotating = rotating_forces(engine, balance, radius, engine.speed_rpm)
     return LoadAnalysis(engine, radius, balance, rotating, cycle)
 

@@ -16,10 +16,12 @@ class ShaftTorque:
     Attributes:
         angle_deg: crank angles from firing top dead centre of the cylinder that fires first, deg.
         passed_on_Nm: torque behind each throw, from the free end to the takeoff, (cylinders, angles), N m.
+        ahead_Nm: of a vibrating shaft, torque ahead of each throw; else what is passed on less its own.
     """
 
     angle_deg: Array
     passed_on_Nm: Array
+    ahead_Nm: Array | None = None
 
     @property
     def engine_Nm(self) -> Array:

@@ -12,6 +12,8 @@ from cranktopo.loads.kinematics import Array, exact_motion, force_ratios
 from cranktopo.scene.engine import Engine
 from cranktopo.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 
+INERTIA_EFFECTS = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
+
 
 @dataclass(frozen=True)
 class ThrowForces:

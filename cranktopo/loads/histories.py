@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 
 from cranktopo.errors import CranktopoError
-from cranktopo.loads.analysis import Cycle, analyse
+from cranktopo.loads.analysis import Cycle, analyse, at_speed, engine_of
 from cranktopo.loads.kinematics import Array
 from cranktopo.loads.states import extreme_states
+from cranktopo.loads.vibrating_torque import worst_speed_rpm
 from cranktopo.scene import Scene
 from cranktopo.scene.engine import Engine
 from cranktopo.units import angular_speed_rad_s
@@ -41,7 +42,8 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
 
     "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
-    not tell counts as zero. "cycle" follows every throw of the shaft over its working cycle.
+    not tell counts as zero. "cycle" follows every throw of the shaft over its working cycle. With
+    `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed too.
 
     Args:
         enabled: names of the effects that are on; inertia changes the forces, a load that is off stays zero.
@@ -85,6 +87,24 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
 
 
 def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
+    """The cycle at the engine's speed; of a vibrating shaft also that at its worst speed."""
+    if "torsional_vibration" not in enabled:
+        return _one_cycle(scene, engine, enabled)
+    worst = at_speed(scene, worst_speed_rpm(scene, enabled))
+    first, second = (_one_cycle(at, engine_of(at), enabled) for at in (scene, worst))
+    joined = {
+        name: np.concatenate([getattr(first, name), getattr(second, name)])
+        for name in ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
+    }
+    labels = [
+        f"{label}, {engine_of(at).speed_rpm:.0f} rpm"
+        for at, part in ((scene, first), (worst, second))
+        for label in part.labels
+    ]
+    return LoadHistory(**joined, labels=tuple(labels))
+
+
+def _one_cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
     cycle = analyse(scene, enabled).cycle
     if cycle is None:
         raise CranktopoError(
@@ -109,8 +129,9 @@ def _throw(engine: Engine, cycle: Cycle, angle: Array, cylinder: int) -> tuple[A
     def at(curve: Array, where: Array) -> Array:
         return np.interp(where, forces.angle_deg, curve, period=engine.cycle_deg)
 
-    behind = at(cycle.torque.passed_on_Nm[cylinder - 1], shaft)
-    mean = behind - at(forces.torque_Nm, angle) / 2
+    behind, ahead = at(cycle.torque.passed_on_Nm[cylinder - 1], shaft), cycle.torque.ahead_Nm
+    own = at(forces.torque_Nm, angle) if ahead is None else behind - at(ahead[cylinder - 1], shaft)
+    mean = behind - own / 2
     return at(forces.web_force_N, angle), at(forces.tangential_force_N, angle), mean
 
 

@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.loads.analysis import Cycle, Extreme, LoadAnalysis, analyse
+from cranktopo.loads.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_speed
 from cranktopo.loads.forces import rotating_forces
 from cranktopo.loads.kinematics import Array
 from cranktopo.loads.load_case import LoadCase, LoadKind
+from cranktopo.loads.vibrating_torque import worst_speed_rpm
 from cranktopo.scene import Scene
 from cranktopo.units import NMM_PER_NM
 
@@ -51,8 +52,9 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     """The extreme states of a scene, those that become load cases in the order of their kinds.
 
     Args:
-        enabled: names of the effects that are on; the inertia effects change the forces, and without
-            `centrifugal` the overspeed state acts on the pin alone.
+        enabled: names of the effects that are on; the inertia effects change the forces, without
+            `centrifugal` the overspeed state acts on the pin alone, and with `torsional_vibration` the
+            torques are those of the shaft at its worst speed.
 
     Raises:
         CranktopoError: gas data that cannot be used.
@@ -60,15 +62,23 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     if scene.engine is None:
         return _unit_states("unit load: the scene has no engine")
     analysis = analyse(scene, enabled)
-    torques = _torques(analysis)
-    states = [_radial(analysis), _torque_state(analysis, "max_torque", torques[0])]
+    twisting = _twisting(scene, analysis, enabled)
+    torques = _torques(twisting)
+    states = [_radial(analysis), _torque_state(twisting, "max_torque", torques[0])]
     states.append(_tangential(analysis))
     if torques[1] is not None:
-        states.append(_torque_state(analysis, "min_torque", torques[1]))
+        states.append(_torque_state(twisting, "min_torque", torques[1]))
     overspeed = _overspeed(analysis, enabled)
     if _load(overspeed) or overspeed.case.speed_rpm:
         states.append(overspeed)
     return _mark_redundant(tuple(states), enabled)
+
+
+def _twisting(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> LoadAnalysis:
+    """The analysis that the torques are taken from: of a vibrating shaft that at its worst speed."""
+    if "torsional_vibration" not in enabled:
+        return analysis
+    return analyse(at_speed(scene, worst_speed_rpm(scene, enabled)), enabled)
 
 
 def _unit_states(why: str) -> tuple[ExtremeState, ...]:
@@ -122,11 +132,16 @@ def _torque_state(analysis: LoadAnalysis, name: str, torque: Extreme | None) -> 
     if torque is None:
         return _unit_states("unit load: neither engine.gas nor engine.max_torque_Nm is given")[1]
     which = "largest" if name == "max_torque" else "smallest"
-    source = f"{which} torque behind a throw, at {_where(analysis, torque)}"
+    shaft = " of the vibrating shaft" if _vibrates(analysis) else ""
+    source = f"{which} torque behind a throw{shaft}, at {_where(analysis, torque)}"
     if torque.deg is None:
         source = f"engine.{name}_Nm"
     case = LoadCase("torsion", "torsion", torque_Nm=torque.value, source=source)
     return ExtremeState(name, case, torque.deg)
+
+
+def _vibrates(analysis: LoadAnalysis) -> bool:
+    return analysis.cycle is not None and analysis.cycle.torque.ahead_Nm is not None
 
 
 def _tangential(analysis: LoadAnalysis) -> ExtremeState:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.loads.analysis import INERTIA_EFFECTS
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.disk_chain import Array, ComplexArray
-from cranktopo.loads.forces import throw_forces
+from cranktopo.loads.forces import INERTIA_EFFECTS, throw_forces
 from cranktopo.loads.gas import pressure_curve
 from cranktopo.scene import Scene
 from cranktopo.units import angular_speed_rad_s
@@ -40,13 +40,14 @@ class TorqueHarmonics:
     def of_throws_Nm(self, speed_rpm: float) -> ComplexArray:
         """Complex amplitudes of the torque on every throw at a speed, one clock for all, (orders, throws)."""
         single = self.gas_Nm + angular_speed_rad_s(speed_rpm) ** 2 * self.inertia_Nm_s2
-        return np.asarray(single[:, None] * self.shifts())
+        return np.asarray(single[:, None] * self.shifts)
 
     def in_phase(self) -> NDArray[np.bool_]:
         """Of which orders the torques of all cylinders have the same phase: the major ones."""
         count = len(self.firing_deg)
-        return np.asarray(np.abs(self.shifts().sum(axis=1)) > (1 - 1e-9) * count)
+        return np.asarray(np.abs(self.shifts.sum(axis=1)) > (1 - 1e-9) * count)
 
+    @cached_property
     def shifts(self) -> ComplexArray:
         """Factor of each order for the times at which the cylinders of a throw fire, (orders, throws)."""
         single = np.exp(-1j * self.orders[:, None] * np.radians(self.firing_deg))

@@ -103,7 +103,7 @@ def critical_speeds(
     orders: int = ORDERS,
 ) -> tuple[CriticalSpeed, ...]:
     """Every crossing of an order with a natural frequency in a range of speeds, the slowest first."""
-    shifts = harmonics.shifts()[1 : orders + 1]
+    shifts = harmonics.shifts[1 : orders + 1]
     majors = harmonics.in_phase()[1 : orders + 1]
     rods = len(harmonics.firing_deg) / shaft.throws
     found = []

@@ -14,7 +14,7 @@ from cranktopo.loads import analyse, at_speed
 from cranktopo.loads.summary import curve_columns, loads_json
 from cranktopo.report.figures.loads_plot import plot_loads
 from cranktopo.scene import Scene
-from cranktopo.scene.assumed import LOADS, THROW, assumed_json, assumptions
+from cranktopo.scene.assumed import LOADS, THROW, VIBRATION, assumed_json, assumptions
 from cranktopo.store.files import replacing
 
 
@@ -23,7 +23,7 @@ def loads_at_speeds(scene: Scene, speeds_rpm: Sequence[float] | None = None) -> 
     found = []
     for at in _at_speeds(scene, speeds_rpm):
         effects = plan(at)
-        assumed = assumed_json(assumptions(scene, (THROW, LOADS)))
+        assumed = assumed_json(assumptions(scene, (THROW, LOADS, VIBRATION)))
         found.append({**loads_json(at, effects.enabled), "effects": effects.as_json(), "assumed": assumed})
     return found
 

@@ -48,6 +48,7 @@ from cranktopo.scene.assumed import (
     LOADS,
     SUPPORTS,
     THROW,
+    VIBRATION,
     Assumption,
     assumed_text,
     assumptions,
@@ -72,7 +73,7 @@ from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
-RUN_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE, GOAL)
+RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)
 """What an optimisation uses of a scene."""
 
 

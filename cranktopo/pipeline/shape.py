@@ -33,6 +33,7 @@ from cranktopo.scene.assumed import (
     LOADS,
     SUPPORTS,
     THROW,
+    VIBRATION,
     assumed_text,
     assumptions,
 )
@@ -59,7 +60,7 @@ from cranktopo.store import (
 )
 from cranktopo.triangles.surface_files import read_stl
 
-SHAPE_TABLES = (THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE)
+SHAPE_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """What a shape optimisation uses of a scene."""
 _KEPT = "work.json"
 _BEGUN = "begun"

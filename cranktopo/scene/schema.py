@@ -104,6 +104,8 @@ class Effects(SceneTable):
     """Centrifugal force of the rod's big end on the crankpin."""
     centrifugal: EffectState = "auto"
     """Load case of the rotating throw's own body force, at the overspeed if one is given."""
+    torsional_vibration: EffectState = "auto"
+    """Torque of the vibrating shaft at its worst speed in place of the quasi-static one; needs `[shaft]`."""
     bearing_compliance: EffectState = "auto"
     """Springs of the main bearings in series with the throw."""
     fillets: EffectState = "auto"

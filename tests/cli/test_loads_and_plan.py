@@ -162,4 +162,17 @@ def test_plan_json(capsys):
     code, out, _ = run(capsys, "plan", "--json")
     payload = json.loads(out)
     assert code == 0
-    assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (1, "mikron-iiic", 13)
+    assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (1, "mikron-iiic", 14)
+
+
+def test_plan_warns_of_what_a_shaft_leaves_out(tmp_path, capsys):
+    from cranktopo.scene.loading import designs_folder
+
+    path, text = tmp_path / "mine.toml", (designs_folder() / "mikron-iiic.toml").read_text()
+    shaft = "[shaft]\npropeller = {inertia_kg_m2 = 0.6}\n"
+    path.write_text(text.replace("[engine]\n", f"{shaft}[engine]\n"), encoding="utf-8")
+    code, out, err = run(capsys, "plan", str(path))
+    assert code == 0
+    assert re.search(r"^torsional_vibration +on ", out, re.MULTILINE)
+    assert "warning: shaft.flywheel is missing: the propeller alone" in err
+    assert "shaft.throw_loss_factor = 0.02" in err
