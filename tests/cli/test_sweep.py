@@ -39,7 +39,7 @@ def scheduler() -> Iterator[str]:
         threads_per_worker=1,
         processes=False,
         protocol="tcp",
-        dashboard_address=None,
+        dashboard_address="127.0.0.1:0",
         silence_logs=logging.CRITICAL,
     ) as cluster:
         yield cluster.scheduler_address
@@ -84,7 +84,7 @@ def test_table_front_and_files(scheduler: str, tmp_path: Path, trace: Path) -> N
         rows = list(csv.DictReader(file))
     assert [row["sha256"] for row in rows] == frame["sha256"].tolist()
     assert {row["version"] for row in rows} == {data["points"][0]["version"]}
-    assert any(line.startswith("dashboard: http") for line in lines)
+    assert any(line.startswith("scheduler: tcp") for line in lines)
 
 
 def test_resuming_repeats_nothing(scheduler: str, tmp_path: Path, trace: Path) -> None:
@@ -195,7 +195,7 @@ def test_a_killed_sweep_goes_on(
 
 def test_an_interrupted_sweep_says_how_to_go_on(scheduler: str, tmp_path: Path) -> None:
     def interrupted(line: str) -> None:
-        if line.startswith("dashboard"):
+        if line.startswith("scheduler"):
             raise KeyboardInterrupt
 
     out = tmp_path / "out"
@@ -233,6 +233,85 @@ def test_dead_workers_and_twenty_kills(tmp_path: Path, trace: Path, monkeypatch:
     assert frame[WIDTH][frame["status"] == "failed"].tolist() == [52.0, 52.0]
     numbers = [WIDTH, FILLET, "mass_kg", "torsion_Nm_per_rad"]
     pd.testing.assert_frame_equal(frame[numbers][fine], whole[numbers][fine])
+
+
+class Cluster:
+    """A scheduler and two workers as processes of their own; whichever ends is started again."""
+
+    def __init__(self, folder: Path, port: int) -> None:
+        self.address, self._folder = f"tcp://127.0.0.1:{port}", folder
+        dask = [sys.executable, "-m", "dask"]
+        place = ["--host", "127.0.0.1", "--local-directory", str(folder)]
+        worker = [*dask, "worker", self.address, "--nthreads", "1", "--no-dashboard", *place]
+        self._commands = {
+            "scheduler": [
+                *dask,
+                "scheduler",
+                "--host",
+                "127.0.0.1",
+                "--port",
+                str(port),
+                "--dashboard-address",
+                ":0",
+            ],
+            "first": [*worker, "--no-nanny"],
+            "second": [*worker, "--no-nanny"],
+        }
+        self._running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def keep_up(self) -> None:
+        """Start what does not run."""
+        for name, command in self._commands.items():
+            if name not in self._running or self._running[name].poll() is not None:
+                log = (self._folder / f"{name}.log").open("ab")
+                self._running[name] = subprocess.Popen(
+                    command, env=environment(), stdout=log, stderr=log, cwd=self._folder
+                )
+                log.close()
+
+    def kill(self, name: str) -> None:
+        """End one of them without a word."""
+        self._running[name].kill()
+        self._running[name].wait()
+
+    def close(self) -> None:
+        """End all of them."""
+        for name in self._running:
+            self.kill(name)
+
+
+@pytest.mark.slow
+def test_a_real_scheduler_with_kills(tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scheduler and two worker processes; a worker is killed every 20 s, the scheduler once.
+
+    `python -m pytest -m slow tests/cli/test_sweep.py -n 0 -k real_scheduler`, about five minutes.
+    """
+    monkeypatch.setenv(HELD, "2")
+    vary, out, place = {WIDTH: "48:60:145", FILLET: [2.0, 2.5]}, tmp_path / "out", Cluster(tmp_path, 28786)
+    body = f"sweep(vary={vary}, out={str(out)!r}, scheduler={place.address!r}, function=empty, info=print)"
+    place.keep_up()
+    time.sleep(5.0)
+    log = (tmp_path / "sweep.log").open("w")
+    sweeping = subprocess.Popen(script(tmp_path, body), env=environment(), stdout=log, stderr=log)
+    began, kills = time.monotonic(), 0
+    try:
+        while sweeping.poll() is None and time.monotonic() < began + 1500:
+            time.sleep(1.0)
+            place.keep_up()
+            if time.monotonic() > began + 20 * (kills + 1) and kills < 15:
+                kills += 1
+                place.kill("scheduler" if kills == 7 else ("first", "second")[kills % 2])
+    finally:
+        place.close()
+        sweeping.kill()
+        log.close()
+    assert sweeping.returncode == 0, (tmp_path / "sweep.log").read_text()
+    assert kills == 15
+    frame = pd.read_parquet(out / "table.parquet")
+    assert frame["status"].tolist() == ["done"] * 290
+    assert frame["mass_kg"].tolist() == (frame[WIDTH] / 30).tolist()
+    calls = Counter(trace.read_text().split())
+    assert sum(calls.values()) <= len(calls) + 2 * 15, "only what was under way at a kill is repeated"
 
 
 @pytest.mark.slow

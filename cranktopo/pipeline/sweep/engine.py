@@ -113,7 +113,9 @@ def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
             client.register_plugin(_pinning(distributed, engine))
         else:
             client = stack.enter_context(_connected(distributed, engine.scheduler, patience_s))
-        info(f"dashboard: {client.dashboard_link}")
+        known = "dashboard" in client.scheduler_info().get("services", {})
+        dashboard = f", dashboard: {client.dashboard_link}" if known else ""
+        info(f"scheduler: {client.scheduler.address}{dashboard}")
         yield client
 
 

@@ -302,6 +302,9 @@
   drawScatter();
   drawParallel();
   refresh();
+  let before = state.rows; // paper shows the whole front, and nothing else
+  addEventListener("beforeprint", () => { before = state.rows; state.rows = Infinity; drawTable(); });
+  addEventListener("afterprint", () => { state.rows = before; drawTable(); });
   let resizing = 0;
   addEventListener("resize", () => { cancelAnimationFrame(resizing); resizing = requestAnimationFrame(() => { drawScatter(); drawParallel(); }); });
   document.documentElement.dataset.ready = "";
