@@ -15,11 +15,10 @@ from cranktopo.loads.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.loads.torque_harmonics import torque_harmonics
 from cranktopo.loads.vibration import ORDERS
 from cranktopo.scene import Scene
-from cranktopo.scene.checks_shaft import speed_range_rpm
+from cranktopo.scene.checks_shaft import is_damped, speed_range_rpm
 from cranktopo.scene.shaft_table import ShaftTable
 from cranktopo.units import angular_speed_rad_s
 
-_UNDAMPED = 1e-3
 _NEAR = np.linspace(0.5, 1.3, 81)
 """Frequencies looked at, over the natural one; a damper's ring lowers the peak's."""
 
@@ -95,6 +94,8 @@ def _absent(scene: Scene) -> str:
         return "engine.max_torque_Nm or min_torque_Nm is taken as it is"
     if not (shaft.flywheel or shaft.propeller or shaft.coupling or shaft.driven):
         return "nothing is joined to the takeoff in [shaft]"
+    if not is_damped(shaft):
+        return "nothing damps the shaft, so that a resonance has no limit"
     return ""
 
 
@@ -156,9 +157,7 @@ def _magnifier(scene: Scene, shaft: ShaftChain, mode: _FirstMode, frequency: Arr
     absolute = (np.array(chain.absolute_damping_Nms_per_rad)[disks] * mode.shape**2).sum()
     ring = _ring_inertia(scene.shaft or ShaftTable(), frequency) * mode.shape[0] ** 2
     modal = (springs * (mode.shape[:-1] - mode.shape[1:]) ** 2).sum(axis=1) + 1j * frequency * absolute
-    # A floor keeps a shaft without any damping finite.
-    swing = np.maximum(np.abs(modal - frequency**2 * (mode.inertia + ring)), _UNDAMPED * mode.stiffness)
-    return np.asarray(mode.stiffness / swing)
+    return np.asarray(mode.stiffness / np.abs(modal - frequency**2 * (mode.inertia + ring)))
 
 
 def _crankshaft(shaft: ShaftChain) -> tuple[int, int]:

@@ -52,14 +52,21 @@ def shaft_warnings(scene: Scene) -> tuple[str, ...]:
         )
     elif shaft.flywheel is None:
         found.append("shaft.flywheel is missing: little or nothing holds the takeoff against vibration.")
-    if not _damped(shaft):
+    if not is_damped(shaft):
         found.append("shaft: no damping is given: at a resonance nothing limits the torque.")
     return tuple(found)
 
 
-def _damped(shaft: ShaftTable) -> bool:
-    own = shaft.cylinder_damping_Nms_per_rad or shaft.throw_damping_Nms_per_rad or shaft.throw_loss_factor
-    return bool(own) or shaft.damper is not None
+def is_damped(shaft: ShaftTable) -> bool:
+    """Whether anything takes energy from a vibration."""
+    own = (shaft.cylinder_damping_Nms_per_rad, shaft.throw_damping_Nms_per_rad, shaft.throw_loss_factor)
+    coupling, propeller, damper = shaft.coupling, shaft.propeller, shaft.damper
+    joined = (
+        coupling.loss_factor if coupling else 0.0,
+        propeller.damping_Nms_per_rad if propeller else 0.0,
+        (damper.damping_Nms_per_rad or damper.loss_factor or 0.0) if damper else 0.0,
+    )
+    return any((*own, *joined))
 
 
 def _check_damper(damper: Damper) -> None:

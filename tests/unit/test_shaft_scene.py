@@ -57,6 +57,11 @@ def test_refused(table: str, message: str) -> None:
         ("propeller = {inertia_kg_m2 = 0.6}", ["shaft.flywheel is missing: the propeller alone"]),
         ("pulley = {inertia_kg_m2 = 0.01}", ["shaft.flywheel is missing: little or nothing holds"]),
         ("flywheel = {inertia_kg_m2 = 0.2}\nthrow_loss_factor = 0.0", ["shaft: no damping is given"]),
+        (
+            f"flywheel = {{inertia_kg_m2 = 0.2}}\nthrow_loss_factor = 0.0\n"
+            f"damper = {{kind = 'viscous', damping_Nms_per_rad = 3.0, {RING}}}",
+            [],
+        ),
         ("flywheel = {inertia_kg_m2 = 0.2}\npropeller = {inertia_kg_m2 = 0.6}", []),
     ],
 )

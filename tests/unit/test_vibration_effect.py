@@ -177,6 +177,7 @@ def test_a_resonance_turns_the_verdict_and_a_damper_turns_it_back() -> None:
     [
         (None, {}, "the scene has no [shaft]"),
         ({"pulley": {"inertia_kg_m2": 0.01}}, {}, "nothing is joined to the takeoff"),
+        ({**FLYWHEEL, "throw_loss_factor": 0.0}, {}, "nothing damps the shaft, so that a resonance has no"),
         (FLYWHEEL, {"max_torque_Nm": 700.0}, "engine.max_torque_Nm or min_torque_Nm is taken as it is"),
         (FLYWHEEL, {"gas": None}, "the scene tells no torque over the cycle"),
     ],

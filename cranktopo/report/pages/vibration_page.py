@@ -60,7 +60,7 @@ def _facts(study: VibrationStudy) -> tuple[Fact, ...]:
         Fact(
             "Free end swings by",
             f"+-{response.free_end_deg.max():.2f} deg",
-            f"at {response.speeds_rpm[int(response.free_end_deg.argmax())]:.0f} rpm",
+            f"at {response.speeds_rpm[int(response.free_end_deg.argmax())]:.0f} rpm, rotation included",
             "neutral",
         ),
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.loads.torsional_stiffness import throw_stiffness_Nm_per_rad
 from cranktopo.loads.vibration_study import VibrationStudy
 from cranktopo.report.tables.result_table import Cell, ResultTable, Row, terminal
 
@@ -93,6 +94,19 @@ def varying_sentence(study: VibrationStudy) -> str:
     )
 
 
+def stiffness_sentence(study: VibrationStudy) -> str:
+    """What load cases take instead, where that is not what was given."""
+    scene, chain = study.scene, study.shaft.chain
+    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None or study.shaft.throws < 2:
+        return ""
+    first = study.shaft.first
+    found, estimated = chain.stiffness_Nm_per_rad[first], throw_stiffness_Nm_per_rad(scene)
+    return (
+        f"Load cases take {estimated:.4g} N m/rad for a throw, in closed form; to have them take that of "
+        f"this run write shaft.throw_stiffness_Nm_per_rad = {found:.4g}."
+    )
+
+
 def vibration_text(study: VibrationStudy) -> str:
     """For the terminal."""
     low, high = study.response.speeds_rpm[[0, -1]]
@@ -105,4 +119,5 @@ def vibration_text(study: VibrationStudy) -> str:
     parts.append(terminal(critical) if critical.rows else "No critical speed in this range.")
     parts += [terminal(sections_table(study)), worst_sentence(study)]
     parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
+    parts[-1] += f"\n{stiffness_sentence(study)}".rstrip()
     return "\n\n".join(parts)
