@@ -104,6 +104,7 @@ class Counterweight:
 
     Attributes:
         throw: number of its throw.
+        own_kg_mm: what its counterweight in the scene takes already.
         unbalance_kg_mm, deg: so that each throw is balanced on its own.
         shaft_unbalance_kg_mm, shaft_deg: the least (sum of squares) that leaves the whole shaft without free
             force and moment, whatever it bends.
@@ -111,6 +112,7 @@ class Counterweight:
 
     web: int
     throw: int
+    own_kg_mm: float
     unbalance_kg_mm: float
     deg: float
     shaft_unbalance_kg_mm: float
@@ -123,6 +125,7 @@ class TurningMasses:
 
     Attributes:
         throw_kg_mm: rotating unbalance of each throw with its rods, kg mm, real along the throw.
+        own_kg_mm: unbalance that the counterweights of both webs of a throw take already, kg mm.
         piston_kg_mm: oscillating mass of one cylinder times the throw radius, kg mm.
         share: of the oscillating masses that counterweights balance.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
@@ -131,6 +134,7 @@ class TurningMasses:
 
     layout: EngineLayout
     throw_kg_mm: complex
+    own_kg_mm: float
     piston_kg_mm: float
     share: float
     harmonics: Array
@@ -149,6 +153,7 @@ def turning_masses(scene: Scene) -> TurningMasses:
     return TurningMasses(
         layout=engine_layout(scene),
         throw_kg_mm=complex(balance.rotating_unbalance_kg_mm, balance.lateral_unbalance_kg_mm),
+        own_kg_mm=balance.own_counterweight_kg_mm,
         piston_kg_mm=engine.reciprocating_kg * radius,
         share=engine.arranged.balanced_oscillating_share,
         harmonics=acceleration_harmonics(radius, engine.rod_length_mm, ORDERS),
@@ -196,7 +201,9 @@ def counterweights(masses: TurningMasses) -> tuple[Counterweight, ...]:
     mean, slope = _sum(throw) / len(z), _sum(throw * layout.throw_z_mm) / (z**2).sum()
     shaft = mean + slope * z
     return tuple(
-        Counterweight(index + 1, index // 2 + 1, *_polar(own[index]), *_polar(shaft[index]))
+        Counterweight(
+            index + 1, index // 2 + 1, masses.own_kg_mm / 2, *_polar(own[index]), *_polar(shaft[index])
+        )
         for index in range(len(z))
     )
 
@@ -221,13 +228,15 @@ def inner_moment(masses: TurningMasses, weights: Sequence[Counterweight] = ()) -
     act at the middle of throws and webs, so that the moment is largest at one of them.
 
     Args:
-        weights: counterweights; each throw's own are taken.
+        weights: what is added to the webs' own counterweights; what each throw needs is taken.
     """
     layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
-    z = np.concatenate([layout.throw_z_mm, layout.web_z_mm if weights else []])
-    throws = masses.throw_kg_mm * unit_vectors(layout.throw_angle_deg)
-    webs = [weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg)) for weight in weights]
-    force = np.concatenate([throws, webs]) * per_kg_mm
+    z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])
+    along = unit_vectors(layout.throw_angle_deg)
+    webs = np.repeat(-masses.own_kg_mm / 2 * along, 2)
+    for weight in weights:
+        webs[weight.web - 1] += weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg))
+    force = np.concatenate([(masses.throw_kg_mm + masses.own_kg_mm) * along, webs]) * per_kg_mm
     first = layout.bearing_z_mm[0]
     reaction = (force * (layout.bearing_z_mm[-1] - z)).sum() / layout.length_mm
     arms = np.maximum(z[:, None] - z[None, :], 0.0)

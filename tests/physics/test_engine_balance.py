@@ -26,7 +26,8 @@ from cranktopo.loads.forces import throw_forces
 from cranktopo.loads.gas import pressure_curve
 from cranktopo.loads.kinematics import acceleration_harmonics
 from cranktopo.loads.main_bearings import main_bearings
-from tests.engine_arrangements import VEE, arranged
+from cranktopo.scene import parse_scene
+from tests.engine_arrangements import MIKRON, VEE, arranged
 
 PITCH, RADIUS, ROD = 114.0, 48.0, 166.0
 ONE = arranged("", 1, (1,))
@@ -221,6 +222,22 @@ def test_counterweights_of_the_share_of_the_pistons():
     piston, _ = unit_forces(masses)
     first = free_forces(masses, counterweighted=True)[0].force
     assert (abs(first.forward), abs(first.backward)) == pytest.approx((0, piston / 2), abs=1e-9)
+
+
+@pytest.mark.parametrize("density", ["", "density_kg_m3 = 17500.0\n"], ids=["one piece", "bolted"])
+def test_counterweights_of_the_scene_count(density):
+    """Webs need less by what they have, and the shaft bends as one whose webs have all by then."""
+    weight = f"[web.counterweight]\nouter_radius_mm = 50.0\nhalf_angle_deg = 45.0\n{density}[material]"
+    text = MIKRON[: MIKRON.index("[envelope]")]  # which has no room for it
+    scene = parse_scene(text.replace("[material]", weight, 1))
+    plain, weighted = turning_masses(FOUR), turning_masses(scene)
+    assert weighted.own_kg_mm > 1
+    assert weighted.throw_kg_mm.real == pytest.approx(plain.throw_kg_mm.real - weighted.own_kg_mm, rel=1e-9)
+    needed = counterweights(weighted)
+    assert needed[0].unbalance_kg_mm + needed[0].own_kg_mm == pytest.approx(plain.throw_kg_mm.real / 2)
+    moments = [inner_moment(m, counterweights(m)).moment_Nm for m in (plain, weighted)]
+    assert moments[0] == pytest.approx(moments[1], rel=1e-9)
+    assert inner_moment(weighted).moment_Nm < 0.99 * inner_moment(plain).moment_Nm
 
 
 def test_textbook_inner_moments():
