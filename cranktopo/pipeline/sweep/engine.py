@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -106,7 +109,7 @@ def _told(error: BaseException) -> str:
 def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
     """A connection to the scheduler, to one of our own where no other is asked for."""
     dask, distributed = _dask()
-    with dask.config.set(_SETTINGS), contextlib.ExitStack() as stack:
+    with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
         if engine.scheduler is None:
             cluster = stack.enter_context(_local_cluster(distributed, engine))
             client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
@@ -117,6 +120,20 @@ def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
         dashboard = f", dashboard: {client.dashboard_link}" if known else ""
         info(f"scheduler: {client.scheduler.address}{dashboard}")
         yield client
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what Dask logs of connections that break; what it means for the sweep is told by the sweep."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def _dask() -> tuple[Any, Any]:
@@ -134,8 +151,6 @@ def _dask() -> tuple[Any, Any]:
 
 def _local_cluster(distributed: Any, engine: Engine) -> Any:
     """Workers on this machine; without a limit of memory, because their number was chosen by it."""
-    import logging
-
     return distributed.LocalCluster(
         n_workers=engine.workers,
         threads_per_worker=1,
@@ -146,7 +161,10 @@ def _local_cluster(distributed: Any, engine: Engine) -> Any:
 
 
 def _pinning(distributed: Any, engine: Engine) -> Any:
-    """A plugin that gives every worker cores of its own, so that two of them do not wait for each other."""
+    """A plugin that gives every worker cores of its own, so that two of them do not wait for each other.
+
+    It is made here because Dask is loaded late.
+    """
 
     class Pinned(distributed.WorkerPlugin):  # type: ignore[misc]
         """Cores by the number of the worker."""
@@ -154,8 +172,10 @@ def _pinning(distributed: Any, engine: Engine) -> Any:
         name = "cranktopo-cores"
 
         def setup(self, worker: Any) -> None:
-            """Take the cores, all threads that run already included."""
+            """Take the cores; leave Ctrl-C, which a terminal sends to all, to the process that asked."""
             pin(int(worker.name), engine.threads)
+            if threading.current_thread() is threading.main_thread():
+                signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     return Pinned()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -16,6 +17,7 @@ from cranktopo.pipeline.sweep.points import Point
 from cranktopo.pipeline.sweep.stages import run_stage
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store import Json, UnwritableError, locked, read_json, write_json
+from cranktopo.store.files import unwritable
 
 POINTS, RESULT = "points", "point.json"
 DONE, IMPOSSIBLE, FAILED = "done", "impossible", "failed"
@@ -24,6 +26,7 @@ PointFunction = Callable[[Scene], Mapping[str, Any]]
 _WAIT_S = 1.0
 _TRY_AGAIN = (ExitCode.MISSING_TOOL, ExitCode.INTERRUPTED)
 _NO_WEB = (ExitCode.INVALID_INPUT, ExitCode.CRITERION_NOT_MET, ExitCode.NOT_CONVERGED)
+_FULL = (errno.ENOSPC, errno.EDQUOT)
 _FIELDS = ("id", "stage", "design", "varied", "sha256")
 
 
@@ -72,6 +75,15 @@ def do_job(job: Job) -> Json:
     if not (Path(job.root) / "manifest.json").is_file():
         with tempfile.TemporaryDirectory(prefix="cranktopo-point-") as folder:
             return _computed(job, Path(folder))
+    try:
+        return _kept_or_computed(job)
+    except OSError as error:
+        if error.errno in _FULL:
+            raise unwritable(job.folder, error) from None
+        raise
+
+
+def _kept_or_computed(job: Job) -> Json:
     _make(job.folder)
     with _alone(job.folder):
         kept = kept_result(job)
@@ -118,8 +130,6 @@ def _named(scene: Scene, identity: str) -> Scene:
 
 
 def _make(folder: Path) -> None:
-    from cranktopo.store.files import unwritable
-
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

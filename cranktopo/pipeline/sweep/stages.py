@@ -17,6 +17,8 @@ from cranktopo.store import SHAPE, Json, RunKind, open_run, read_json, read_resu
 
 DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
 """In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
+COMMAND = ("cranktopo", "sweep")
+"""In the manifests of the runs below a sweep; the sweep's own manifest has the whole line."""
 StageFunction = Callable[[Scene, Path, float | None], Json]
 
 
@@ -66,39 +68,39 @@ def _fatigue(scene: Scene, folder: Path, size: float | None) -> Json:
 
 
 def _optimised(scene: Scene, folder: Path, size: float | None) -> Json:
+    metrics = _densities(scene, folder)
+    surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics["files"]["stl"], folder / RUN)
+    return {**_judged(surface, size), **_limits(metrics), **_told(metrics), "target": RUN}
+
+
+def _densities(scene: Scene, folder: Path) -> Json:
+    """The metrics of the density optimisation of a point, begun, continued or finished."""
     from cranktopo.pipeline.optimise import optimise_design, resume_optimisation
 
     run = folder / RUN
-    metrics = (
-        _finished(run, "optimise")
-        or (resume_optimisation(str(run)) if _begun(run) else optimise_design(scene, run)).metrics
-    )
+    metrics = _finished(run, "optimise")
+    if metrics is None:
+        begun = _begun(run)
+        done = resume_optimisation(str(run)) if begun else optimise_design(scene, run, command=COMMAND)
+        metrics = done.metrics
     if "refusal" in metrics["surface"]:
         raise CranktopoError(
             f"the optimisation has no web: {metrics['surface']['refusal']}", code=ExitCode.NOT_CONVERGED
         )
-    surface = Target(scene.name, planned_scene(scene), run / metrics["files"]["stl"], run)
-    return {
-        **_judged(surface, size),
-        **_limits(metrics),
-        "optimiser_status": metrics["status"],
-        "iterations": metrics["iterations"],
-        "target": RUN,
-    }
+    return metrics
 
 
 def _remodelled(scene: Scene, folder: Path, size: float | None) -> Json:
     from cranktopo.pipeline.remodel import remodel_run
 
-    optimised = _optimised(scene, folder, size)
+    metrics = _densities(scene, folder)
     done = folder / REMODEL / "remodel.json"
     if not done.is_file():
         remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     data = read_json(done)
     file = f"{REMODEL}/{data['files']['design']}"
     web = load_scene(str(folder / file))
-    told = {key: optimised[key] for key in ("optimiser_status", "iterations")}
-    return {**_judged(Target(scene.name, simulated(web)), size), **told, "target": file}
+    return {**_judged(Target(scene.name, simulated(web)), size), **_told(metrics), "target": file}
 
 
 def _shaped(scene: Scene, folder: Path, size: float | None) -> Json:
@@ -106,18 +108,17 @@ def _shaped(scene: Scene, folder: Path, size: float | None) -> Json:
     from cranktopo.scene.goal.changing import with_goal
 
     run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
-    data = (
-        _finished(run, SHAPE)
-        or (resume_shape(str(run)) if _begun(run) else shape_design(wanted, out=run)).data
-    )
+    data = _finished(run, SHAPE)
+    if data is None:
+        begun = _begun(run)
+        data = (resume_shape(str(run)) if begun else shape_design(wanted, out=run, command=COMMAND)).data
     safety = data["values"]["result"].get("fatigue_safety")
     return {
         **columns_of(data["result"]),
         **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data),
         **_bound(data),
-        "optimiser_status": data["status"],
-        "iterations": data["iterations"],
+        **_told(data),
         "target": f"{RUN}/{data['files']['design']}",
     }
 
@@ -145,6 +146,11 @@ def _finished(run: Path, kind: RunKind) -> Json | None:
         return None
     store = open_run(str(run))
     return read_result(store) if store.manifest()["status"] == "done" else None
+
+
+def _told(data: Mapping[str, Any]) -> Json:
+    """How an optimisation ended."""
+    return {"optimiser_status": data["status"], "iterations": data["iterations"]}
 
 
 def _limits(data: Mapping[str, Any]) -> Json:
