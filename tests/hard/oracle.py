@@ -8,11 +8,12 @@ direct solve loses digits too.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu, spsolve
+from scipy.sparse.linalg import SuperLU, splu
 
 from cranktopo.fem.boundary_conditions import CaseSupports
 from cranktopo.fem.element import CORNERS
@@ -74,7 +75,12 @@ class Direct:
         return self._share(self.space.T @ displacements.ravel())
 
     def _share(self, forces: Array) -> Array:
-        return np.asarray(spsolve((self.space.T @ self.space).tocsc(), forces))
+        return np.asarray(self._products.solve(forces))
+
+    @cached_property
+    def _products(self) -> SuperLU:
+        """Factors of the scalar products of the displacements per free amplitude."""
+        return splu((self.space.T @ self.space).tocsc())
 
 
 def solve_directly(
