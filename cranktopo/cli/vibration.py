@@ -9,7 +9,7 @@ from typing import get_args
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, bearings_option, body_options
+from cranktopo.cli.options import DEFAULT_DESIGN, bearings_option, body_options, seconds
 from cranktopo.cli.parameters import CELL_MM
 from cranktopo.cli.verbosity import info, verbosity_options
 
@@ -30,6 +30,13 @@ from cranktopo.cli.verbosity import info, verbosity_options
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write the torque of every section by speed and order.",
 )
+@click.option(
+    "--run-up",
+    "run_up_s",
+    metavar="TIME",
+    callback=seconds,
+    help="Pass through the range of speeds in this time, such as 10s; by default steady vibration alone.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
@@ -40,6 +47,7 @@ def command(
     element_size_mm: float | None,
     report: Path | None,
     csv_path: Path | None,
+    run_up_s: float | None,
     as_json: bool,
 ) -> None:
     """Torsional vibration of TARGET's shaft: natural frequencies, critical speeds, torque and stress.
@@ -56,5 +64,7 @@ def command(
 
     resolved = resolve_target(target, design, align=align)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
-    study = shaft_vibration(resolved, support, element_size_mm, report, csv_path, info=info)
+    study = shaft_vibration(
+        resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s, info=info
+    )
     click.echo(json.dumps(vibration_json(resolved, study), indent=2) if as_json else vibration_text(study))

@@ -9,6 +9,7 @@ import numpy as np
 
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.disk_chain import Mode
+from cranktopo.loads.run_up import RunUp, run_up
 from cranktopo.loads.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.loads.torque_harmonics import torque_harmonics
 from cranktopo.loads.vibration import (
@@ -36,6 +37,7 @@ class VibrationStudy:
         varying_inertia_percent: second harmonic of a throw's inertia, which the model leaves out.
         barred_rpm: ranges above the permitted stress; None where no stress is given.
         warnings: what the shaft leaves out, one line each.
+        run_up: passage through the range in a given time, if one was asked for.
     """
 
     scene: Scene
@@ -46,6 +48,7 @@ class VibrationStudy:
     varying_inertia_percent: float
     barred_rpm: tuple[tuple[float, float], ...] | None
     warnings: tuple[str, ...]
+    run_up: RunUp | None = None
 
     @property
     def shaft(self) -> ShaftChain:
@@ -93,6 +96,7 @@ class VibrationStudy:
             "barred_ranges": None if self.barred_rpm is None else [list(pair) for pair in self.barred_rpm],
             "worst": self._worst(),
             "speeds": [self._speed(index) for index in range(len(self.response.speeds_rpm))],
+            "run_up": self._run_up(),
             "warnings": list(self.warnings),
         }
 
@@ -113,6 +117,33 @@ class VibrationStudy:
             ],
         }
 
+    def run_up_worst(self) -> tuple[float, int, float] | None:
+        """Speed (rpm), section and torque amplitude (N m) of the crankshaft's largest swing in the run-up."""
+        if self.run_up is None:
+            return None
+        swing = np.where(np.array(self.shaft.in_crankshaft), self.run_up.torque_amplitude_Nm, -1.0)
+        cycle, section = (int(i) for i in np.unravel_index(int(swing.argmax()), swing.shape))
+        return float(self.run_up.speeds_rpm[cycle]), section, float(swing[cycle, section])
+
+    def _run_up(self) -> dict[str, Any] | None:
+        worst = self.run_up_worst()
+        if worst is None or self.run_up is None:
+            return None
+        speed, section, torque = worst
+        return {
+            "seconds": self.run_up.seconds,
+            "worst": {
+                "speed_rpm": speed,
+                "section": self.shaft.sections[section],
+                "torque_amplitude_Nm": torque,
+                "shear_MPa": self.shaft.shear_MPa(torque),
+            },
+            "speeds": [
+                {"rpm": float(rpm), "torque_amplitude_Nm": row.tolist()}
+                for rpm, row in zip(self.run_up.speeds_rpm, self.run_up.torque_amplitude_Nm, strict=True)
+            ],
+        }
+
     def _speed(self, index: int) -> dict[str, Any]:
         response = self.response
         amplitudes = [float(torque) for torque in response.torque_amplitude_Nm[index]]
@@ -129,12 +160,20 @@ class VibrationStudy:
 
 
 def study_vibration(
-    scene: Scene, shaft: ShaftChain, throw_inertia_kg_mm2: float, stiffness_source: str
+    scene: Scene,
+    shaft: ShaftChain,
+    throw_inertia_kg_mm2: float,
+    stiffness_source: str,
+    run_up_s: float | None = None,
 ) -> VibrationStudy:
     """Modes, critical speeds and steady vibration of a shaft over the scene's range of speeds.
 
+    Args:
+        run_up_s: time in which the speed rises through the range, for a passage through its resonances.
+
     Raises:
-        CranktopoError: the scene tells no torque over the cycle, or the shaft is a single disk.
+        CranktopoError: the scene tells no torque over the cycle, the shaft is a single disk, or a run-up that
+            is too short or too long.
     """
     harmonics = torque_harmonics(scene)
     if harmonics is None:
@@ -154,8 +193,9 @@ def study_vibration(
     permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
     barred = None if permitted is None else response.barred_rpm(permitted)
     varying = varying_inertia_percent(scene, throw_inertia_kg_mm2)
+    passage = None if run_up_s is None else run_up(shaft, harmonics, speeds, run_up_s)
     return VibrationStudy(
-        scene, stiffness_source, modes, critical, response, varying, barred, shaft_warnings(scene)
+        scene, stiffness_source, modes, critical, response, varying, barred, shaft_warnings(scene), passage
     )
 
 

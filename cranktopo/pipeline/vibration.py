@@ -30,6 +30,7 @@ def shaft_vibration(
     csv: Path | None = None,
     design: str | None = None,
     align: bool = False,
+    run_up_s: float | None = None,
     info: Info = lambda _: None,
 ) -> VibrationStudy:
     """Steady torsional vibration of a shaft over its range of speeds, by finite elements of its throw.
@@ -41,6 +42,7 @@ def shaft_vibration(
         bearings: radial support of the mid-journal sections.
         report: page to write, HTML or Markdown.
         csv: file for the torque of every section by speed and order.
+        run_up_s: time in which the speed rises through its range; None for the steady vibration alone.
 
     Raises:
         CranktopoError: no engine or gas, a failed solve, or a file that cannot be written.
@@ -52,7 +54,7 @@ def shaft_vibration(
     resolved = resolve_target(target, design, align=align) if isinstance(target, str) else target
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     print_assumed([resolved], (*shaft_tables(resolved.scene, bearings), LOADS, VIBRATION), info)
-    study = _studied(resolved, bearings, element_size_mm, info)
+    study = _studied(resolved, bearings, element_size_mm, run_up_s, info)
     for line in study.warnings:
         info(f"warning: {resolved.name}: {line}")
     if report is not None:
@@ -70,17 +72,20 @@ def vibration_json(target: Target, study: VibrationStudy) -> dict[str, Any]:
     return {**study.as_json(), "assumed": assumed_json(assumed)}
 
 
-def _studied(target: Target, bearings: Bearings, size_mm: float | None, info: Info) -> VibrationStudy:
+def _studied(
+    target: Target, bearings: Bearings, size_mm: float | None, run_up_s: float | None, info: Info
+) -> VibrationStudy:
     scene = target.scene
     given = scene.shaft.throw_stiffness_Nm_per_rad if scene.shaft else None
     if given is not None and target.file is None:
         inertia = throw_balance(scene).inertia_kg_mm2
-        return study_vibration(scene, estimated_chain(scene), inertia, "shaft.throw_stiffness_Nm_per_rad")
+        source = "shaft.throw_stiffness_Nm_per_rad"
+        return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)
     info(f"{target.name}: condensing one throw")
     shaft = evaluate_shaft(target, bearings, size_mm)
     stiffness, inertia = shaft.stiffness.throws_Nm_per_rad, shaft.throw_inertia_kg_mm2
     source = f"finite elements, {bearings} bearings, +-{shaft.error_percent:.2g} %"
-    return study_vibration(scene, shaft_chain(scene, inertia, stiffness), inertia, source)
+    return study_vibration(scene, shaft_chain(scene, inertia, stiffness), inertia, source, run_up_s)
 
 
 def _write_orders(study: VibrationStudy, path: Path) -> None:

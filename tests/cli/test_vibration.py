@@ -32,7 +32,7 @@ def printed(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> dict[st
 def test_json_page_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = GIVEN + "permitted_shear_MPa = 60.0\nflywheel = {inertia_kg_m2 = 0.1}"
     path, page, csv = design(tmp_path, table), tmp_path / "page.html", tmp_path / "orders.csv"
-    data = printed([path, "--report", str(page), "--csv", str(csv)], capsys)
+    data = printed([path, "--report", str(page), "--csv", str(csv), "--run-up", "1s"], capsys)
     assert [disk["name"] for disk in data["disks"]] == [*(f"throw {n}" for n in range(1, 5)), "flywheel"]
     sections, speeds = len(data["sections"]), data["speeds"]
     assert {len(speed[key]) for speed in speeds for key in ("torque_amplitude_Nm", "twist_deg")} == {sections}
@@ -50,7 +50,11 @@ def test_json_page_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         "throw_loss_factor": 0.02,
     }
     assert "shaft.throw_loss_factor" in [entry["key"] for entry in data["assumed"]]
+    passage = data["run_up"]
+    assert passage["seconds"] == 1.0
+    assert 0.5 < passage["worst"]["torque_amplitude_Nm"] / worst["torque_amplitude_Nm"] < 1.0
     text = page.read_text(encoding="utf-8")
+    assert "In a run-up of 1 s it swings most at" in text
     assert text.count("<svg") >= 3
     assert "http" not in text.replace("http://www.w3.org", "")
     rows = np.loadtxt(csv, delimiter=",", skiprows=1)
@@ -100,6 +104,13 @@ def test_elements_of_a_design_without_a_shaft(
     assert data["sections"][0]["stiffness_Nm_per_rad"] == pytest.approx(2 / (1 / one + 1 / two))
     total = sum(disk["inertia_kg_m2"] for disk in data["disks"])
     assert total == pytest.approx(sum(found[0].disks.inertia_kg_m2), rel=1e-12)
+
+
+@pytest.mark.parametrize("time", ["1ms", "20h", "0.01s", "0", "fast"])
+def test_impossible_run_ups(time: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = design(tmp_path, GIVEN + "flywheel = {inertia_kg_m2 = 0.1}")
+    assert main(["vibration", path, "--run-up", time, "--quiet"]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
 
 
 @pytest.mark.parametrize(

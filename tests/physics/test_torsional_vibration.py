@@ -12,6 +12,7 @@ from scipy.optimize import brentq, minimize, minimize_scalar
 
 from cranktopo.loads import analyse, at_speed
 from cranktopo.loads.disk_chain import Array, DiskChain, supplied_J
+from cranktopo.loads.run_up import run_up
 from cranktopo.loads.shaft_chain import estimated_chain
 from cranktopo.loads.torque_harmonics import torque_harmonics
 from cranktopo.loads.vibration import critical_speeds, on_disks, speeds_to_solve, vibration
@@ -222,6 +223,23 @@ def test_a_rigid_shaft_on_a_heavy_flywheel_passes_the_quasi_static_torque_on() -
     passed = cycle.torque.passed_on_Nm
     assert found.torque_amplitude_Nm[0] == pytest.approx(np.ptp(passed, axis=1) / 2, rel=1e-4)
     assert found.mean_torque_Nm == pytest.approx(passed.mean(axis=1), rel=1e-6)
+
+
+def test_a_slow_run_up_has_the_steady_peak_and_a_fast_one_less_and_later() -> None:
+    """Two independent solutions of one shaft: in time and by order."""
+    scene = with_shaft({"flywheel": {"inertia_kg_m2": 0.08}, "throw_loss_factor": 0.03})
+    shaft, harmonics = estimated_chain(scene), torque_harmonics(scene)
+    assert harmonics is not None
+    speeds = (2150.0, 2550.0)  # order 10 in its middle
+    critical = critical_speeds(shaft, shaft.chain.modes(), harmonics, speeds)
+    steady = vibration(shaft, harmonics, speeds_to_solve(speeds, critical, 50))
+    slow, fast = (run_up(shaft, harmonics, speeds, seconds) for seconds in (4.0, 0.6))
+    section = steady.worst.section
+    peak = steady.torque_amplitude_Nm[:, section].max()
+    assert slow.torque_amplitude_Nm[:, section].max() == pytest.approx(peak, rel=0.02)
+    assert fast.torque_amplitude_Nm[:, section].max() < 0.99 * peak
+    places = [r.speeds_rpm[r.torque_amplitude_Nm[:, section].argmax()] for r in (slow, fast)]
+    assert steady.speeds_rpm[steady.worst.speed_index] < places[0] + 5.0 < places[1]
 
 
 def test_major_orders_of_four_cylinders() -> None:

@@ -69,6 +69,10 @@ def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
 def _draw_torque(axes: Any, study: VibrationStudy) -> None:
     response, section = study.response, study.response.worst.section
     axes.plot(response.speeds_rpm, response.torque_amplitude_Nm[:, section], "k", lw=1.4, label="all orders")
+    if study.run_up is not None:
+        passage = study.run_up.torque_amplitude_Nm[:, section]
+        label = f"run-up in {study.run_up.seconds:g} s"
+        axes.plot(study.run_up.speeds_rpm, passage, color=GREY, ls="--", lw=1.0, label=label)
     single = np.abs(response.torque_Nm[:, :, section])
     for index in sorted(np.argsort(-single.max(axis=0), kind="stable")[:_MOST]):
         axes.plot(response.speeds_rpm, single[:, index], lw=0.9, label=f"order {response.orders[index]:g}")

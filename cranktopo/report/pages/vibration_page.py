@@ -9,6 +9,7 @@ from cranktopo.report.tables.vibration_tables import (
     barred_sentence,
     critical_table,
     modes_table,
+    run_up_sentence,
     sections_table,
     varying_sentence,
     worst_sentence,
@@ -29,7 +30,8 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "critical-speeds",
                 "Critical speeds",
                 "Lines are orders of the rotation, blue where all cylinders have the same phase; where one "
-                f"meets a natural frequency the shaft resonates. {barred_sentence(study)}",
+                f"meets a natural frequency the shaft resonates. {barred_sentence(study)} "
+                f"{run_up_sentence(study)}".rstrip(),
                 (("Critical speeds at which the cylinders help each other", critical),)
                 if critical.rows
                 else (),

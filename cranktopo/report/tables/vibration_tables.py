@@ -94,6 +94,20 @@ def varying_sentence(study: VibrationStudy) -> str:
     )
 
 
+def run_up_sentence(study: VibrationStudy) -> str:
+    """The largest torque of a passage through the range of speeds; empty when none was asked for."""
+    worst, passage = study.run_up_worst(), study.run_up
+    if worst is None or passage is None:
+        return ""
+    speed, section, torque = worst
+    steady = float(study.response.torque_amplitude_Nm[:, section].max())
+    return (
+        f"In a run-up of {passage.seconds:g} s it swings most at {speed:.0f} rpm between "
+        f"{study.shaft.sections[section].replace(' - ', ' and ')}: +-{torque:.1f} N m, "
+        f"{100 * torque / steady:.0f} % of the largest steady vibration there."
+    )
+
+
 def stiffness_sentence(study: VibrationStudy) -> str:
     """What load cases take instead, where that is not what was given."""
     scene, chain = study.scene, study.shaft.chain
@@ -117,7 +131,7 @@ def vibration_text(study: VibrationStudy) -> str:
     ]
     critical = critical_table(study)
     parts.append(terminal(critical) if critical.rows else "No critical speed in this range.")
-    parts += [terminal(sections_table(study)), worst_sentence(study)]
+    parts += [terminal(sections_table(study)), f"{worst_sentence(study)}\n{run_up_sentence(study)}".rstrip()]
     parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
     parts[-1] += f"\n{stiffness_sentence(study)}".rstrip()
     return "\n\n".join(parts)
