@@ -130,6 +130,7 @@ def test_no_scheduler_is_said(tmp_path: Path) -> None:
             vary={WIDTH: [50, 52]}, scheduler="nonsense://1", out=tmp_path / "out", function=sweep_cases.empty
         )
     assert raised.value.code == ExitCode.INVALID_INPUT
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_sweep_of_evaluations(scheduler: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

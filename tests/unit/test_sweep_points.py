@@ -31,7 +31,18 @@ def test_values_of_an_option(text: str, values: tuple[object, ...]) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "=1", WIDTH, f"{WIDTH}=", f"{WIDTH}=1:2:1", f"{WIDTH}=1:2:1.5", f"{WIDTH}=2:1", "a..b=1", "a[x]=1"],
+    [
+        "",
+        "=1",
+        WIDTH,
+        f"{WIDTH}=",
+        f"{WIDTH}=1:2:1",
+        f"{WIDTH}=1:2:1.5",
+        f"{WIDTH}=2:1",
+        f"{WIDTH}=50,inf",
+        "a..b=1",
+        "a[x]=1",
+    ],
 )
 def test_other_forms_are_refused(text: str) -> None:
     with pytest.raises(CranktopoError, match=r"must be|below the second"):

@@ -48,6 +48,18 @@ class Engine:
     scheduler: str | None = None
 
 
+def check_scheduler(address: str | None) -> None:
+    """Check, before anything is written, that Dask is there and a scheduler answers.
+
+    Raises:
+        CranktopoError: Dask is missing, or no scheduler at the address.
+    """
+    _, distributed = _dask()
+    if address is not None:
+        with _quiet(), _connected(distributed, address, _FIRST_S):
+            pass
+
+
 class _SchedulerLostError(Exception):
     """The connection to the scheduler broke."""
 

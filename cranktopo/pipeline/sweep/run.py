@@ -13,7 +13,7 @@ from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.run_status import working_in
-from cranktopo.pipeline.sweep.engine import Engine, compute
+from cranktopo.pipeline.sweep.engine import Engine, check_scheduler, compute
 from cranktopo.pipeline.sweep.front import OBJECTIVES, front_of, picks_of
 from cranktopo.pipeline.sweep.job import (
     DONE,
@@ -102,6 +102,7 @@ def run_sweep(
     points = points_of(plan, _settings(function))
     if all(point.reason for point in points):
         raise CranktopoError(f"no point of the sweep can be: {points[0].reason}", hint="Check the values.")
+    check_scheduler(None if place is None else place.scheduler)
     run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **_settings(function)})
     return _worked(run, plan, points, place or Workplace(), info, function)
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cranktopo.errors import CranktopoError, ExitCode, shown
+from cranktopo.errors import CranktopoError, ExitCode, invalid, shown
 from cranktopo.scene.varying import key_parts
 
 Value = str | float | int | bool
@@ -59,7 +59,7 @@ def read_text(key: str, text: str) -> Variation:
     parts = text.split(":")
     if len(parts) in (2, 3) and all(_number(part) is not None for part in parts):
         return _range(key, parts)
-    return Variation(key, tuple(_value(part.strip()) for part in text.split(",")))
+    return Variation(key, _finite(key, [_value(part.strip()) for part in text.split(",")]))
 
 
 def read_entry(key: str, entry: object) -> Variation:
@@ -74,7 +74,7 @@ def read_entry(key: str, entry: object) -> Variation:
     key_parts(key)
     if not values or not all(isinstance(value, str | int | float) for value in values):
         raise _refused(f"vary.{key} = {shown(entry)}")
-    return Variation(key, tuple(values))
+    return Variation(key, _finite(key, values))
 
 
 def as_json(variation: Variation) -> dict[str, Any]:
@@ -102,6 +102,13 @@ def _range(key: str, parts: list[str]) -> Variation:
     whole = all(isinstance(end, int) for end in numbers[:2]) and (high - low) % (count - 1) == 0
     found = [float(f"{low + (high - low) * n / (count - 1):.12g}") for n in range(count)]
     return Variation(key, tuple(int(value) for value in found) if whole else tuple(found))
+
+
+def _finite(key: str, values: list[Value]) -> tuple[Value, ...]:
+    wrong = [value for value in values if isinstance(value, float) and not math.isfinite(value)]
+    if wrong:
+        raise invalid(key, wrong[0], "must be a finite number")
+    return tuple(values)
 
 
 def _number(text: str) -> int | float | None:
