@@ -114,5 +114,7 @@ def _text(found: FatigueAssessment) -> str:
             terminal(tables.rule_table(found.checks, baseline)),
             terminal(tables.factor_table(found.checks)) + outside,
         ]
+        if any(check.outlets for check in found.checks):
+            parts.append(terminal(tables.outlet_table(found.checks)))
     verdicts = [] if baseline is None else tables.verdicts(found.results, baseline)
     return "\n\n".join([*parts, *(["\n".join(verdicts)] if verdicts else [])])

@@ -23,6 +23,7 @@ from cranktopo.evaluate.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
+from cranktopo.evaluate.m53_outlet import OutletCheck, check_outlets
 from cranktopo.evaluate.safety_field import check_method, load_kinds
 from cranktopo.evaluate.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
 from cranktopo.evaluate.targets import Target
@@ -71,15 +72,21 @@ class RuleCheck:
     closed_checks: dict[str, FilletCheck]
     element_checks: dict[str, FilletCheck]
     quality: Quality
+    outlets: tuple[OutletCheck, ...] = ()
+
+    @property
+    def places(self) -> dict[str, FilletCheck]:
+        """Every place that is checked: fillets with factors from elements, outlets with those of the rule."""
+        return self.element_checks | {outlet.place: outlet.check for outlet in self.outlets}
 
     @property
     def safety(self) -> float:
-        """Least acceptability factor with the factors from finite elements."""
-        return min(check.acceptability for check in self.element_checks.values())
+        """Least acceptability factor of all places."""
+        return min(check.acceptability for check in self.places.values())
 
     @property
     def accepted(self) -> bool:
-        """Whether the rule accepts both fillets."""
+        """Whether the rule accepts both fillets and every outlet of an oil bore."""
         return self.safety >= LEAST_FACTOR
 
     def as_json(self) -> dict[str, Any]:
@@ -102,6 +109,7 @@ class RuleCheck:
                 "closed_form": checks(self.closed_checks),
                 "finite_elements": checks(self.element_checks),
             },
+            "outlets": [outlet.as_json() for outlet in self.outlets],
             "quality": vars(self.quality),
         }
 
@@ -139,6 +147,7 @@ def check_rule(
         _checks(scene, size, closed, nominal),
         _checks(scene, size, elements, nominal),
         model.quality,
+        check_outlets(scene, kind, load_kinds(scene, kind)[0], torque * NMM_PER_NM),
     )
 
 

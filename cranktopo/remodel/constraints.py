@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.remodel.drilling_rules import drilling_rules
 from cranktopo.remodel.family import named_parts
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
@@ -95,8 +96,10 @@ def part_rules(
     arcs = (part.arc(own, points[[0, -1], 1]) for part, own in named)
     around = Surroundings(scene, limits, points, tuple(arc for arc in arcs if arc is not None))
     found = [rule for part, own in named for rule in part.rules(own, around)]
-    boxes = ((part.title, part.box_mm(own, around)) for part, own in named)
-    for (one, low), (other, high) in combinations(((n, box) for n, box in boxes if box is not None), 2):
+    every = ((part.title, part.box_mm(own, around)) for part, own in named)
+    boxes = [(title, box) for title, box in every if box is not None]
+    found += drilling_rules(around, boxes)
+    for (one, low), (other, high) in combinations(boxes, 2):
         between = wall_rule(f"between the {one} and the {other}", limits.min_wall_mm)
         found.append((between, around.wall_mm - _apart(low, high)))
     return found

@@ -12,9 +12,13 @@ from cranktopo.cad.throw_solid import add_half_throw, solid_properties
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.balance import throw_balance
+from cranktopo.remodel.drilling_rules import drilling_rules
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.drilling import channels, drilling_asymmetry
 from cranktopo.scene.drilling_moments import drilled
+from cranktopo.scene.features.bevel_arc import BevelArc
+from cranktopo.scene.features.fitted import CLEAR_MM, Surroundings
 from cranktopo.scene.outlet_ring import ring_points
 from cranktopo.scene.symmetry import envelope_asymmetry, mirror_image, web_asymmetry
 from cranktopo.surface.solids import journal_halves, web_bores
@@ -229,3 +233,27 @@ def test_pocket_and_envelope_keep_clear() -> None:
     data["envelope"] = {"shape": "box", "half_width_mm": 4.0, "y_min_mm": -34.0, "y_max_mm": 82.0}
     with pytest.raises(CranktopoError, match=r"does not hold throw.drilling\[0\]"):
         build_domain(scene_from_dict(data), 4.0)
+
+
+def rules_of(scene: Scene, wall_mm: float = 3.0) -> dict[str, float]:
+    """Rules of the drillings beside a straight outline, a journal bevel and a box."""
+    points = np.stack([np.full(401, 25.0), np.linspace(-25.0, 73.0, 401)], axis=1)
+    arc = BevelArc(60.0, 73.0, 10.0, 0.0, 1.0)
+    box = np.array([[8.0, 20.0, 0.0], [12.0, 30.0, 19.0]])
+    around = Surroundings(scene, ManufacturingLimits(min_wall_mm=wall_mm), points, (arc,))
+    return {name: float(value) for name, value in drilling_rules(around, [("pocket", box)])}
+
+
+def test_pockets_bevels_and_outline_keep_a_wall() -> None:
+    found = rules_of(mikron(STRAIGHT))
+    outline, bevel, pocket = (
+        found[f"least wall between throw.drilling[0] and the {name}, 3 mm"]
+        for name in ("outline", "journal bevel", "pocket")
+    )
+    needed = 2.5 + 3.0 + CLEAR_MM
+    assert outline == pytest.approx(needed - 25.0)
+    assert pocket == pytest.approx(needed - 8.0)
+    assert bevel < needed
+    assert max(rules_of(mikron(STRAIGHT), 6.0).values()) >= pocket + 3.0 - 1e-9
+    assert rules_of(mikron(drilling(("crankpin", 0.0, 0.0), ("crankpin", 180.0, 0.0)))) == {}
+    assert rules_of(mikron()) == {}

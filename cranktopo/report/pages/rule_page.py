@@ -13,7 +13,7 @@ from cranktopo.report.figures.plot import Picture
 from cranktopo.report.pages.page import Fact, Page, Section
 from cranktopo.report.pages.sections import loads_section, pairs, versions_section
 from cranktopo.report.tables import rule_tables as tables
-from cranktopo.report.tables.fatigue_tables import factor_table
+from cranktopo.report.tables.fatigue_tables import factor_table, outlet_table
 from cranktopo.report.tables.result_table import ResultTable
 from cranktopo.scene import Scene
 
@@ -71,7 +71,7 @@ def rule_page(record: RuleRecord) -> Page:
 
 def _headline(check: RuleCheck) -> str:
     answer = "is accepted" if check.accepted else "is NOT accepted"
-    place = min(check.element_checks, key=lambda name: check.element_checks[name].acceptability)
+    place = min(check.places, key=lambda name: check.places[name].acceptability)
     return (
         f"The throw {answer}: least acceptability factor Q = {check.safety:.3f} at the {place}, "
         f"{LEAST_FACTOR:g} asked, with concentration factors from finite elements."
@@ -87,7 +87,7 @@ def _facts(check: RuleCheck) -> tuple[Fact, ...]:
             asked,
             "good" if found.accepted else "bad",
         )
-        for place, found in check.element_checks.items()
+        for place, found in check.places.items()
     ]
     outside, within = len(check.outside), check.quality.within_rule
     facts.append(
@@ -163,6 +163,7 @@ def _factors(check: RuleCheck) -> Section:
     outside = (
         f" Outside: {'; '.join(check.outside)}: the factors by elements decide." if check.outside else ""
     )
+    outlets = (("Outlets of oil bores", outlet_table([check])),) if check.outlets else ()
     return Section(
         "factors",
         "Stress concentration factors",
@@ -170,7 +171,7 @@ def _factors(check: RuleCheck) -> Section:
         "three-point bending and torsion of one throw whose journals may tilt. The shear factor is what "
         "three-point bending adds to the stress of its moment; below zero the radial force relieves the "
         f"fillet.{outside}",
-        (("Factors", factor_table([check])),),
+        (("Factors", factor_table([check])), *outlets),
     )
 
 

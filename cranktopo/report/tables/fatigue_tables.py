@@ -13,7 +13,7 @@ from cranktopo.evaluate.evaluation import SCHEMA_VERSION
 from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.evaluate.safety_field import FatigueField
 from cranktopo.report.quantities import MASS, SAFETY
-from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
+from cranktopo.report.tables.result_table import Cell, Column, ResultTable, tabulate
 
 SAME = 0.02
 """Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
@@ -76,6 +76,31 @@ def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultT
 def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable:
     """One row per target: acceptability of both fillets by closed form and by finite elements."""
     return _with_percent(tabulate(_RULE_COLUMNS, checks), checks, baseline)
+
+
+def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
+    """Outlets of oil bores by the rule, one row each; no rows where there are none."""
+    rows: tuple[dict[str, Cell], ...] = tuple(
+        {
+            "target": check.name,
+            "outlet": outlet.key,
+            "angle_deg": outlet.angle_deg,
+            "gamma_B": outlet.gamma_bending,
+            "gamma_T": outlet.gamma_torsion,
+            "bending_MPa": outlet.bending_MPa,
+            "torsion_MPa": outlet.torsion_MPa,
+            "equivalent_MPa": outlet.check.equivalent_MPa,
+            "strength_MPa": outlet.check.strength_MPa,
+            "Q": outlet.check.acceptability,
+            "not_valid": "; ".join(outlet.outside) or "-",
+        }
+        for check in checks
+        for outlet in check.outlets
+    )
+    stresses = dict.fromkeys(("bending_MPa", "torsion_MPa", "equivalent_MPa", "strength_MPa"), 1)
+    factors = {"gamma_B": 3, "gamma_T": 3}
+    columns = {"target": 0, "outlet": 0, "angle_deg": 0, **factors, **stresses, "Q": 3, "not_valid": 0}
+    return ResultTable(columns, rows)
 
 
 def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:

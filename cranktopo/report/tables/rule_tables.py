@@ -63,7 +63,7 @@ def alternating_table(check: RuleCheck) -> ResultTable:
 
 
 def acceptability_table(check: RuleCheck) -> ResultTable:
-    """Equivalent stress, strength and acceptability factor of each fillet, by either set of factors.
+    """Equivalent stress, strength and acceptability factor of each place, of fillets by both sets of factors.
 
     The band of an element factor is what the stress jumps between the elements at the peak.
     """
@@ -83,6 +83,19 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
                     "accepted": _yes(found.accepted) if valid else "-",
                 }
             )
+    for outlet in check.outlets:
+        found = outlet.check
+        rows.append(
+            {
+                "fillet": outlet.place,
+                "factors_by": "polynomials (not valid here)" if outlet.outside else "polynomials",
+                "equivalent_MPa": found.equivalent_MPa,
+                "strength_MPa": found.strength_MPa,
+                "Q": found.acceptability,
+                "plus_or_minus": None,
+                "accepted": "-" if outlet.outside else _yes(found.accepted),
+            }
+        )
     columns = {"fillet": 0, "factors_by": 0, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3}
     return ResultTable(columns | {"plus_or_minus": 3, "accepted": 0}, tuple(rows))
 
