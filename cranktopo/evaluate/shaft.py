@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.effects import plan
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.error_bound import change_bound_percent
 from cranktopo.evaluate.evaluation import (
     RATIO,
     SCHEMA_VERSION,
+    Info,
     default_element_size_mm,
     mesh_target,
     meshed_throw_kg,
@@ -98,6 +100,28 @@ def evaluate_shaft(
     error = change_bound_percent(coarse.by_name(), stiffness.by_name())
     assumed = among(target.assumed, shaft_tables(scene, bearings))
     return ShaftEvaluation(target.name, angles, bearings, mass, inertia, stiffness, error, disks, assumed)
+
+
+def with_throw_stiffness(target: Target, info: Info = lambda _: None) -> Target:
+    """The target with the stiffness of its throw in its shaft table, where load cases would take an estimate.
+
+    Only a shaft whose vibration the plan has on needs it; any other target is returned as it is.
+
+    Raises:
+        CranktopoError: a failed solve.
+    """
+    scene = target.scene
+    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None:
+        return target
+    if "torsional_vibration" not in plan(scene).enabled:
+        return target
+    throws = evaluate_shaft(target, "rigid").stiffness.throws_Nm_per_rad
+    stiffness = sum(throws) / len(throws)
+    info(
+        f"{target.name}: torque of the vibrating shaft with {stiffness:,.0f} N m/rad for a throw, by elements"
+    )
+    shaft = scene.shaft.model_copy(update={"throw_stiffness_Nm_per_rad": stiffness})
+    return replace(target, scene=scene.model_copy(update={"shaft": shaft}))
 
 
 def shaft_tables(scene: Scene, bearings: Bearings) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.rule_check import RuleCheck, check_rule
 from cranktopo.evaluate.safety_field import FatigueField, FieldMethod, check_inputs, fatigue_field
+from cranktopo.evaluate.shaft import with_throw_stiffness
 from cranktopo.evaluate.stress_model import RULE_FRACTION
 from cranktopo.evaluate.targets import USED, Target, resolve_targets
 from cranktopo.loads.histories import HistoryKind
@@ -98,6 +99,7 @@ def assess_fatigue(
     for target in resolved:
         check_inputs(target, method, loads)
     print_assumed(resolved, USED, info)
+    resolved = [with_throw_stiffness(target, info) for target in resolved]
     assumed = tuple(among(target.assumed, USED) for target in resolved)
     if method == "m53":
         checks = tuple(check_rule(target, loads, fillet_fraction, info) for target in resolved)

@@ -78,8 +78,8 @@ class ShaftTable(SceneTable):
     speed_max_rpm: TurningSpeed | None = Field(default=None, examples=[2800.0])
     """Highest speed that is looked at; by default the larger of the engine's speed and overspeed."""
     throw_stiffness_Nm_per_rad: TorsionalStiffness | None = Field(default=None, examples=[1.5e5])
-    """Torsional stiffness of a throw; by default that of finite elements in `vibration`, and the mean of
-    Carter's and Ker Wilson's formulae in the plan and the load cases."""
+    """Torsional stiffness of a throw; by default that of finite elements in `vibration` and `fatigue`, and
+    the mean of Carter's and Ker Wilson's formulae in the plan and the load cases of optimisations."""
     cylinder_damping_Nms_per_rad: TorsionalDamping = 0.0
     """Absolute damping: torque at each throw over the angular velocity of its vibration (friction)."""
     throw_damping_Nms_per_rad: TorsionalDamping = 0.0

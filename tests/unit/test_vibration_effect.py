@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from cranktopo.evaluate.m53 import (
     pin_equivalent_MPa,
 )
 from cranktopo.evaluate.rule_check import dimensions
+from cranktopo.evaluate.shaft import with_throw_stiffness
+from cranktopo.evaluate.targets import Target
 from cranktopo.loads import analyse, at_speed, extreme_states, load_cases
 from cranktopo.loads.histories import load_history
 from cranktopo.loads.torsional_stiffness import web_lever_mm
@@ -170,6 +173,31 @@ def test_a_resonance_turns_the_verdict_and_a_damper_turns_it_back() -> None:
     assert acceptability(bare) < LEAST_FACTOR
     for damper in DAMPERS.values():
         assert acceptability(turning({**PROPELLER, "damper": damper})) > LEAST_FACTOR
+
+
+def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Asked for where the vibration is on and the design does not give it, and nowhere else."""
+    asked: list[str] = []
+
+    def evaluated(target: Target, bearings: str) -> Any:
+        asked.append(bearings)
+        return SimpleNamespace(stiffness=SimpleNamespace(throws_Nm_per_rad=(1.5e5, 1.7e5)))
+
+    monkeypatch.setattr("cranktopo.evaluate.shaft.evaluate_shaft", evaluated)
+    scene = turning(PROPELLER)
+    said: list[str] = []
+    found = with_throw_stiffness(Target("mine", scene), said.append)
+    assert found.scene.shaft is not None
+    assert found.scene.shaft.throw_stiffness_Nm_per_rad == 1.6e5
+    assert asked == ["rigid"]
+    assert "160,000 N m/rad" in said[0]
+    before, after = (load_history(s, "extremes", plan(s).enabled) for s in (scene, found.scene))
+    assert np.ptp(after.torque_Nm) < 0.9 * np.ptp(before.torque_Nm)  # the resonance of order 8 has gone
+    given = turning({**PROPELLER, "throw_stiffness_Nm_per_rad": 1.4e5})
+    for same in (given, switched_to(scene, "off"), load_scene("mikron-iiic")):
+        target = Target("mine", same)
+        assert with_throw_stiffness(target) is target
+    assert len(asked) == 1
 
 
 @pytest.mark.parametrize(
