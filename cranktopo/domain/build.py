@@ -30,6 +30,7 @@ from cranktopo.domain.stl_envelope import bounds_mm, envelope_from_file
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_sizes import check_envelope_reach
 from cranktopo.scene.checks_web import check_counterweight_inside
+from cranktopo.scene.clearance import clearance_limit
 from cranktopo.scene.features import Body, counterweight_bodies, web_bodies, web_contains
 from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.polygons import Coordinates, Shape, polygons
@@ -200,7 +201,7 @@ def _design_space(scene: Scene) -> list[_Layer]:
     for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
         middle = sum(z) / 2
         if low < middle < high:
-            outline = envelope_outline(envelope, middle)
+            outline = _turning_free(scene, envelope_outline(envelope, middle))
             check_counterweight_inside(scene, outline, middle)
             web = _without(outline, bores)
             here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
@@ -212,6 +213,14 @@ def _design_space(scene: Scene) -> list[_Layer]:
         shape = _without(disc(journal.radius_mm, y), bores)
         found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
     return found
+
+
+def _turning_free(scene: Scene, outline: Shape) -> Shape:
+    """The part of an outline that piston and crankcase leave free."""
+    limit = clearance_limit(scene)
+    if limit is None:
+        return outline
+    return lambda x, y: outline(x, y) & (limit.outside_mm(x, y) <= 0)
 
 
 def _ranges_mm(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:

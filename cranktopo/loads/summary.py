@@ -12,6 +12,7 @@ from cranktopo.loads.cases import load_cases
 from cranktopo.loads.kinematics import Array
 from cranktopo.loads.states import extreme_states
 from cranktopo.scene import Scene
+from cranktopo.scene.clearance import clearance_text, rooms_mm
 
 SCHEMA_VERSION = 1
 EXTREMES = (
@@ -52,6 +53,7 @@ def loads_json(scene: Scene, enabled: frozenset[str]) -> dict[str, Any]:
         "indicated_work_per_cylinder_J": cycle.indicated_work_J if cycle else None,
         "series_difference_percent": cycle.series_difference_percent if cycle else None,
         "balance": throw_balance(scene).as_json(),
+        "clearance": {"room_mm": rooms_mm(scene), "told": clearance_text(scene)},
         "load_cases": [case.as_json() for case in load_cases(scene, enabled)],
         "extreme_states": [state.as_json() for state in extreme_states(scene, enabled)],
     }

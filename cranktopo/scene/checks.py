@@ -10,6 +10,7 @@ from cranktopo.scene.checks_goal import check_goal
 from cranktopo.scene.checks_shaft import check_shaft
 from cranktopo.scene.checks_sizes import check_envelope_reach, check_proportions, check_web_extent
 from cranktopo.scene.checks_web import check_counterweight, check_solid
+from cranktopo.scene.clearance import check_clearance
 from cranktopo.scene.features.body import ROUNDING_MM
 from cranktopo.scene.fillet_section import ASPECT
 from cranktopo.scene.geometry import Journal
@@ -92,6 +93,7 @@ def _check_envelope(scene: Scene) -> None:
     if envelope.stl_file is None:
         check_envelope_reach(scene, envelope.bounds_mm)
         check_counterweight(scene)
+    check_clearance(scene)
     clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm
     if clearance >= scene.web.thickness_mm:
         raise invalid(

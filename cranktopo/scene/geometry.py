@@ -66,7 +66,23 @@ class Throw(SceneTable):
         return (self.main_journal, 0.0), (self.crankpin, self.radius_mm)
 
 
+class Clearance(SceneTable):
+    """What web and counterweight keep clear of while they turn, whatever the shape of the envelope.
+
+    Rods beside the web are kept clear of by `envelope.rod_clearance_mm`.
+    """
+
+    piston_skirt_mm: LengthOrZero | None = Field(default=None, examples=[38.0])
+    """Distance from the piston pin down to the lower edge of the skirt, which comes nearest at bottom dead
+    centre; needs `engine.bore_mm` and `engine.rod_length_mm`."""
+    crankcase_radius_mm: Length | None = Field(default=None, examples=[85.0])
+    """Inner radius of the crankcase about the crank axis."""
+    least_gap_mm: LengthOrZero = 1.0
+    """Gap that stays to each of them, along the radius to the crankcase, along the cylinder to the piston."""
+
+
 class _EnvelopeBase(SceneTable):
+    clearance: Clearance | None = None
     bearing_clearance_mm: LengthOrZero = 0.0
     """Kept free of material beside the main bearing, along the crank axis."""
     rod_clearance_mm: LengthOrZero = 0.0

@@ -12,6 +12,7 @@ from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.scene import Scene
+from cranktopo.scene.clearance import clearance_limit
 from cranktopo.scene.features.fitted import CLEAR_MM
 from cranktopo.scene.free_dimensions import is_of_counterweight
 from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Envelope
@@ -28,6 +29,7 @@ class EnvelopeRoom:
     """How far points of the outline's right half lie outside the envelope, mm; 0 or less inside."""
 
     def __init__(self, scene: Scene) -> None:
+        self._limit = clearance_limit(scene)
         self._scene, self._envelope, self._web_z_mm = scene, scene.envelope, scene.web_z_mm
 
     def constraints(self, web: ParametricWeb, values: Array) -> tuple[Array, Array]:
@@ -64,6 +66,10 @@ class EnvelopeRoom:
     ) -> tuple[Array, Array]:
         """Excess of points whose derivatives are by the first of `count` parameters."""
         outside, by_points = self._outside(envelope, points)
+        if self._limit is not None:
+            x, y = points.T
+            outside = np.vstack([outside, self._limit.outside_mm(x, y)])
+            by_points = np.concatenate([by_points, self._limit.slopes(x, y)[None]])
         slopes = np.zeros((outside.size, count))
         slopes[:, : by_values.shape[2]] = np.einsum("cnk,nkp->cnp", by_points, by_values).reshape(
             outside.size, -1

@@ -11,6 +11,7 @@ from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
 from cranktopo.domain.through_holes import envelope_z_mm, through_holes
 from cranktopo.frames import X
 from cranktopo.scene import Scene
+from cranktopo.scene.clearance import clearance_limit
 from cranktopo.scene.drilling import Mouth, across, channels
 from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
 from cranktopo.scene.outlet_ring import ring_points
@@ -130,11 +131,20 @@ def counterweight_solid(scene: Scene) -> Manifold:
 
 
 def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
-    """Design envelope between the web faces less the clearances.
+    """Design envelope between the web faces less the clearances, and what piston and crankcase leave of it.
 
     Raises:
         CranktopoError: the envelope's STL is missing or not closed, or an outline crosses itself.
     """
+    whole, limit = _whole_envelope(scene, grid), clearance_limit(scene)
+    if limit is None:
+        return whole
+    far = float(np.abs([grid.origin_mm[:2], grid.upper_mm[:2]]).max())
+    free = CrossSection([limit.contour(2 * far)], FillRule.NonZero)
+    return whole ^ _prism(free, *envelope_z_mm(scene))
+
+
+def _whole_envelope(scene: Scene, grid: DensityGrid) -> Manifold:
     envelope = scene.envelope
     start, end = envelope_z_mm(scene)
     if envelope is None:

@@ -32,6 +32,7 @@ from cranktopo.report.tables.result_table import ResultTable, Row
 from cranktopo.report.verdict_sentence import stiffness_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.scene.clearance import clearance_text
 from cranktopo.scene.goal.outcome import HOLDS
 
 _NAMES = ("original web", "optimised")
@@ -152,6 +153,7 @@ def _provenance(record: RunRecord) -> Section:
     rows = [
         *origin_rows(manifest),
         ("seed of random starts", manifest["seed"]),
+        *([("room of the original web", room)] if (room := clearance_text(record.scene)) else []),
         ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
         ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
         ("solver", metrics["solver"]["precision"]),

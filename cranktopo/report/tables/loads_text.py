@@ -13,7 +13,9 @@ def loads_text(loads: dict[str, Any]) -> str:
     parts = [_heading(loads)]
     if loads["points"]:
         parts += [_extremes(loads["extremes"]), _torque(loads)]
-    parts += [_balance(loads["balance"]), _cases(loads["load_cases"]), _redundant(loads["extreme_states"])]
+    clearance = loads["clearance"]["told"]
+    parts += [_balance(loads["balance"]), clearance and f"room of web and counterweight: {clearance}"]
+    parts += [_cases(loads["load_cases"]), _redundant(loads["extreme_states"])]
     return "\n\n".join(part for part in parts if part)
 
 
