@@ -53,7 +53,7 @@ class BalancerShaft(SceneTable):
 
 
 class Arrangement(SceneTable):
-    """How cylinders and throws are arranged, for `cranktopo balance`; without it: in line, evenly firing.
+    """How cylinders and throws are arranged; without it: in line, evenly firing.
 
     `V`: two rods side by side on each pin; cylinder 1 to n/2 are the first bank, the others the second, each
     from the free end. `boxer`: flat, opposed, each cylinder on its own pin; odd numbers are the first bank,
@@ -67,7 +67,7 @@ class Arrangement(SceneTable):
     rod_offset_mm: LengthOrZero | None = Field(default=None, examples=[18.0])
     """Distance along the shaft of the two rods on a pin of a `V`; by default half the pin's length."""
     cylinder_pitch_mm: Length | None = Field(default=None, examples=[114.0])
-    """Distance along the shaft of neighbouring throws; by default the length of a throw."""
+    """Distance along the shaft of neighbouring throws, for `cranktopo balance`; by default a throw's length."""
     throw_angles_deg: tuple[Turn, ...] = Field(default=(), examples=[(0.0, 180.0)])
     """Angle of each throw about the crank axis from the first, in the sense of rotation, from the free end;
     needed where firing is uneven, by default such that it is even."""
