@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.iterate import shape_step
+from cranktopo.pipeline.iterate import loop, shape_step
 from cranktopo.pipeline.run_webs import web_target
 from tests.cli.test_iterate import with_stand_ins
 from tests.shape_stand_in import ShapeStandIn
@@ -24,6 +24,10 @@ def stand_in(monkeypatch: pytest.MonkeyPatch) -> ShapeStandIn:
     found = ShapeStandIn({"torsion": 118.0, "bending": 102.0})
     monkeypatch.setattr(shape_step, "shape_design", found.design)
     monkeypatch.setattr(shape_step, "resume_shape", found.resume)
+    # The bound itself is no subject here, only what it is asked to stand beside.
+    monkeypatch.setattr(
+        loop, "bounds_beside", lambda _, reached, *__: {"none": f"beside {reached['torsion']} %"}
+    )
     return found
 
 
@@ -46,6 +50,7 @@ def test_a_loop_interrupted_in_its_last_step_goes_on_there(
     assert [row["name"] for row in data["steps"]] == ["original", "1", "shape"]
     assert data["best_step"] is None
     assert data["shape"]["better_than_best_step"]
+    assert data["bound"] == {"none": f"beside {data['steps'][-1]['percent_of_original']['torsion']} %"}
     assert "shape: largest torsional stiffness per mass 118.0 % of the original web, every limit" in printed
     assert "\nbest: shape, torsional stiffness per mass " in printed
     assert printed.count(f"\n{out / 'shape' / 'web.toml'}\n") == 1
