@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from cranktopo.pipeline.evaluated_limits import CheckedLimit
 from cranktopo.pipeline.goal_by_evaluation import met_by_evaluation
 from cranktopo.report.pages.verdict import headline
 from cranktopo.report.tables.run_text import run_summary
+from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal, Limit
 from cranktopo.scene.goal.outcome import limit_outcomes
 from cranktopo.store import Work
@@ -65,6 +67,20 @@ class Evaluator:
 Short = tuple[int, Path, dict[str, Any], Evaluator]
 
 
+@pytest.fixture(scope="module", autouse=True)
+def bounds() -> Iterator[list[dict[str, float]]]:
+    """What the bound, which is no subject here, is asked to stand beside, percent of the original."""
+    asked: list[dict[str, float]] = []
+
+    def beside(_: Scene, reached: dict[str, float], *__: Any) -> dict[str, Any]:
+        asked.append(reached)
+        return {"none": "not proven"}
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cranktopo.pipeline.optimise.bounds_beside", beside)
+        yield asked
+
+
 @pytest.fixture(scope="module")
 def short(tmp_path_factory: pytest.TempPathFactory) -> Short:
     """A run whose first design misses its limit by 2 % of it."""
@@ -93,6 +109,10 @@ def test_a_limit_missed_by_the_evaluation_is_moved_until_it_holds(
     assert limit["holds"]
     assert "every limit holds by the evaluation after" in metrics["stop_reason"]
     assert metrics["seconds"]["evaluation"] == 3.0 * len(evaluator.names)
+
+
+def test_the_bound_stands_beside_what_the_goal_reached(short: Short, bounds: list[dict[str, float]]) -> None:
+    assert bounds[0]["mass"] == short[2]["goal"]["reached_percent"]
 
 
 def test_page_and_summary_show_both(short: Short) -> None:
