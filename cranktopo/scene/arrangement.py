@@ -67,7 +67,7 @@ class Arrangement(SceneTable):
     rod_offset_mm: LengthOrZero | None = Field(default=None, examples=[18.0])
     """Distance along the shaft of the two rods on a pin of a `V`; by default half the pin's length."""
     cylinder_pitch_mm: Length | None = Field(default=None, examples=[114.0])
-    """Distance along the shaft of neighbouring throws, for `cranktopo balance`; by default a throw's length."""
+    """Distance of neighbouring throws, for `cranktopo balance`; by default the length of a throw."""
     throw_angles_deg: tuple[Turn, ...] = Field(default=(), examples=[(0.0, 180.0)])
     """Angle of each throw about the crank axis from the first, in the sense of rotation, from the free end;
     needed where firing is uneven, by default such that it is even."""
