@@ -14,7 +14,7 @@ from cranktopo.evaluate.shaft import ShaftEvaluation, evaluate_shaft
 from cranktopo.scene.loading import designs_folder
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
-GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\n"
+GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 2000.0\n"
 
 
 def design(folder: Path, table: str, text: str = MIKRON) -> str:
@@ -106,7 +106,7 @@ def test_elements_of_a_design_without_a_shaft(
     assert total == pytest.approx(sum(found[0].disks.inertia_kg_m2), rel=1e-12)
 
 
-@pytest.mark.parametrize("time", ["1ms", "20h", "0.01s", "0", "fast"])
+@pytest.mark.parametrize("time", ["1ms", "20h", "fast"])
 def test_impossible_run_ups(time: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = design(tmp_path, GIVEN + "flywheel = {inertia_kg_m2 = 0.1}")
     assert main(["vibration", path, "--run-up", time, "--quiet"]) == 2

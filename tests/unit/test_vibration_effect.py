@@ -21,6 +21,7 @@ from cranktopo.evaluate.rule_check import dimensions
 from cranktopo.evaluate.shaft import with_throw_stiffness
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import analyse, at_speed, extreme_states, load_cases
+from cranktopo.loads.forces import INERTIA_EFFECTS
 from cranktopo.loads.histories import load_history
 from cranktopo.loads.torsional_stiffness import web_lever_mm
 from cranktopo.loads.vibrating_torque import worst_speed_rpm
@@ -34,7 +35,6 @@ DAMPERS: dict[str, dict[str, object]] = {
     "viscous": {**VISCOUS, "damping_Nms_per_rad": 5.0},
     "rubber": {**RUBBER, "stiffness_Nm_per_rad": 1.2e4, "loss_factor": 0.2},
 }
-COUPLING = {"inertia_kg_m2": 0.02, "stiffness_Nm_per_rad": 1.5e4, "loss_factor": 0.1}
 SIX: dict[str, Any] = {"cylinders": 6, "firing_order": [1, 5, 3, 6, 2, 4]}
 GAS = {"peak_pressure_MPa": 19.4, "peak_angle_deg": 8.0, "compression_ratio": 15.0}
 OPPOSED: dict[str, Any] = {"gas": GAS, "cylinders": 3, "firing_order": [1, 2, 3]}
@@ -53,8 +53,8 @@ def turning(shaft: dict[str, Any], name: str = "mikron-iiic", **engine: Any) -> 
 
 def computed(scene: Scene) -> float:
     """Torque amplitude behind a throw at the worst speed, over the quasi-static one."""
-    enabled = plan(scene).enabled | {"torsional_vibration"}
-    quiet = analyse(scene, enabled - {"torsional_vibration"}).cycle
+    enabled = INERTIA_EFFECTS | {"torsional_vibration"}
+    quiet = analyse(scene, INERTIA_EFFECTS).cycle
     worst = analyse(at_speed(scene, worst_speed_rpm(scene, enabled)), enabled).cycle
     assert quiet is not None
     assert worst is not None
@@ -67,7 +67,6 @@ def computed(scene: Scene) -> float:
     [
         (PROPELLER, "mikron-iiic", {}),
         ({**FLYWHEEL, "damper": DAMPERS["rubber"]}, "mikron-iiic", {}),
-        ({**FLYWHEEL, "coupling": COUPLING, "driven": {"inertia_kg_m2": 0.3}}, "mikron-iiic", {}),
         (
             {
                 "flywheel": {"inertia_kg_m2": 0.02},
@@ -102,7 +101,7 @@ def test_reason_names_frequency_order_and_magnifier() -> None:
     assert "major order 8 at 27" in effect.reason
     assert "magnifier 50" in effect.reason  # one over the loss factor of 0.02
     slow = turning({**FLYWHEEL, "speed_max_rpm": 1500.0})
-    assert computed(slow) < 1.1
+    assert "below the threshold of 2 %" in plan(slow)["torsional_vibration"].reason
     stiff = turning({**FLYWHEEL, "throw_stiffness_Nm_per_rad": 1e9})
     assert plan(stiff)["torsional_vibration"].state == "off"
     assert "no order meets" in plan(stiff)["torsional_vibration"].reason
