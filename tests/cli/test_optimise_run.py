@@ -22,10 +22,12 @@ import trimesh
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem import equilibrium
+from cranktopo.optimise import loop
 from cranktopo.optimise.state import State
 from cranktopo.pipeline.optimise import optimise_design
 from cranktopo.scene import Scene
 from cranktopo.store import load_checkpoint
+from tests.plain_runs import plain_runs
 
 COARSE = ["--resolution-mm", "4.5"]
 SHORT = ["optimise", "--volume-fraction", "0.3", *COARSE, "--max-iterations", "12", "--no-bound"]
@@ -163,7 +165,8 @@ def designs(run: Path) -> tuple[bytes, list[Any]]:
 def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The default run up to its 12th design: what interrupted runs must end with, bit for bit."""
     out = tmp_path_factory.mktemp("runs") / "short"
-    assert main([*SHORT, "--out", str(out)]) == 5
+    with plain_runs():
+        assert main([*SHORT, "--out", str(out)]) == 5
     return out
 
 
@@ -176,12 +179,14 @@ def same(run: Path, other: Path) -> bool:
 def test_stopped_run_continues_to_the_same_result(short: Path, tmp_path: Path) -> None:
     out = tmp_path / "stopped"
     arguments = ["--volume-fraction", "0.3", *COARSE, "--out", str(out), "--max-iterations", "9"]
-    assert main(["optimise", *arguments]) == 5
+    with plain_runs():
+        assert main(["optimise", *arguments]) == 5
     stopped = json.loads((out / "metrics.json").read_text())
     assert stopped["status"] == "stopped"
     assert stopped["iterations"] == 9
     assert (out / "web.stl").is_file()
-    assert main(["optimise", "--resume", str(out), "--max-iterations", "12"]) == 5
+    with plain_runs():
+        assert main(["optimise", "--resume", str(out), "--max-iterations", "12"]) == 5
     assert same(out, short)
 
 
@@ -205,21 +210,32 @@ def begun(out: Path, rows: int, *arguments: str) -> subprocess.Popen[str]:
     pytest.fail(f"the run ended before it was interrupted: {process.communicate()}")
 
 
-def test_killed_and_interrupted_run_resumes_bit_for_bit(short: Path, tmp_path: Path) -> None:
-    """Killed after two designs, resumed, interrupted by Ctrl-C after four, resumed to its end."""
-    out = tmp_path / "run"
+def test_killed_and_interrupted_run_resumes_bit_for_bit(
+    short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Killed after two designs, resumed, interrupted by Ctrl-C after two more, resumed to its end.
+
+    `python -m pytest -m slow tests/hard/test_kills.py` kills and interrupts processes at any moment.
+    """
+    out, step, steps = tmp_path / "run", loop.step, []
     process = begun(out, 2, *SHORT, "--out", str(out))
     process.kill()
     process.communicate(timeout=60)
-    process = begun(out, 4, "optimise", "--resume", str(out))
-    process.send_signal(signal.SIGINT)
-    _, stderr = process.communicate(timeout=120)
-    assert process.returncode == 130
-    assert f"cranktopo optimise --resume {out}" in stderr
-    assert "Traceback" not in stderr
+
+    def interrupted(*arguments: Any) -> State:
+        steps.append(len(steps))
+        if len(steps) == 3:
+            signal.raise_signal(signal.SIGINT)
+        return step(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(loop, "step", interrupted)
+        assert main(["optimise", "--resume", str(out)]) == 130
+    assert f"cranktopo optimise --resume {out}" in capsys.readouterr().err
     assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
     assert not (out / "metrics.json").exists()
-    assert main(["optimise", "--resume", str(out)]) == 5
+    with plain_runs():
+        assert main(["optimise", "--resume", str(out)]) == 5
     assert same(out, short)
     assert not list(out.rglob(".*.tmp*"))
 
@@ -290,8 +306,9 @@ def test_a_solver_fallback_is_announced(
     first, *rest = equilibrium.METHODS
     monkeypatch.setattr(equilibrium, "METHODS", (replace(first, cap=1), *rest))
     out = tmp_path / "run"
-    arguments = ["--process", "forged", "--max-iterations", "3", "--out", str(out)]
-    assert main(["optimise", *COARSE, *arguments]) == 5
+    arguments = ["--process", "forged", "--max-iterations", "1", "--out", str(out)]
+    with plain_runs():
+        assert main(["optimise", *COARSE, *arguments]) == 5
     line = "iteration 1: multigrid CG stopped at relative residual"
     assert line in capsys.readouterr().err
     assert line in (out / "run.log").read_text(encoding="utf-8")
