@@ -127,7 +127,8 @@ class Object:
 def work():
     try:
         Object()
-        time.sleep(4)
+        for _ in range(400):  # it comes between two of them: no call of Python's ends early for it
+            time.sleep(0.01)
         print("went on")
     except KeyboardInterrupt:
         print("interrupted")
