@@ -13,7 +13,7 @@ from cranktopo.cli.main import main
 
 OPTIONS = [
     *("--minimise", "mass", "--limit", "bending none", "--limit", "torsion >= 90 %"),
-    *("--limit", "unbalance <= 0.05 kg m", "--resolution-mm", "4.5", "--max-iterations", "6"),
+    *("--limit", "unbalance <= 0.05 kg m", "--resolution-mm", "4.5", "--max-iterations", "4"),
 ]
 
 
@@ -67,7 +67,7 @@ def test_the_page_shows_the_limits(run: Path, metrics: dict[str, Any]) -> None:
 
 def test_the_summary_shows_the_limits(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A run that is done shows them when it is looked at again, too."""
-    assert main(["optimise", "--resume", str(run), "--max-iterations", "7"]) == 5
+    assert main(["optimise", "--resume", str(run), "--max-iterations", "5"]) == 5
     out = capsys.readouterr()
     assert "least mass: " in out.out
     assert "torsion >= " in out.out
