@@ -62,6 +62,7 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
     record = RuleRecord(
         check=found.checks[0],
         scene=scene,
+        effects=effects,
         cases=load_cases(scene, effects.enabled),
         loads=analyse(scene, effects.enabled),
         history=_HISTORY[found.loads],

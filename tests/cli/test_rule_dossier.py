@@ -52,6 +52,7 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert row(text, "radial force on the crankpin")[1:] == ["18000.0", "N"]
     assert row(text, "jump between elements at the peak")[1:] == ["4.00", "5.00", "%", "yes"]
     assert row(text, "fatigue.process_factor")[1] == "1.05"
+    assert row(text, "torsional vibration")[1] == "off"
     assert "signature" in text
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
 

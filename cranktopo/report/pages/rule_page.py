@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from cranktopo.effects import EffectPlan
 from cranktopo.evaluate.m53 import LEAST_FACTOR, ratios
 from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.loads import LoadAnalysis, LoadCase
 from cranktopo.report.figures.plot import Picture
 from cranktopo.report.pages.page import Fact, Page, Section
-from cranktopo.report.pages.sections import loads_section, pairs, versions_section
+from cranktopo.report.pages.sections import effects_section, loads_section, pairs, versions_section
 from cranktopo.report.tables import rule_tables as tables
 from cranktopo.report.tables.fatigue_tables import factor_table, outlet_table
 from cranktopo.report.tables.result_table import ResultTable
@@ -26,6 +27,7 @@ class RuleRecord:
     """A finished check with everything that its dossier shows.
 
     Attributes:
+        effects: which of them the loads hold, torsional vibration among them.
         cases: load cases of the plan.
         loads: None without gas and inertia forces over the cycle.
         history: how the alternating loads follow from the cycle, in words.
@@ -37,6 +39,7 @@ class RuleRecord:
 
     check: RuleCheck
     scene: Scene
+    effects: EffectPlan
     cases: tuple[LoadCase, ...]
     loads: LoadAnalysis | None
     history: str
@@ -60,6 +63,7 @@ def rule_page(record: RuleRecord) -> Page:
             _acceptability(check),
             _input(record),
             loads_section(record.loads, [case.as_json() for case in record.cases]),
+            effects_section(record.effects.as_json()),
             _nominal(check, record.history),
             _factors(check),
             _mesh(check),
