@@ -187,10 +187,12 @@ def test_limits_that_exclude_each_other_end_the_run(mikron: Scene, domain: Domai
     assert "bending >= 115 %: reached" in state.reason
 
 
-@pytest.mark.parametrize("lengths", [{}, LENGTHS], ids=["any length", "least lengths"])
-def test_a_run_goes_on_bit_for_bit(mikron: Scene, domain: Domain, lengths: dict[str, float]) -> None:
-    """Asymptotes and adjoint solutions are state: a checkpoint in the middle leads to the same design."""
-    scene = asked(mikron, {"minimise": "mass"}, max_iterations=9, **lengths)
+def test_a_run_goes_on_bit_for_bit(mikron: Scene, domain: Domain) -> None:
+    """Asymptotes and adjoint solutions are state: a checkpoint in the middle leads to the same design.
+
+    With least lengths there is all of it, that of the eroded and the dilated design too.
+    """
+    scene = asked(mikron, {"minimise": "mass"}, max_iterations=9, **LENGTHS)
     problem = stated(scene, domain)
     spot = Response("spot", "mm", lambda design: -design.displacements[0, 1, 2, 3, 4], True)
     problem = with_limits(problem, Requirement(spot, "<=", 0.01))
