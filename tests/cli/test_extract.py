@@ -13,9 +13,10 @@ import trimesh
 
 from cranktopo.cli.main import main
 from cranktopo.store import load_checkpoint, load_iteration
+from tests.plain_runs import plain_runs
 
 Capture = pytest.CaptureFixture[str]
-ITERATIONS = 8
+ITERATIONS = 4
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A free topology, whose first design is uniform; a die with draft bounds even that one."""
     out = tmp_path_factory.mktemp("runs") / "short"
     arguments = ["--resolution-mm", "4.5", "--max-iterations", str(ITERATIONS), "--out", str(out)]
-    assert main(["optimise", "--volume-fraction", "0.3", "--process", "free", *arguments]) == 5
+    with plain_runs():
+        assert main(["optimise", "--volume-fraction", "0.3", "--process", "free", *arguments]) == 5
     return out
 
 
@@ -112,7 +114,7 @@ def test_bad_use(run: Path, tmp_path: Path, capsys: Capture) -> None:
     assert "must end in .stl, .3mf or .glb" in fails(2, str(run), "--out", str(tmp_path / "web.obj"))
     assert "must end in .3mf" in fails(2, str(run), "--format", "3mf", "--out", str(tmp_path / "web.stl"))
     assert "folder does not exist" in fails(2, str(run), "--out", str(tmp_path / "no" / "web.stl"))
-    assert "holds iterations 1 to 8" in fails(3, str(run), "--iteration", "99")
+    assert f"holds iterations 1 to {ITERATIONS}" in fails(3, str(run), "--iteration", "99")
     assert "not a run directory" in fails(3, str(tmp_path))
     assert "too grey" in fails(6, str(run), "--iteration", "1")  # the uniform start has no surface
 
