@@ -36,6 +36,12 @@ class SearchLimit:
         """Its sign over its size, which turns an excess into a share."""
         return self.sign / (abs(self.value) or abs(self.original) or 1.0)
 
+    def tightened(self, share: float) -> SearchLimit:
+        """The limit moved by a share of its size; an unbalance may be limited to 0 or less."""
+        if self.value > 0:
+            return replace(self, value=self.value * (1 - self.sign * share))
+        return replace(self, value=self.value - share / self.per_size)
+
 
 @dataclass(frozen=True)
 class SearchGoal:
@@ -92,11 +98,8 @@ class SearchGoal:
         return replace(self, scale=self.scale * factors.get(self.quantity, 1.0), limits=moved)
 
     def reserved(self, share: float, quantities: Collection[str] | None = None) -> SearchGoal:
-        """The same with limits, or those of some quantities, that are tighter by a share of their values."""
+        """The same with limits, or those of some quantities, that are tighter by a share of their sizes."""
         moved = tuple(
-            replace(r, value=r.value * (1 - r.sign * share))
-            if quantities is None or r.quantity in quantities
-            else r
-            for r in self.limits
+            r.tightened(share) if quantities is None or r.quantity in quantities else r for r in self.limits
         )
         return replace(self, limits=moved)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -103,3 +105,16 @@ def test_a_polygon_measures_as_the_box_it_is(mikron: Scene) -> None:
     values = outline_start(box, usual_limits(box))
     exact, near = (EnvelopeRoom(scene).constraints(web, values)[0].max() for scene in (box, polygon))
     assert near == pytest.approx(exact, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("sense", "value", "tighter"),
+    [("<=", 5.0, 4.95), (">=", 5.0, 5.05), ("<=", -5.0, -5.05), (">=", -5.0, -4.95), ("<=", 0.0, -0.4)],
+)
+def test_a_reserve_makes_every_limit_tighter(
+    sense: Literal["<=", ">="], value: float, tighter: float
+) -> None:
+    """An overbalanced crank has a negative unbalance; the size of a limit of 0 is the original's 40 kg mm."""
+    goal = SearchGoal("mass", 1.0, 2.0, (SearchLimit("unbalance", sense, value, 40.0),))
+    (limit,) = goal.reserved(0.01).limits
+    assert limit.value == pytest.approx(tighter)
