@@ -123,6 +123,7 @@ def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
 
 def misfits(body: Manifold, scene: Scene) -> list[str]:
     """What does not fit the scene's journals, the plainest first; empty for a body that lies right."""
+    body = _undrilled(body, scene)
     low, high = (float(value) for value in np.array(body.bounding_box())[[2, 5]])
     end = scene.pitch_mm / 2
     if abs(low) > _EXTENT_MM or abs(high - end) > _EXTENT_MM:
@@ -138,6 +139,17 @@ def find_placement(body: Manifold, scene: Scene) -> Placement | None:
         if motion is not None:
             return motion
     return None
+
+
+def _undrilled(body: Manifold, scene: Scene) -> Manifold:
+    """The body with the scene's oil drillings closed in both journals: they are no fault of its rings."""
+    if not scene.throw.drilling:
+        return body
+    from cranktopo.surface.solids import drillings, journal_halves
+
+    plain = scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": ()})})
+    main, pin = journal_halves(plain)
+    return body + ((main + pin) ^ drillings(scene))
 
 
 def _places(scene: Scene) -> Iterator[tuple[str, Journal, float, float]]:

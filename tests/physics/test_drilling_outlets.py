@@ -10,6 +10,8 @@ import pytest
 from cranktopo.evaluate.m53 import FilletCheck, fatigue_strength_MPa
 from cranktopo.evaluate.m53_outlet import check_outlets, outlet_equivalent_MPa, outlet_factors
 from cranktopo.loads.histories import load_history
+from tests.physics.cross_hole import DIAMETER_MM, outlet_peaks, peterson_bending, peterson_torsion
+from tests.physics.stepped_shaft import AXIAL, BENDING, TORSION
 from tests.physics.test_drillings import STRAIGHT, drilling, mikron
 
 ALL = frozenset({"bending", "torsion", "tangential", "reciprocating_inertia", "rotating_rod_mass"})
@@ -77,3 +79,29 @@ def test_a_leaning_bore_is_outside_the_rule() -> None:
     assert not check_outlets(mikron(), "cycle", ALL, 1e5)
     wide = mikron(drilling(("crankpin", 0.0, 0.0), ("crankpin_bore", 0.0, 0.0), diameter=9.0))
     assert "oil bore / pin diameter = 0.214" in check_outlets(wide, "cycle", ALL, 1e5)[0].outside[0]
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.1, 0.15, 0.2])
+def test_factors_beside_tables(ratio: float) -> None:
+    """The rule's bending factor lies within 6 % of Peterson's curve for the edge of the hole.
+
+    In torsion the largest stress lies inside the hole, 20 % above that of the edge, and the rule takes that.
+    """
+    bending, torsion = outlet_factors(ratio, 1.0)
+    assert bending == pytest.approx(peterson_bending(ratio), rel=0.06)
+    assert peterson_torsion(ratio) < torsion < 1.25 * peterson_torsion(ratio)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.1, 0.2])
+def test_factors_beside_elements(ratio: float) -> None:
+    """A bar with a cross hole, largest stress anywhere: `pytest -m slow` of this file.
+
+    Its edge agrees with Peterson's curves.
+    """
+    peaks, (bending, torsion) = outlet_peaks(ratio * DIAMETER_MM), outlet_factors(ratio, 1.0)
+    assert peaks[BENDING][0] == pytest.approx(peterson_bending(ratio), rel=0.04)
+    assert peaks[TORSION][0] == pytest.approx(peterson_torsion(ratio), rel=0.02)
+    assert bending == pytest.approx(peaks[BENDING][1], rel=0.1)
+    assert torsion == pytest.approx(peaks[TORSION][1], rel=0.1)
+    assert 3.0 < peaks[AXIAL][1] < 3.7

@@ -6,12 +6,14 @@ import math
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 
 from cranktopo.cad.session import cad_session
 from cranktopo.cad.throw_solid import add_half_throw, solid_properties
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.balance import throw_balance
+from cranktopo.meshing.placement import misfits
 from cranktopo.remodel.drilling_rules import drilling_rules
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene, load_scene, scene_from_dict
@@ -257,3 +259,14 @@ def test_pockets_bevels_and_outline_keep_a_wall() -> None:
     assert max(rules_of(mikron(STRAIGHT), 6.0).values()) >= pocket + 3.0 - 1e-9
     assert rules_of(mikron(drilling(("crankpin", 0.0, 0.0), ("crankpin", 180.0, 0.0)))) == {}
     assert rules_of(mikron()) == {}
+
+
+@pytest.mark.parametrize("place", [0.0, 6.0])
+def test_a_drilled_body_lies_where_the_throw_is(place: float) -> None:
+    ends = ("main_journal", 180.0, place), ("crankpin", 0.0, place)
+    scene = mikron(drilling(*ends, rounding=1.0))
+    (main, pin), (start, end) = journal_halves(scene), scene.web_z_mm
+    web = Manifold.cube((50.0, 98.0, end - start)).translate((-25.0, -25.0, start))
+    body = main + pin + (web - web_bores(scene))
+    assert not misfits(body, scene)
+    assert misfits(body.translate((3.0, 0.0, 0.0)), scene)

@@ -140,7 +140,20 @@ def _journal_lines(scene: Scene) -> list[str]:
         fillet = f", fillets {journal.fillet}" if journal.fillet_mm else ", no fillets"
         lines.append(f"{name:13}⌀{journal.outer_diameter_mm:g}{bore}")
         lines.append(f"{'':13}length {journal.length_mm:g}{fillet}")
-    return [*lines, f"{'THROW':13}radius {scene.throw.radius_mm:g}, pitch {scene.pitch_mm:g}", ""]
+    throw = f"{'THROW':13}radius {scene.throw.radius_mm:g}, pitch {scene.pitch_mm:g}"
+    return [*lines, throw, *_drilling_lines(scene), ""]
+
+
+def _drilling_lines(scene: Scene) -> list[str]:
+    """Oil drillings with both their ends: journal, angle about its axis, distance from its middle."""
+    lines = []
+    for drilling in scene.throw.drilling:
+        rounding = f", outlets R{drilling.outlet_radius_mm:g}" if drilling.outlet_radius_mm else ", sharp"
+        lines.append(f"{'DRILLING':13}⌀{drilling.diameter_mm:g}{rounding}")
+        for word, end in (("from", drilling.start), ("to", drilling.end)):
+            place = f"{end.on.replace('_', ' ')} {end.angle_deg:g}°, {end.place_mm:g} off its middle"
+            lines.append(f"   {word:5}{place}")
+    return lines
 
 
 def _outline_lines(scene: Scene) -> list[str]:
