@@ -64,6 +64,8 @@ def test_the_hash_is_that_of_the_scene_and_the_settings() -> None:
         return points_of(sweep_plan(["mikron-iiic"], vary, **settings))[0].sha256  # type: ignore[arg-type]
 
     assert first() == first(width="52.0")
+    usual = sweep_plan(["mikron-iiic"], [read_option("optimise.penalty=3")])
+    assert points_of(usual)[0].sha256 == original_of(usual).sha256, "a default that is written out"
     assert len({first(), first(width="53"), first(stage="fatigue"), first(element_size_mm=9.0)}) == 4
 
 

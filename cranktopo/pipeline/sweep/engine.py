@@ -123,8 +123,8 @@ def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
     dask, distributed = _dask()
     with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
         if engine.scheduler is None:
-            cluster = stack.enter_context(_local_cluster(distributed, engine))
-            client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
+            cluster = stack.enter_context(_closing(_local_cluster(distributed, engine)))
+            client = stack.enter_context(_closing(distributed.Client(cluster, set_as_default=False)))
             client.register_plugin(_pinning(distributed, engine))
         else:
             client = stack.enter_context(_connected(distributed, engine.scheduler, patience_s))
@@ -213,8 +213,18 @@ def _connected(distributed: Any, address: str, patience_s: float) -> Iterator[An
             f"--scheduler {address}: cannot be reached: {error}.",
             hint="Start one with 'dask scheduler', or leave --scheduler out; finished points are kept.",
         ) from None
-    try:
+    with _closing(client):
         yield client
+
+
+@contextmanager
+def _closing(part: Any) -> Iterator[Any]:
+    """A client or a cluster that ends with the block; a worker in long work does not hold that up.
+
+    Workers end with this process in any case, and what they leave is continued by the next one.
+    """
+    try:
+        yield part
     finally:
         with contextlib.suppress(Exception):
-            client.close(timeout=_AFTER_S)
+            part.close(timeout=_AFTER_S)

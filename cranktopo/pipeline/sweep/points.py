@@ -98,8 +98,13 @@ def _point(
     scene, reason = _scene(tables, design)
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
     known = {STAGE: stage, "element_size_mm": plan.element_size_mm, "files": files, **settings}
-    sha256 = settings_hash(tables if scene is None else scene.model_dump(mode="json"), known)
+    sha256 = settings_hash(tables if scene is None else _given(scene), known)
     return Point(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, reason)
+
+
+def _given(scene: Scene) -> dict[str, Any]:
+    """The scene without what is as by default: keys that a later version adds leave the hash as it is."""
+    return scene.model_dump(mode="json", exclude_defaults=True)
 
 
 def _scene(tables: dict[str, Any], design: str) -> tuple[Scene | None, str]:
