@@ -9,11 +9,12 @@ import pytest
 
 from cranktopo.errors import CranktopoError
 from cranktopo.remodel.dimensions import free_dimensions, with_free
-from cranktopo.remodel.family import exact_web_of
+from cranktopo.remodel.family import Layout, exact_web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.features.box_pocket import FittedBox
 from cranktopo.shape.mesh_model import MeshModel
 from cranktopo.shape.rules import rules_at
 from cranktopo.shape.start import scene_start
@@ -114,3 +115,16 @@ def test_ranges_are_refused(free: Scene, key: str, value: list[float], message: 
     data = free.model_dump(mode="json", exclude_none=True)
     with pytest.raises(CranktopoError, match=message):
         scene_from_dict({**data, "shape": {"free": {**FREE, key: value}}}, "refused")
+
+
+def test_pockets_keep_a_wall_to_the_edge_of_the_counterweight(free: Scene) -> None:
+    """A pocket in its middle is fine, one across its flank or its rim is not."""
+    limits = usual_limits(free)
+    start = scene_start(free, limits)
+    layout = Layout(start.layout.stations, (FittedBox("pin", True),))
+    axes = np.arange(1.1, 75.0, 8.0), np.arange(-73.3, 80.0, 8.0), np.arange(21.5, 39.0, 8.0)
+    web = ParametricWeb(layout, free, limits, axes)
+    rule = "least wall between the box pocket of the pin face and the counterweight's edge, 3 mm"
+    for (x, y), broken in (((12.0, -42.0), False), ((30.0, -22.0), True), ((12.0, -58.0), True)):
+        values = np.concatenate([start.values, [x, y, 8.0, 8.0, 5.0]])
+        assert (rule in rules_at(free, web, values).broken) == broken, (x, y)

@@ -63,6 +63,12 @@ class Counterweight(Feature):
         z_mm = (start, start + thick) if self.face == "journal" else (end - thick, end)
         return Sector(key, z_mm, self.outer_radius_mm, math.radians(self.half_angle_deg))
 
+    def edge_mm(self, scene: ThrowView) -> tuple[Array, Array]:
+        """Points of its arc and of its flank beyond the main journal, at x >= 0."""
+        journal, (x, y) = scene.throw.main_journal, self.sector(scene).rim_mm()
+        share = np.linspace((journal.radius_mm + journal.fillet_mm) / self.outer_radius_mm, 1.0, _SAMPLES)
+        return np.concatenate([x, share * x[-1]]), np.concatenate([y, share * y[-1]])
+
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         return () if self.bolted else (self.sector(scene, key),)

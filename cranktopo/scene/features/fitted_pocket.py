@@ -96,6 +96,10 @@ class FittedPocket(FittedFeature):
         wall, least, throw = around.wall_mm, around.limits.min_wall_mm, around.scene.throw
         outline = self.gap_mm(named, around.points_mm[:, 0], around.points_mm[:, 1]).min()
         yield wall_rule(f"between the {self.title} and the outline", least), wall - outline
+        weight = around.scene.web.counterweight
+        if weight is not None and not weight.bolted:
+            edge = self.gap_mm(named, *weight.edge_mm(around.scene)).min()
+            yield wall_rule(f"between the {self.title} and the counterweight's edge", least), wall - edge
         if self.pair:
             between = wall_rule(f"between the {self.title} and its twin", least)
             yield between, wall / 2 + named[self.sizes[0]] / 2 - named["x"]
