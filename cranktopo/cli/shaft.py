@@ -36,7 +36,7 @@ def command(
 
     TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
 
-    The error estimate comes from a second, coarser mesh; it does not cover the disk model.
+    The error estimate comes from the mesh itself; it does not cover the disk model.
 
     Example: cranktopo shaft mikron-iiic --bearings free
     """

@@ -62,6 +62,11 @@ class Condensed:
     held: NDArray[np.intp]
     solve: Callable[[Array], Array]
 
+    @property
+    def fields(self) -> Array:
+        """Unit-motion fields and the load field where there is one, (unknowns, m [+ 1])."""
+        return self.displacement[:, : self.displacement.shape[1] - self.further.shape[1]]
+
     def index(self, *motions: int) -> list[int]:
         """Positions of motions in this block."""
         return [self.motions.index(m) for m in motions]

@@ -45,7 +45,7 @@ def energy_surplus(
     Returns:
         G per block, shape (m, m), or (m + 1, m + 1) where the block has a load field.
     """
-    fields = [_fields(block) for block in blocks]
+    fields = [block.fields for block in blocks]
     residual, stiffness = _residual(model, np.hstack(fields), youngs_MPa, poisson)
     starts = np.cumsum([0, *(field.shape[1] for field in fields)])
     forms = []
@@ -56,11 +56,6 @@ def energy_surplus(
             own[:, 1, -1] -= _mean_weights(model, pin_from_mm)
         forms.append(block.parts * _answered(own, stiffness, _held(model, block)))
     return forms
-
-
-def _fields(block: Condensed) -> Array:
-    """Unit-motion fields and the load field where there is one."""
-    return block.displacement[:, : block.displacement.shape[1] - block.further.shape[1]]
 
 
 def _answered(residual: Array, stiffness: Array, held: NDArray[np.bool_]) -> Array:

@@ -5,12 +5,13 @@ Their factors are calibrated on throws drawn at random and checked on others (do
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import RZ, Condensed
+from cranktopo.evaluate.missed_energy import MissedEnergy
 from cranktopo.evaluate.support_stiffness import (
     BendingSupport,
     TorsionSupport,
@@ -26,11 +27,13 @@ SURPLUS_FACTOR = 2.2
 The error is 1.4 to 1.6 times the surplus with fillets and up to 2 times at sharp rings: each function answers
 alone, and what lies beyond cubic displacements is left out (`python -m tests.benchmarks.error_bounds`).
 """
-TORSION_SHAPE_FACTOR, BENDING_SHAPE_FACTOR = 8.0, 35.0
-"""Relative change of a stiffness over that of the volume, at most.
+STRAIGHT_FACTOR = 1.5
+"""Bound over the energy that straightened elements add to first order."""
+TORSION_VOLUME_FACTOR, BENDING_VOLUME_FACTOR = 6.0, 24.0
+"""Relative change of a stiffness over that of the volume, at most, where nothing else is known of the shape.
 
-Elements that would fold are straight, most of them in fillets on coarse meshes, where the material works
-hardest: measured 1 to 6 in torsion and 3 to 32 in bending.
+The edges of curved elements are parabolas, and off the surface most in fillets, where the material works
+hardest.
 """
 CHANGE_FACTOR = 3.0
 """Bound over the change from a mesh 1.5 times coarser, where the surface itself is remeshed each time.
@@ -39,47 +42,66 @@ Three is what P. J. Roache takes for two grids (Perspective: a method for unifor
 studies, J. Fluids Eng. 116, 1994).
 """
 
-DIFFERENCE_SPREAD, DIFFERENCE_UNEQUAL = 0.2, 1.0
+DIFFERENCE_SPREAD, DIFFERENCE_UNEQUAL = 0.15, 1.0
 """Bound of the error of a difference over the mean of two bounds, and over the difference between these."""
 
 
-def torsion_surplus(
-    block: Condensed, form: Array, support: TorsionSupport, spring_N_per_mm: float = 0.0
+def torsion_bound_percent(
+    block: Condensed, missed: MissedEnergy, support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> float:
-    """Share of the twist under a torque that cubic displacements would add.
+    """Bound of the torsional stiffness's relative error, %.
 
     Args:
         block: antisymmetric, as `torsional_stiffness_Nm_per_rad` takes it.
-        form: energy that the block's fields miss, of `energy_surplus`.
+        missed: by the fields of this block.
     """
-    motion = torsion_motion(block, support, spring_N_per_mm)
-    return float(motion @ form @ motion) / float(motion[block.motions.index(RZ)])
+    shares = torsion_shares(block, (missed.surplus, missed.straight), support, spring_N_per_mm)
+    return bound_percent(*shares, missed.volume_error, TORSION_VOLUME_FACTOR)
 
 
-def bending_surplus(
-    block: Condensed, form: Array, support: BendingSupport, spring_N_per_mm: float = 0.0
+def bending_bound_percent(
+    block: Condensed, missed: MissedEnergy, support: BendingSupport, spring_N_per_mm: float = 0.0
 ) -> float:
-    """Share of the mean pin displacement that cubic displacements would add.
+    """Bound of the bending stiffness's relative error, %.
 
     Args:
         block: symmetric, as `bending_stiffness_N_per_mm` takes it.
-        form: energy that the block's fields miss, of `energy_surplus`.
+        missed: by the fields of this block.
     """
+    shares = bending_shares(block, (missed.surplus, missed.straight), support, spring_N_per_mm)
+    return bound_percent(*shares, missed.volume_error, BENDING_VOLUME_FACTOR)
+
+
+def torsion_shares(
+    block: Condensed, forms: Sequence[Array], support: TorsionSupport, spring_N_per_mm: float = 0.0
+) -> list[float]:
+    """Shares of the twist under a torque that energies over the fields of a block would add."""
+    motion = torsion_motion(block, support, spring_N_per_mm)
+    twist = float(motion[block.motions.index(RZ)])
+    return [float(motion @ form @ motion) / twist for form in forms]
+
+
+def bending_shares(
+    block: Condensed, forms: Sequence[Array], support: BendingSupport, spring_N_per_mm: float = 0.0
+) -> list[float]:
+    """Shares of the mean pin displacement that energies over the fields of a block would add."""
     motion = bending_motion(block, block.load, support, spring_N_per_mm)
-    amplitudes = np.append(motion, 1.0 / block.parts)
     displacement = block.load_compliance + float(block.load @ motion)
-    return float(amplitudes @ form @ amplitudes) / displacement
+    amplitudes = np.append(motion, 1.0 / block.parts)
+    return [float(amplitudes @ form @ amplitudes) / displacement for form in forms]
 
 
-def bound_percent(surplus: float, volume_error: float, shape_factor: float) -> float:
+def bound_percent(surplus: float, straight: float, volume_error: float, volume_factor: float) -> float:
     """Bound of a stiffness's relative error, %.
 
     Args:
         surplus: share of the displacement under load that cubic displacements would add.
-        volume_error: volume of the mesh over that of the body, less one.
-        shape_factor: how much more a stiffness changes than the volume.
+        straight: share of it that straightened elements miss.
+        volume_error: volume of the mesh over that of the body, less one, without what straight elements add.
+        volume_factor: how much more a stiffness changes than the volume, at most.
     """
-    return 100 * (SURPLUS_FACTOR * surplus + shape_factor * abs(volume_error))
+    shape = STRAIGHT_FACTOR * abs(straight) + volume_factor * abs(volume_error)
+    return 100 * (SURPLUS_FACTOR * surplus + shape)
 
 
 def change_bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float | None]) -> float:

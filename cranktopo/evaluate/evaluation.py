@@ -10,17 +10,14 @@ from typing import Any, TypeVar
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.condense import condense
-from cranktopo.evaluate.cubic_surplus import energy_surplus
 from cranktopo.evaluate.elasticity import Order, assemble
 from cranktopo.evaluate.error_bound import (
-    BENDING_SHAPE_FACTOR,
-    TORSION_SHAPE_FACTOR,
-    bending_surplus,
-    bound_percent,
+    bending_bound_percent,
     change_bound_percent,
-    torsion_surplus,
+    torsion_bound_percent,
 )
 from cranktopo.evaluate.mesh_memory import check_element_size
+from cranktopo.evaluate.missed_energy import missed_energies, volume_error
 from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.support_stiffness import (
     BendingSupport,
@@ -230,8 +227,7 @@ def condensed_stiffness(
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
     model = assemble(meshed.mesh, youngs, poisson, order)
     mirrored = meshed.mesh.mirrored
-    volume_error = model.volume_mm3 * (2 if mirrored else 1) / meshed.half.volume_mm3 - 1
-    _check_volume(meshed, volume_error)
+    _check_volume(meshed, volume_error(model, meshed))
     twist, bend = side_by_side(
         lambda: condense(model, scene, "antisymmetric", "odd" if mirrored else "none"),
         lambda: condense(model, scene, "symmetric", "even" if mirrored else "none"),
@@ -241,12 +237,10 @@ def condensed_stiffness(
     nodes = model.nodes_mm.shape[1]
     errors: tuple[ByName, ByName] = ({}, {})
     if order == 2:
-        twisted, bent = energy_surplus(model, (twist, bend), youngs, poisson, scene.web_z_mm[1])
-        in_torsion = _by_support(partial(torsion_surplus, twist, twisted), _TORSION, scene)
-        in_bending = _by_support(partial(bending_surplus, bend, bent), _BENDING, scene)
+        twisted, bent = missed_energies(model, meshed, (twist, bend), scene)
         errors = (
-            _bounds(in_torsion, volume_error, TORSION_SHAPE_FACTOR),
-            _bounds(in_bending, volume_error, BENDING_SHAPE_FACTOR),
+            _by_support(partial(torsion_bound_percent, twist, twisted), _TORSION, scene),
+            _by_support(partial(bending_bound_percent, bend, bent), _BENDING, scene),
         )
     seconds = time.perf_counter() - start
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds, *errors)
@@ -259,13 +253,6 @@ def _by_support(
     spring = bearing_spring_N_per_mm(scene)
     return {
         name: None if name == "spring" and not spring else found(name, spring or 0.0) for name in supports
-    }
-
-
-def _bounds(surplus: ByName, volume_error: float, shape_factor: float) -> ByName:
-    return {
-        name: None if share is None else bound_percent(share, volume_error, shape_factor)
-        for name, share in surplus.items()
     }
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.effects import plan
 from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.error_bound import change_bound_percent
+from cranktopo.evaluate.error_bound import TORSION_VOLUME_FACTOR, bound_percent, change_bound_percent
 from cranktopo.evaluate.evaluation import (
     RATIO,
     SCHEMA_VERSION,
@@ -21,11 +21,13 @@ from cranktopo.evaluate.evaluation import (
     throw_inertia_kg_mm2,
 )
 from cranktopo.evaluate.mesh_memory import check_element_size
+from cranktopo.evaluate.missed_energy import missed_energies
 from cranktopo.evaluate.shaft_assembly import (
     Bearings,
     ShaftStiffness,
     shaft_matrix,
     shaft_stiffness,
+    throw_blocks,
     throw_matrix,
 )
 from cranktopo.evaluate.targets import Target
@@ -36,6 +38,8 @@ from cranktopo.meshing.solid_mesh import MeshedThrow
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import LOADS, SHAFT, Assumption, among, assumed_json
 from cranktopo.units import MPA_PER_GPA
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,9 @@ class ShaftEvaluation:
 def evaluate_shaft(
     target: Target, bearings: Bearings, element_size_mm: float | None = None
 ) -> ShaftEvaluation:
-    """Assemble the throws of a target by its firing order, on a mesh and on one 1.5 times coarser.
+    """Assemble the throws of a target by its firing order.
+
+    Triangles are remeshed: a mesh 1.5 times coarser tells how much that matters.
 
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
@@ -90,14 +96,14 @@ def evaluate_shaft(
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
-    meshes = [mesh_target(target, size * factor) for factor in (RATIO, 1.0)]
-    coarse, stiffness = (
-        shaft_stiffness(shaft_matrix(_throw(meshed, scene), angles), bearings, spring) for meshed in meshes
-    )
-    inertia = throw_inertia_kg_mm2(meshes[-1], scene)
+    meshed = mesh_target(target, size)
+    stiffness, error = _on_mesh(meshed, scene, bearings, spring)
+    if target.triangles:
+        coarse, _ = _on_mesh(mesh_target(target, size * RATIO), scene, bearings, spring)
+        error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
+    inertia = throw_inertia_kg_mm2(meshed, scene)
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
-    mass = len(angles) * meshed_throw_kg(meshes[-1], scene)
-    error = change_bound_percent(coarse.by_name(), stiffness.by_name())
+    mass = len(angles) * meshed_throw_kg(meshed, scene)
     assumed = among(target.assumed, shaft_tables(scene, bearings))
     return ShaftEvaluation(target.name, angles, bearings, mass, inertia, stiffness, error, disks, assumed)
 
@@ -131,7 +137,30 @@ def shaft_tables(scene: Scene, bearings: Bearings) -> tuple[str, ...]:
     return (*SHAFT, LOADS)
 
 
-def _throw(meshed: MeshedThrow, scene: Scene) -> NDArray[np.float64]:
-    """Stiffness of a throw over the motions of its two sections, (12, 12)."""
+def _on_mesh(
+    meshed: MeshedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float
+) -> tuple[ShaftStiffness, float]:
+    """Stiffnesses of the shaft, and the bound of their relative error by what the mesh itself misses, %."""
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
-    return throw_matrix(model, scene, meshed.mesh.mirrored)
+    blocks = throw_blocks(model, scene, meshed.mesh.mirrored)
+    missed = missed_energies(model, meshed, [block for _, block in blocks], scene)
+
+    def stiffness(throw: Array) -> ShaftStiffness:
+        return shaft_stiffness(shaft_matrix(throw, scene.shaft_angles_deg), bearings, spring_N_per_mm)
+
+    throw = throw_matrix(blocks)
+    found = stiffness(throw)
+    surplus, straight = (
+        _softer(found, stiffness(throw - throw_matrix(blocks, forms)))
+        for forms in ([m.surplus for m in missed], [m.straight for m in missed])
+    )
+    left = missed[0].volume_error
+    return found, max(
+        bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus
+    )
+
+
+def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:
+    """Share of each twist that energy which a mesh misses would add."""
+    softer = without.by_name()
+    return {name: value / softer[name] - 1 for name, value in found.by_name().items()}

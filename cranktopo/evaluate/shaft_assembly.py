@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import RX, RZ, UX, UY, Condensed, condense
+from cranktopo.evaluate.condense import RX, RZ, UX, UY, Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity
 from cranktopo.frames import Parity
 from cranktopo.scene import Scene
@@ -21,6 +21,7 @@ Bearings = Literal["free", "rigid", "spring"]
 
 _MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 """Motion of the far section in the mirror z -> pitch - z of a motion of the near one."""
+_SIGNS: dict[Parity, int] = {"symmetric": 1, "antisymmetric": -1}
 _LENGTH_MM = 50.0
 """Scales rotations to displacements where a rank is decided."""
 
@@ -43,26 +44,30 @@ class ShaftStiffness:
         return {"end to end": self.end_to_end_Nm_per_rad, **throws}
 
 
-def throw_matrix(model: Elasticity, scene: Scene, mirrored: bool) -> Array:
-    """Stiffness of the full throw over the six motions of its near and then its far section, (12, 12).
-
-    Each section moves in its own axes, parallel to those of the throw; units mm, rad, N, N mm.
+def throw_blocks(model: Elasticity, scene: Scene, mirrored: bool) -> list[tuple[Parity, Condensed]]:
+    """The half throw condensed over all six motions of its section, symmetric and antisymmetric.
 
     Raises:
         CranktopoError: a failed solve.
     """
-    identity = np.eye(6)
-    symmetric = np.hstack([identity, _MIRROR]) / 2
-    antisymmetric = np.hstack([identity, -_MIRROR]) / 2
-    parities: tuple[tuple[Parity, Array], ...] = (
-        ("symmetric", symmetric),
-        ("antisymmetric", antisymmetric),
-    )
+    laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
+    return [(parity, condense(model, scene, parity, lateral)) for parity in _SIGNS for lateral in laterals]
+
+
+def throw_matrix(blocks: Sequence[tuple[Parity, Condensed]], forms: Sequence[Array] | None = None) -> Array:
+    """Stiffness of the full throw over the six motions of its near and then its far section, (12, 12).
+
+    Each section moves in its own axes, parallel to those of the throw; units mm, rad, N, N mm.
+
+    Args:
+        blocks: of `throw_blocks`.
+        forms: another form of each block, over its motions first.
+    """
     total = np.zeros((12, 12))
-    for parity, split in parities:
-        laterals: tuple[Literal["even", "odd", "none"], ...] = ("even", "odd") if mirrored else ("none",)
-        half = _expand([condense(model, scene, parity, lateral) for lateral in laterals])
-        total += 2 * split.T @ half @ split
+    for (parity, block), form in zip(blocks, forms or [b.stiffness for _, b in blocks], strict=True):
+        count = len(block.motions)
+        split = np.hstack([np.eye(6), _SIGNS[parity] * _MIRROR])[list(block.motions)] / 2
+        total += 2 * split.T @ form[:count, :count] @ split
     return total
 
 
@@ -97,14 +102,6 @@ def shaft_stiffness(shaft: Array, bearings: Bearings, spring_N_per_mm: float = 0
     steps = np.diff(twist[RZ::6])
     per_throw = tuple(float(1.0 / step / NMM_PER_NM) for step in steps)
     return ShaftStiffness(float(1.0 / steps.sum() / NMM_PER_NM), per_throw)
-
-
-def _expand(blocks: Sequence[Condensed]) -> Array:
-    """Blocks over some motions put into one matrix over all six."""
-    full = np.zeros((6, 6))
-    for block in blocks:
-        full[np.ix_(block.motions, block.motions)] = block.stiffness
-    return full
 
 
 def _turn(angle: float) -> Array:

@@ -47,11 +47,14 @@ class TetMesh:
         points_mm: nodes, shape (3, nodes).
         cells: node numbers, shape (10, elements), VTK order (corners, then edges 01 12 02 03 13 23).
         mirrored: the mesh is the half x >= 0 of a body symmetric in x.
+        off_surface_mm: from each node to where the surface would have it, but for elements that would fold,
+            shape (3, nodes); None: all nodes are there.
     """
 
     points_mm: NDArray[np.float64]
     cells: NDArray[np.int64]
     mirrored: bool
+    off_surface_mm: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -238,5 +241,6 @@ def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
     cells = nodes[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)
     compact = np.ascontiguousarray(compact.reshape(cells.shape).T)
-    points, _ = straighten_folded(np.ascontiguousarray(coordinates[used].T), compact)
-    return TetMesh(points, compact, mirrored)
+    curved = np.ascontiguousarray(coordinates[used].T)
+    points, _ = straighten_folded(curved, compact)
+    return TetMesh(points, compact, mirrored, curved - points)

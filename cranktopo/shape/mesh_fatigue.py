@@ -18,6 +18,7 @@ from cranktopo.evaluate.condense import Condensed
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.lsa import lsa
+from cranktopo.evaluate.node_gradients import centrifugal_slopes, mean_slopes, section_slopes, work_slopes
 from cranktopo.evaluate.safety_field import load_kinds, lsa_strength, unit_loads
 from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.stress import nodal_stress
@@ -28,7 +29,6 @@ from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, su
 from cranktopo.evaluate.unit_fields import UnitField, loaded, support_spring, twisted
 from cranktopo.loads.histories import LoadHistory, load_history
 from cranktopo.scene import Scene
-from cranktopo.shape.node_gradients import centrifugal_slopes, mean_slopes, section_slopes, work_slopes
 from cranktopo.shape.stress_adjoint import stress_adjoint
 from cranktopo.units import MPA_PER_GPA, density_tonne_per_mm3
 

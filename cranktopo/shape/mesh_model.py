@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity, assemble, centrifugal_force
+from cranktopo.evaluate.node_gradients import moments
 from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.meshing.solid_mesh import MeshedThrow, TetMesh, mesh_throw
 from cranktopo.remodel.dimensions import scene_at
@@ -24,7 +25,6 @@ from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.shape.mesh_fatigue import FilletFatigue
 from cranktopo.shape.mesh_stiffness import bending_slopes, torsion_slopes
 from cranktopo.shape.moved_mesh import MovedMesh
-from cranktopo.shape.node_gradients import moments
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 
 Array = NDArray[np.float64]

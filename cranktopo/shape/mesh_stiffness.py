@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import RZ, Condensed
 from cranktopo.evaluate.elasticity import Elasticity
+from cranktopo.evaluate.node_gradients import mean_slopes, section_slopes, work_slopes
 from cranktopo.evaluate.support_stiffness import (
     bending_motion,
     bending_stiffness_N_per_mm,
@@ -19,7 +20,6 @@ from cranktopo.evaluate.support_stiffness import (
 )
 from cranktopo.evaluate.unit_fields import support_spring
 from cranktopo.scene import Scene
-from cranktopo.shape.node_gradients import mean_slopes, section_slopes, work_slopes
 from cranktopo.units import MPA_PER_GPA
 
 Array = NDArray[np.float64]

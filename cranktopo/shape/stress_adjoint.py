@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import STIFFNESS_ORDER, Elasticity
+from cranktopo.evaluate.node_gradients import displacement_slopes, full_tensor, gather, shape_slopes
 from cranktopo.evaluate.stress import NodalStress, hooke, nodes_from_points
 from cranktopo.evaluate.surface import Surface, node_points, triangle_gradients
 from cranktopo.meshing.curving import shape_gradients
-from cranktopo.shape.node_gradients import displacement_slopes, full_tensor, gather, shape_slopes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

@@ -10,8 +10,18 @@ import pytest
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import RZ
-from cranktopo.evaluate.shaft_assembly import Bearings, shaft_matrix, shaft_stiffness, throw_matrix
+from cranktopo.evaluate.evaluation import evaluate
+from cranktopo.evaluate.shaft import evaluate_shaft
+from cranktopo.evaluate.shaft_assembly import (
+    Bearings,
+    shaft_matrix,
+    shaft_stiffness,
+    throw_blocks,
+    throw_matrix,
+)
+from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.solid_mesh import mesh_throw
+from cranktopo.scene import load_scene
 from tests.physics.evaluation_cases import elastic, mikron_with
 
 Array = NDArray[np.float64]
@@ -100,9 +110,18 @@ def test_mikron_shaft_on_rigid_bearings() -> None:
     """Four sharp throws 0-180-180-0: 152.5 kN m/rad a throw, between 138.2 free and 187.3 held."""
     scene = mikron_with(fillet_mm=0.0)
     mesh = mesh_throw(scene, 6.3).mesh
-    throw = throw_matrix(elastic(mesh, scene), scene, mesh.mirrored)
+    throw = throw_matrix(throw_blocks(elastic(mesh, scene), scene, mesh.mirrored))
     alone = shaft_stiffness(shaft_matrix(throw, (0.0,)), "free")
     assert alone.end_to_end_Nm_per_rad == pytest.approx(138.2e3, rel=5e-3)
     shaft = shaft_stiffness(shaft_matrix(throw, (0.0, 180.0, 180.0, 0.0)), "rigid")
     print(shaft)
     assert 4 * shaft.end_to_end_Nm_per_rad == pytest.approx(152.5e3, rel=5e-3)
+
+
+def test_a_shaft_of_one_throw_has_the_bound_of_the_throw() -> None:
+    """With free bearings both are the same problem; the shaft adds energies, the throw shares of its own."""
+    target = Target("piston", load_scene("opposed-piston"))
+    shaft = evaluate_shaft(target, "free", 24.0)
+    throw = evaluate(target, 24.0).fine
+    assert shaft.stiffness.end_to_end_Nm_per_rad == pytest.approx(throw.torsion["free"], rel=1e-5)
+    assert shaft.error_percent == pytest.approx(throw.torsion_error_percent["free"], rel=0.05)

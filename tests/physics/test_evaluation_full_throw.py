@@ -17,7 +17,7 @@ from skfem import Basis, ElementTetP2
 from cranktopo.evaluate.condense import RX, RZ, UX, UY, condense, plane_nodes, section_motions
 from cranktopo.evaluate.elasticity import Elasticity
 from cranktopo.evaluate.linear import solve_symmetric
-from cranktopo.evaluate.shaft_assembly import throw_matrix
+from cranktopo.evaluate.shaft_assembly import throw_blocks, throw_matrix
 from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
 from cranktopo.scene import Scene
@@ -121,7 +121,7 @@ def test_same_algebra_on_the_doubled_mesh() -> None:
     half = mesh_throw(scene, 12.0, graded=False).mesh
     assert not half.mirrored
     full = full_throw(doubled(half, scene.pitch_mm), scene)
-    matrix = throw_matrix(elastic(half, scene), scene, mirrored=False)
+    matrix = throw_matrix(throw_blocks(elastic(half, scene), scene, mirrored=False))
     scale = np.abs(full.stiffness / np.outer(LENGTHS, LENGTHS)).max()
     assert np.abs((matrix - full.stiffness) / np.outer(LENGTHS, LENGTHS)).max() < 1e-8 * scale
     assert condensed(half, scene) == pytest.approx(stiffnesses(full), rel=1e-7)

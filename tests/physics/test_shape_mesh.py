@@ -10,6 +10,7 @@ import pytest
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.elasticity import assemble, centrifugal_force
 from cranktopo.evaluate.fillets import fillet_nodes
+from cranktopo.evaluate.node_gradients import centrifugal_slopes
 from cranktopo.evaluate.safety_field import load_kinds, safety_field
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.stress_model import Quality, StressModel, images_of
@@ -19,7 +20,6 @@ from cranktopo.loads.histories import load_history
 from cranktopo.remodel.family import Layout
 from cranktopo.scene import Scene
 from cranktopo.shape.mesh_model import MeshModel, MeshResponses
-from cranktopo.shape.node_gradients import centrifugal_slopes
 from cranktopo.shape.stress_adjoint import stress_adjoint
 from cranktopo.units import MPA_PER_GPA
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web

@@ -5,19 +5,21 @@ Own basis, own element matrices and own solver, so that nothing of the estimate 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, cg
 from skfem import Basis, ElementTetP2
 
 from cranktopo.evaluate.condense import Condensed, condense
 from cranktopo.evaluate.elasticity import Elasticity, assemble, beyond, mean_displacement
+from cranktopo.evaluate.error_bound import bending_shares, torsion_shares
 from cranktopo.evaluate.evaluation import mesh_target
 from cranktopo.evaluate.linear import two_level_cycle
+from cranktopo.evaluate.straightened import straightened
 from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from cranktopo.evaluate.targets import Target
 from cranktopo.units import MPA_PER_GPA
@@ -29,14 +31,20 @@ FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 _QUADRATURE = 4
 _RESIDUAL = 3e-3
 """Of the solve for what cubic displacements add; the energy is good to its square."""
+_MOST_ITERATIONS = 200
 
 
 @dataclass(frozen=True)
 class Both:
-    """A stiffness of one mesh with quadratic and with cubic displacements."""
+    """A stiffness of one mesh with quadratic and with cubic displacements.
+
+    Attributes:
+        straight: share of the displacement under load that straightened elements miss, to first order.
+    """
 
     quadratic: float
     cubic: float
+    straight: float
 
 
 def both_orders(target: Target, element_size_mm: float) -> dict[str, Both]:
@@ -52,7 +60,9 @@ def both_orders(target: Target, element_size_mm: float) -> dict[str, Both]:
     stiff_bend = cubic.condensed(bend, scene.web_z_mm[1])
     torsion = [torsional_stiffness_Nm_per_rad(block, "free") for block in (twist, stiff_twist)]
     bending = [bending_stiffness_N_per_mm(block, "pinned") for block in (bend, stiff_bend)]
-    return {"torsion": Both(*torsion), "bending": Both(*bending)}
+    forms, _ = straightened(model, meshed.mesh, (twist, bend), youngs, poisson)
+    shares = torsion_shares(twist, forms[:1], "free"), bending_shares(bend, forms[1:], "pinned")
+    return {"torsion": Both(*torsion, *shares[0]), "bending": Both(*bending, *shares[1])}
 
 
 class _Cubic:
@@ -78,9 +88,9 @@ class _Cubic:
         self.diagonal = self.gather @ np.einsum("eii->ei", self.matrices).ravel()
 
     def times(self, field: Array) -> Array:
-        """Forces of a displacement field."""
-        forces = np.matmul(self.matrices, field[self.unknowns][:, :, None])
-        return np.asarray(self.gather @ forces.ravel())
+        """Forces of displacement fields, (unknowns, fields)."""
+        forces = np.matmul(self.matrices, field[self.unknowns])
+        return np.asarray(self.gather @ forces.reshape(-1, field.shape[1]))
 
     def condensed(self, block: Condensed, pin_from_mm: float) -> Condensed:
         """The block with cubic displacements."""
@@ -91,7 +101,7 @@ class _Cubic:
         loads = np.zeros_like(fields)
         if fields.shape[1] > motions:
             loads[:, motions] = self._pin_load(pin_from_mm)
-        forces = np.stack([self.times(field) for field in fields.T]).T
+        forces = self.times(fields)
         gain = self._gain(block, loads - forces)
         energy = fields.T @ forces
         stiffness = block.parts * (energy - gain)[:motions, :motions]
@@ -112,22 +122,20 @@ class _Cubic:
         cycle = two_level_cycle(inner, self.model.prolongation[nodal][:, corners])
 
         def product(x: Array) -> Array:
-            field = np.zeros(self.count)
-            field[free] = x.ravel()
+            field = np.zeros((self.count, x.shape[1]))
+            field[free] = x
             return self.times(field)[free]
 
         def precondition(x: Array) -> Array:
-            x = x.ravel()
-            corrected = cycle(x[: len(nodal), None])[:, 0]
-            return np.concatenate([corrected, x[len(nodal) :] / self.diagonal[free[len(nodal) :]]])
+            further = x[len(nodal) :] / self.diagonal[free[len(nodal) :], None]
+            return np.vstack([cycle(x[: len(nodal)]), further])
 
-        shape = (len(free), len(free))
-        operator, inverse = (LinearOperator(shape, f, dtype=float) for f in (product, precondition))
         right = residual[free]
         answers = np.zeros_like(right)
-        for column in np.flatnonzero(np.linalg.norm(right, axis=0) > 1e-9 * np.linalg.norm(right)):
-            answers[:, column] = cg(operator, right[:, column], rtol=_RESIDUAL, M=inverse)[0]
-        left = right - np.stack([product(answer) for answer in answers.T]).T
+        sizes = np.linalg.norm(right, axis=0)
+        asked = np.flatnonzero(sizes > 1e-9 * np.linalg.norm(right))
+        answers[:, asked] = _solved(product, precondition, right[:, asked])
+        left = right - product(answers)
         gain = right.T @ answers + answers.T @ left
         return np.asarray((gain + gain.T) / 2)
 
@@ -184,3 +192,21 @@ class _Cubic:
         edges = fixed[mesh.edges].all(axis=0) & fixed[mesh.nvertices :]
         faces = fixed[mesh.facets].all(axis=0) & edges[mesh.f2e].all(axis=0)
         return np.flatnonzero(np.vstack([fixed, edges, faces]).ravel())
+
+
+def _solved(product: Callable[[Array], Array], precondition: Callable[[Array], Array], right: Array) -> Array:
+    """Conjugate gradients for all right sides at once, as each product reads all element matrices."""
+    answer, residual = np.zeros_like(right), right.copy()
+    way = steps = precondition(residual)
+    slope = (residual * steps).sum(axis=0)
+    for _ in range(_MOST_ITERATIONS):
+        forces = product(way)
+        share = slope / (way * forces).sum(axis=0)
+        answer += share * way
+        residual -= share * forces
+        if (np.linalg.norm(residual, axis=0) <= _RESIDUAL * np.linalg.norm(right, axis=0)).all():
+            return answer
+        steps = precondition(residual)
+        before, slope = slope, (residual * steps).sum(axis=0)
+        way = steps + slope / before * way
+    raise AssertionError(f"no solution in {_MOST_ITERATIONS} iterations")

@@ -23,14 +23,22 @@ _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Places of a symmetric tensor's entries among the six components."""
 
 
-def work_slopes(model: Elasticity, youngs_MPa: float, poisson: float, first: Array, second: Array) -> Array:
+def work_slopes(
+    model: Elasticity,
+    youngs_MPa: float,
+    poisson: float,
+    first: Array,
+    second: Array,
+    elements: NDArray[np.intp] | None = None,
+) -> Array:
     """Derivative of first' K second by the nodes, (3, nodes), N.
 
     Args:
         first, second: displacements, (unknowns,), mm.
+        elements: those that count; by default all.
     """
     total = np.zeros(model.nodes_mm.shape)
-    for basis in _chunks(model, STIFFNESS_ORDER):
+    for basis in chunks(model, STIFFNESS_ORDER, elements):
         shapes = shape_slopes(basis)
         slopes = [displacement_slopes(basis, shapes, u) for u in (first, second)]
         stresses = [full_tensor(hooke(tensor_strain(s), youngs_MPa, poisson)) for s in slopes]
@@ -78,7 +86,7 @@ def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) ->
 def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: Array) -> Array:
     """Derivative of `centrifugal_force(model, density) @ field` by the nodes, (3, nodes)."""
     total = np.zeros(model.nodes_mm.shape)
-    for basis in _chunks(model, LOAD_ORDER):
+    for basis in chunks(model, LOAD_ORDER):
         values, place = _values(basis), np.asarray(basis.global_coordinates())
         nodes = field.reshape(-1, 3)[basis.element_dofs]  # (10, e, 3)
         moved = np.einsum("neq,nei->ieq", values, nodes)
@@ -95,7 +103,7 @@ def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: A
 def moments(model: Elasticity) -> tuple[Array, Array]:
     """Volume, its moment in y and that of x2 + y2, (3,), and their derivatives by the nodes."""
     totals, slopes = np.zeros(3), np.zeros((3, *model.nodes_mm.shape))
-    for basis in _chunks(model, LOAD_ORDER):
+    for basis in chunks(model, LOAD_ORDER):
         x, y, _ = np.asarray(basis.global_coordinates())
         shapes, values, zero = shape_slopes(basis), _values(basis), np.zeros_like(x)
         weights = (np.ones_like(x), (zero, zero)), (y, (zero, zero + 1)), (x * x + y * y, (2 * x, 2 * y))
@@ -108,12 +116,13 @@ def moments(model: Elasticity) -> tuple[Array, Array]:
     return totals, slopes
 
 
-def _chunks(model: Elasticity, order: int) -> Iterator[Any]:
+def chunks(model: Elasticity, order: int, elements: NDArray[np.intp] | None = None) -> Iterator[Any]:
+    """Bases of some thousand elements each, together those given; by default all."""
     from skfem import Basis, ElementTetP2
 
-    for start in range(0, model.mesh.nelements, _CHUNK):
-        elements = np.arange(start, min(start + _CHUNK, model.mesh.nelements))
-        yield Basis(model.mesh, ElementTetP2(), intorder=order, elements=elements)
+    numbers = np.arange(model.mesh.nelements) if elements is None else elements
+    for start in range(0, len(numbers), _CHUNK):
+        yield Basis(model.mesh, ElementTetP2(), intorder=order, elements=numbers[start : start + _CHUNK])
 
 
 def shape_slopes(basis: Any) -> Array:
