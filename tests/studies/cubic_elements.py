@@ -5,13 +5,13 @@ Own basis, own element matrices and own solver, so that nothing of the estimate 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, cg
 from skfem import Basis, ElementTetP2
 
 from cranktopo.evaluate.condense import Condensed, condense
@@ -31,7 +31,6 @@ FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 _QUADRATURE = 4
 _RESIDUAL = 3e-3
 """Of the solve for what cubic displacements add; the energy is good to its square."""
-_MOST_ITERATIONS = 200
 
 
 @dataclass(frozen=True)
@@ -88,9 +87,9 @@ class _Cubic:
         self.diagonal = self.gather @ np.einsum("eii->ei", self.matrices).ravel()
 
     def times(self, field: Array) -> Array:
-        """Forces of displacement fields, (unknowns, fields)."""
-        forces = np.matmul(self.matrices, field[self.unknowns])
-        return np.asarray(self.gather @ forces.reshape(-1, field.shape[1]))
+        """Forces of a displacement field."""
+        forces = np.matmul(self.matrices, field[self.unknowns][:, :, None])
+        return np.asarray(self.gather @ forces.ravel())
 
     def condensed(self, block: Condensed, pin_from_mm: float) -> Condensed:
         """The block with cubic displacements."""
@@ -101,7 +100,7 @@ class _Cubic:
         loads = np.zeros_like(fields)
         if fields.shape[1] > motions:
             loads[:, motions] = self._pin_load(pin_from_mm)
-        forces = self.times(fields)
+        forces = np.stack([self.times(field) for field in fields.T]).T
         gain = self._gain(block, loads - forces)
         energy = fields.T @ forces
         stiffness = block.parts * (energy - gain)[:motions, :motions]
@@ -122,20 +121,22 @@ class _Cubic:
         cycle = two_level_cycle(inner, self.model.prolongation[nodal][:, corners])
 
         def product(x: Array) -> Array:
-            field = np.zeros((self.count, x.shape[1]))
-            field[free] = x
+            field = np.zeros(self.count)
+            field[free] = x.ravel()
             return self.times(field)[free]
 
         def precondition(x: Array) -> Array:
-            further = x[len(nodal) :] / self.diagonal[free[len(nodal) :], None]
-            return np.vstack([cycle(x[: len(nodal)]), further])
+            x = x.ravel()
+            corrected = cycle(x[: len(nodal), None])[:, 0]
+            return np.concatenate([corrected, x[len(nodal) :] / self.diagonal[free[len(nodal) :]]])
 
+        shape = (len(free), len(free))
+        operator, inverse = (LinearOperator(shape, f, dtype=float) for f in (product, precondition))
         right = residual[free]
         answers = np.zeros_like(right)
-        sizes = np.linalg.norm(right, axis=0)
-        asked = np.flatnonzero(sizes > 1e-9 * np.linalg.norm(right))
-        answers[:, asked] = _solved(product, precondition, right[:, asked])
-        left = right - product(answers)
+        for column in np.flatnonzero(np.linalg.norm(right, axis=0) > 1e-9 * np.linalg.norm(right)):
+            answers[:, column] = cg(operator, right[:, column], rtol=_RESIDUAL, M=inverse)[0]
+        left = right - np.stack([product(answer) for answer in answers.T]).T
         gain = right.T @ answers + answers.T @ left
         return np.asarray((gain + gain.T) / 2)
 
@@ -192,21 +193,3 @@ class _Cubic:
         edges = fixed[mesh.edges].all(axis=0) & fixed[mesh.nvertices :]
         faces = fixed[mesh.facets].all(axis=0) & edges[mesh.f2e].all(axis=0)
         return np.flatnonzero(np.vstack([fixed, edges, faces]).ravel())
-
-
-def _solved(product: Callable[[Array], Array], precondition: Callable[[Array], Array], right: Array) -> Array:
-    """Conjugate gradients for all right sides at once, as each product reads all element matrices."""
-    answer, residual = np.zeros_like(right), right.copy()
-    way = steps = precondition(residual)
-    slope = (residual * steps).sum(axis=0)
-    for _ in range(_MOST_ITERATIONS):
-        forces = product(way)
-        share = slope / (way * forces).sum(axis=0)
-        answer += share * way
-        residual -= share * forces
-        if (np.linalg.norm(residual, axis=0) <= _RESIDUAL * np.linalg.norm(right, axis=0)).all():
-            return answer
-        steps = precondition(residual)
-        before, slope = slope, (residual * steps).sum(axis=0)
-        way = steps + slope / before * way
-    raise AssertionError(f"no solution in {_MOST_ITERATIONS} iterations")
