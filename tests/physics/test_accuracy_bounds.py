@@ -25,8 +25,8 @@ def test_the_evaluations_bounds_hold_and_are_tight() -> None:
 
 @pytest.mark.slow
 def test_differences_have_smaller_bounds() -> None:
-    """Three pairs; all of them by `python -m tests.benchmarks.error_estimates --pairs`."""
-    rows = list(pair_errors(9))
+    """Nine pairs, the worst among them; all by `python -m tests.benchmarks.error_estimates --pairs`."""
+    rows = [row for seed in (0, 8, 9) for row in pair_errors(seed)]
     assert all(row.holds for row in rows), rows
     assert median(row.bound_percent / row.single_percent for row in rows) < 1 / 3
 
