@@ -13,6 +13,7 @@ from cranktopo.cad.drilling_solid import add_drillings, drill
 from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.cad.web_solid import DimTags, add_solid, add_web
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.frames import about_z_deg
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
 from cranktopo.scene.features import web_bodies
@@ -91,7 +92,7 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     bodies: DimTags = []
     for index, angle in enumerate(angles):
         copy = occ.copy(throw)
-        occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(angle))
+        occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle)))
         occ.translate(copy, 0, 0, index * scene.pitch_mm)
         bodies += copy
     occ.remove(throw, recursive=True)

@@ -32,6 +32,7 @@ from cranktopo.evaluate.shaft_assembly import (
 )
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.torsional import disk_model
+from cranktopo.frames import about_z_deg
 from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
 from cranktopo.loads.disk_chain import DiskChain
 from cranktopo.meshing.solid_mesh import MeshedThrow
@@ -145,8 +146,10 @@ def _on_mesh(
     blocks = throw_blocks(model, scene, meshed.mesh.mirrored)
     missed = missed_energies(model, meshed, [block for _, block in blocks], scene)
 
+    turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
+
     def stiffness(throw: Array) -> ShaftStiffness:
-        return shaft_stiffness(shaft_matrix(throw, scene.shaft_angles_deg), bearings, spring_N_per_mm)
+        return shaft_stiffness(shaft_matrix(throw, turned_deg), bearings, spring_N_per_mm)
 
     throw = throw_matrix(blocks)
     found = stiffness(throw)

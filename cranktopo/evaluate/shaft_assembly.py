@@ -72,7 +72,7 @@ def throw_matrix(blocks: Sequence[tuple[Parity, Condensed]], forms: Sequence[Arr
 
 
 def shaft_matrix(throw: Array, angles_deg: Sequence[float]) -> Array:
-    """Stiffness of a shaft of equal throws turned about the crank axis, shape (6 (n + 1), 6 (n + 1))."""
+    """Stiffness of a shaft of equal throws turned about z, right-handed, shape (6 (n + 1), 6 (n + 1))."""
     shaft = np.zeros((6 * (len(angles_deg) + 1),) * 2)
     for index, angle in enumerate(angles_deg):
         turn = _turn(math.radians(angle))

@@ -259,7 +259,7 @@ class Scene(SceneTable):
 
     @property
     def shaft_angles_deg(self) -> tuple[float, ...]:
-        """Angle of every throw of the shaft about the crank axis, deg, cylinder 1 first and at 0.
+        """Angle of every throw of the shaft in the sense of rotation, deg, cylinder 1 first and at 0.
 
         Raises:
             CranktopoError: no engine, so nothing says how many throws the shaft has.

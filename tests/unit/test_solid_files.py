@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -29,6 +30,22 @@ def test_step_keeps_the_volume(part: SolidPart, mikron: Scene, tmp_path: Path) -
     volume = export_solid(mikron, part, path)
     assert step_volume_mm3(path) == pytest.approx(volume, rel=1e-6)
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_throws_of_a_shaft_are_turned_in_the_sense_of_rotation(mikron: Scene) -> None:
+    """In line, three cylinders, firing 1-2-3: throw 2 fires next but one third of two turns later.
+
+    It is 240 deg short of its dead centre, so 120 deg ahead from +y towards +x.
+    """
+    data = mikron.model_dump(mode="json", exclude_none=True)
+    data["engine"] |= {"cylinders": 3, "firing_order": [1, 2, 3]}
+    scene = scene_from_dict(data)
+    x, y, z = surface_of(scene, "crankshaft").vertices_mm.T
+    radius, pin = scene.throw.radius_mm, scene.throw.crankpin
+    middle = np.abs(z - 1.5 * scene.pitch_mm) < pin.length_mm / 2 - pin.fillet_mm
+    distance = np.hypot(x[middle] - radius * math.sin(math.radians(120)), y[middle] + radius / 2)
+    assert middle.any()
+    assert distance.max() < pin.radius_mm + 1e-6
 
 
 def test_parts_add_up(mikron: Scene, tmp_path: Path) -> None:
