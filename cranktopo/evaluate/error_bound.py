@@ -55,8 +55,9 @@ def torsion_bound_percent(
         block: antisymmetric, as `torsional_stiffness_Nm_per_rad` takes it.
         missed: by the fields of this block.
     """
-    shares = torsion_shares(block, (missed.surplus, missed.straight), support, spring_N_per_mm)
-    return bound_percent(*shares, missed.volume_error, TORSION_VOLUME_FACTOR)
+    forms = (missed.surplus, missed.straight)
+    surplus, straight = torsion_shares(block, forms, support, spring_N_per_mm)
+    return bound_percent(surplus, straight, missed.volume_error, TORSION_VOLUME_FACTOR)
 
 
 def bending_bound_percent(
@@ -68,8 +69,9 @@ def bending_bound_percent(
         block: symmetric, as `bending_stiffness_N_per_mm` takes it.
         missed: by the fields of this block.
     """
-    shares = bending_shares(block, (missed.surplus, missed.straight), support, spring_N_per_mm)
-    return bound_percent(*shares, missed.volume_error, BENDING_VOLUME_FACTOR)
+    forms = (missed.surplus, missed.straight)
+    surplus, straight = bending_shares(block, forms, support, spring_N_per_mm)
+    return bound_percent(surplus, straight, missed.volume_error, BENDING_VOLUME_FACTOR)
 
 
 def torsion_shares(

@@ -31,7 +31,8 @@ def straightened(
     away = np.zeros(model.nodes_mm.shape)
     if mesh.off_surface_mm is not None:
         away[:, model.mesh.dofs.element_dofs] = mesh.off_surface_mm[:, mesh.cells]
-    moved = np.flatnonzero(away.any(axis=0)[model.mesh.dofs.element_dofs].any(axis=0))
+    off = (away != 0).any(axis=0, keepdims=True)[0]
+    moved = np.flatnonzero(off[model.mesh.dofs.element_dofs].any(axis=0))
     if not len(moved):
         return [np.zeros((block.fields.shape[1],) * 2) for block in blocks], 0.0
     forms = [-block.parts * _added(model, block, away, moved, youngs_MPa, poisson) for block in blocks]

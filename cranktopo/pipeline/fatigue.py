@@ -55,8 +55,13 @@ class FatigueAssessment:
     def as_json(self) -> dict[str, Any]:
         """The object that `fatigue --json` prints."""
         data = fatigue_json(self.results, self.loads, self.baseline)
-        for entry, assumed in zip(data["fatigue"], self.assumed, strict=True):
+        for entry, assumed, target in zip(data["fatigue"], self.assumed, self.targets, strict=True):
             entry["assumed"] = assumed_json(assumed)
+            settings = target.scene.fatigue
+            entry["surface_treatment"] = {
+                "factor": settings.surface_treatment_factor,
+                "source": settings.surface_treatment_source or None,
+            }
         return data
 
     def compared(self) -> FatigueComparison:
@@ -99,6 +104,9 @@ def assess_fatigue(
     for target in resolved:
         check_inputs(target, method, loads)
     print_assumed(resolved, USED, info)
+    for target in resolved:
+        if target.scene.fatigue.treatment:
+            info(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target, info) for target in resolved]
     assumed = tuple(among(target.assumed, USED) for target in resolved)
     if method == "m53":

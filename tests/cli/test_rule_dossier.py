@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from cranktopo.evaluate.m53 import FilletCheck, concentration_factors, nominal_s
 from cranktopo.evaluate.rule_check import AlternatingLoads, RuleCheck, dimensions
 from cranktopo.evaluate.stress_model import Quality
 from cranktopo.evaluate.targets import Target
+from cranktopo.scene.loading import designs_folder
 
 QUALITY = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
 
@@ -55,6 +57,25 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert row(text, "torsional vibration")[1] == "off"
     assert "signature" in text
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
+
+
+@pytest.mark.usefixtures("no_solve")
+@pytest.mark.parametrize("source", ["", "rolled, tests of the forge 12/2025"])
+def test_a_factor_of_the_surface_treatment_is_told_with_its_source(
+    source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene, path = tmp_path / "treated.toml", tmp_path / "dossier.md"
+    design = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    given = f'surface_treatment_factor = 1.3\nsurface_treatment_source = "{source}"\n'
+    scene.write_text(f"{design}\n[fatigue]\n{given}", encoding="utf-8")
+    assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--json"]) == 0
+    told = capsys.readouterr()
+    said = source or "NO SOURCE"
+    assert f"times 1.3 for their surface treatment: {said}" in told.err
+    assert f"times 1.3 for their surface treatment: {said}" in path.read_text(encoding="utf-8")
+    entry = json.loads(told.out)["fatigue"][0]
+    assert entry["surface_treatment"] == {"factor": 1.3, "source": source or None}
+    assert not any("source" in assumed["key"] for assumed in entry["assumed"])
 
 
 @pytest.mark.parametrize(

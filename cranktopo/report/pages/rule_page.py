@@ -148,7 +148,7 @@ def _material(scene: Scene) -> list[tuple[str, str]]:
         ("tensile strength", f"{material.ultimate_MPa:g} MPa"),
         ("Young's modulus, Poisson's ratio", f"{material.E_GPa:g} GPa, {material.poisson:g}"),
         ("factor K of the forging process", f"{fatigue.process_factor:g}"),
-        ("factor of the surface treatment", f"{fatigue.surface_treatment_factor:g}"),
+        ("surface treatment", fatigue.treatment or "none counted"),
         ("additional bending stress", f"{fatigue.additional_stress_MPa:g} MPa"),
     ]
 
