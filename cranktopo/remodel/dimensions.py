@@ -79,7 +79,7 @@ def rounded(scene: Scene, layout: Layout, values: Array) -> Array:
 
 def all_bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[Array, Array]:
     """Lower and upper bounds of all parameters, (n,) each; those of features for the thickest web."""
-    low, high = bounds(layout, _thickest(scene, layout), limits)
+    low, high = bounds(layout, _end_of_thickness(scene, layout, 1), limits)
     sizes = np.array([_range(scene, name) for name in layout.dimensions]).reshape(-1, 2)
     return np.concatenate([low, sizes[:, 0]]), np.concatenate([high, sizes[:, 1]])
 
@@ -96,8 +96,10 @@ def size_rules(layout: Layout, values: Array, scene: Scene, limits: Manufacturin
     if any("fillet" in name for name in layout.dimensions):
         found += _ellipse_rules(sized)
     if "web_thickness" in layout.dimensions:
-        most, thickest = (bounds(layout, of, limits)[1] for of in (sized, _thickest(scene, layout)))
-        for k in np.flatnonzero(most < thickest):
+        ends = (_end_of_thickness(scene, layout, end) for end in (0, 1))
+        most, thinnest, thickest = (bounds(layout, of, limits)[1] for of in (sized, *ends))
+        # The same rules at every thickness, its ends included: their slopes are differences.
+        for k in np.flatnonzero(thinnest < thickest):
             found.append((f"room for {layout.names[k]} in the thickness of the web", values[k] - most[k]))
     return found
 
@@ -127,10 +129,10 @@ def _ellipse_rules(scene: Scene) -> Iterator[Rule]:
             yield shape, fillet.axial_mm - high * fillet.radial_mm + CLEAR_MM
 
 
-def _thickest(scene: Scene, layout: Layout) -> Scene:
-    """The scene with its greatest thickness; as it is where that is not free."""
+def _end_of_thickness(scene: Scene, layout: Layout, end: int) -> Scene:
+    """The scene with its least (0) or greatest (1) thickness; as it is where that is not free."""
     found = free_range_mm(scene, "web_thickness") if "web_thickness" in layout.dimensions else None
-    return with_dimensions(scene, {"web_thickness": found[1]} if found else {})
+    return with_dimensions(scene, {"web_thickness": found[end]} if found else {})
 
 
 def _range(scene: Scene, name: DimensionName) -> tuple[float, float]:

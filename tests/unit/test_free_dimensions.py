@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from cranktopo.errors import CranktopoError
-from cranktopo.remodel.dimensions import scene_at, with_free, with_part
+from cranktopo.remodel.dimensions import scene_at, size_rules, with_free, with_part
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.initial_guess import with_stations
+from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.scene import Scene
 from cranktopo.scene.features import Counterweight
 from cranktopo.scene.features.bevel import FittedBevel
@@ -101,3 +102,17 @@ def test_features_and_stations_come_before_the_dimensions_of_the_throw() -> None
     sized = scene_at(before, more, grown)
     assert (sized.throw.crankpin.fillet_mm, sized.throw.main_journal.bore_diameter_mm) == (4.0, 20.0)
     assert scene_at(before, Layout(7), outline) is before
+
+
+def test_the_rules_of_the_thickness_are_the_same_at_every_thickness() -> None:
+    """Their slopes are differences: at the greatest thickness a rule may not come or go."""
+    free = scene("web_thickness_mm = [18, 24]")
+    outline = np.array([-27.0, 76.0, 18.0, 30.0, 28.0, 27.0, 17.0])
+    layout, values = with_free(Layout(7), outline, free, ("web_thickness",))
+    layout, values = with_part(layout, values, FittedBevel("pin"), np.array([-1.0, 8.0, 0.5]))
+    found = []
+    for thickness in (17.999, 18.0, 21.0, 24.0, 24.001):
+        values[-1] = thickness
+        found.append([name for name, _ in size_rules(layout, values, free, ManufacturingLimits())])
+    assert found[0]
+    assert all(names == found[0] for names in found)
