@@ -10,10 +10,12 @@ import numpy as np
 from cranktopo.loads.disk_chain import Array, ComplexArray, Mode
 from cranktopo.loads.shaft_chain import ShaftChain
 from cranktopo.loads.torque_harmonics import TorqueHarmonics, curve_of
+from cranktopo.loads.varying_inertia import HARMONICS, coupled_response_rad
 from cranktopo.units import angular_speed_rad_s
 
 ORDERS = 24
 SPEEDS = 200
+_STEPS_OF_RISE = 5
 _POINTS_PER_ORDER = 16
 """Angles of a cycle for each order of a sum whose range is looked for."""
 
@@ -83,6 +85,11 @@ class Vibration:
         order = self.orders[int(np.abs(self.torque_Nm[speed, :, section]).argmax())]
         return Worst(speed, section, float(order))
 
+    @property
+    def worst_Nm(self) -> float:
+        """That largest torque amplitude."""
+        return float(self.torque_amplitude_Nm[self.worst.speed_index, self.worst.section])
+
     def barred_rpm(self, permitted_shear_MPa: float) -> tuple[tuple[float, float], ...]:
         """Ranges of speed where the crankshaft's nominal alternating shear stress is above the permitted."""
         inside = np.array(self.shaft.in_crankshaft)
@@ -118,18 +125,31 @@ def critical_speeds(
 
 
 def speeds_to_solve(
-    range_rpm: tuple[float, float], critical: Sequence[CriticalSpeed], count: int = SPEEDS
+    range_rpm: tuple[float, float], critical: Sequence[CriticalSpeed], count: int = SPEEDS, rise: float = 0.0
 ) -> Array:
-    """Even steps over a range, and every critical speed in it."""
-    return np.unique(np.concatenate([np.linspace(*range_rpm, count), [c.speed_rpm for c in critical]]))
+    """Even steps over a range, and every critical speed in it.
+
+    Args:
+        rise: how much higher than a critical speed its peak may lie, of that speed; steps up to it are added.
+    """
+    steps = 1 + rise * np.linspace(0, 1, _STEPS_OF_RISE if rise else 1)
+    peaks = np.outer([c.speed_rpm for c in critical], steps).ravel()
+    return np.unique(np.concatenate([np.linspace(*range_rpm, count), peaks[peaks <= range_rpm[1]]]))
 
 
 def vibration(
-    shaft: ShaftChain, harmonics: TorqueHarmonics, speeds_rpm: Array, orders: int = ORDERS
+    shaft: ShaftChain,
+    harmonics: TorqueHarmonics,
+    speeds_rpm: Array,
+    orders: int = ORDERS,
+    varying_kg_m2: ComplexArray | None = None,
 ) -> Vibration:
     """Steady vibration of a shaft at each speed.
 
     Orders above the solved ones are taken as if the shaft were rigid.
+
+    Args:
+        varying_kg_m2: harmonics of the throws' inertia; None for their mean inertia alone.
     """
     solved = harmonics.orders[1 : orders + 1]
     frequency = angular_speed_rad_s(1.0) * speeds_rpm[:, None] * solved
@@ -139,7 +159,13 @@ def vibration(
     free_end = np.empty(len(speeds_rpm))
     for index, speed in enumerate(speeds_rpm):
         excited = on_disks(shaft, harmonics.of_throws_Nm(float(speed)))
-        twist[index] = shaft.chain.response_rad(frequency[index], excited[1 : orders + 1])
+        if varying_kg_m2 is None:
+            twist[index] = shaft.chain.response_rad(frequency[index], excited[1 : orders + 1])
+        else:
+            # The last orders feel those above them: as many more are solved as the inertia reaches.
+            more = harmonics.orders[1 : 1 + orders + round(HARMONICS / float(harmonics.orders[1]))]
+            w, torques = angular_speed_rad_s(float(speed)), excited[1 : 1 + len(more)]
+            twist[index] = coupled_response_rad(shaft, more, w, torques, varying_kg_m2)[:orders]
         torque[index] = shaft.chain.section_torque_Nm(frequency[index], twist[index])
         amplitude[index] = _half_range(section_curves_Nm(shaft, excited, torque[index]))
         relative = twist[index, :, :-1] - twist[index, :, 1:]

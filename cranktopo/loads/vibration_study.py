@@ -12,6 +12,7 @@ from cranktopo.loads.disk_chain import Mode
 from cranktopo.loads.run_up import RunUp, run_up
 from cranktopo.loads.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.loads.torque_harmonics import torque_harmonics
+from cranktopo.loads.varying_inertia import VaryingPart, varying_part
 from cranktopo.loads.vibration import (
     CriticalSpeed,
     Vibration,
@@ -34,10 +35,12 @@ class VibrationStudy:
     Attributes:
         stiffness_source: where the torsional stiffness of the throws comes from.
         critical: crossings of orders and natural frequencies in the range.
-        varying_inertia_percent: second harmonic of a throw's inertia, which the model leaves out.
+        varying_inertia_percent: second harmonic of a throw's inertia over its mean.
+        varying: whether the response has the varying part of the inertia.
+        mean_response: the response with the mean inertia alone.
         barred_rpm: ranges above the permitted stress; None where no stress is given.
         warnings: what the shaft leaves out, one line each.
-        run_up: passage through the range in a given time, if one was asked for.
+        run_up: passage through the range in a given time, if one was asked for; with the mean inertia.
     """
 
     scene: Scene
@@ -46,6 +49,8 @@ class VibrationStudy:
     critical: tuple[CriticalSpeed, ...]
     response: Vibration
     varying_inertia_percent: float
+    varying: VaryingPart
+    mean_response: Vibration
     barred_rpm: tuple[tuple[float, float], ...] | None
     warnings: tuple[str, ...]
     run_up: RunUp | None = None
@@ -54,6 +59,15 @@ class VibrationStudy:
     def shaft(self) -> ShaftChain:
         """The chain of disks."""
         return self.response.shaft
+
+    @property
+    def varying_change_percent(self) -> float | None:
+        """What the varying part changes in the largest torque amplitude; None where it is left out."""
+        return (
+            100 * (self.response.worst_Nm / self.mean_response.worst_Nm - 1)
+            if self.varying.included
+            else None
+        )
 
     def as_json(self) -> dict[str, Any]:
         """The object that `vibration --json` prints, but for what the design leaves out."""
@@ -83,6 +97,11 @@ class VibrationStudy:
             ],
             "damping": _damping(self.scene.shaft or ShaftTable()),
             "varying_inertia_percent": self.varying_inertia_percent,
+            "varying_inertia": {
+                "estimate_percent": self.varying.share_percent,
+                "included": self.varying.included,
+                "torque_change_percent": self.varying_change_percent,
+            },
             "critical_speeds": [
                 {
                     "speed_rpm": found.speed_rpm,
@@ -102,7 +121,7 @@ class VibrationStudy:
 
     def _worst(self) -> dict[str, Any]:
         worst, response = self.response.worst, self.response
-        amplitude = float(response.torque_amplitude_Nm[worst.speed_index, worst.section])
+        amplitude = response.worst_Nm
         by_order = np.abs(response.torque_Nm[worst.speed_index, :, worst.section])
         return {
             "speed_rpm": float(response.speeds_rpm[worst.speed_index]),
@@ -189,13 +208,27 @@ def study_vibration(
     speeds = speed_range_rpm(scene)
     modes = shaft.chain.modes()
     critical = critical_speeds(shaft, modes, harmonics, speeds)
-    response = vibration(shaft, harmonics, speeds_to_solve(speeds, critical))
+    part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
+    response = mean = vibration(shaft, harmonics, speeds_to_solve(speeds, critical))
+    if part.included:
+        solved = speeds_to_solve(speeds, critical, rise=part.rise)
+        response = vibration(shaft, harmonics, solved, varying_kg_m2=part.counting_kg_m2)
     permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
     barred = None if permitted is None else response.barred_rpm(permitted)
     varying = varying_inertia_percent(scene, throw_inertia_kg_mm2)
     passage = None if run_up_s is None else run_up(shaft, harmonics, speeds, run_up_s)
     return VibrationStudy(
-        scene, stiffness_source, modes, critical, response, varying, barred, shaft_warnings(scene), passage
+        scene,
+        stiffness_source,
+        modes,
+        critical,
+        response,
+        varying,
+        part,
+        mean,
+        barred,
+        shaft_warnings(scene),
+        passage,
     )
 
 

@@ -29,14 +29,9 @@ def critical_table(study: VibrationStudy) -> ResultTable:
     for found in study.critical:
         if found.share < _WEAK:
             continue
-        index = int(abs(response.speeds_rpm - found.speed_rpm).argmin())
-        torque = max(
-            float(amplitude)
-            for amplitude, inside in zip(
-                response.torque_amplitude_Nm[index], study.shaft.in_crankshaft, strict=True
-            )
-            if inside
-        )
+        low, high = found.speed_rpm, found.speed_rpm * (1 + study.varying.rise)
+        near = (response.speeds_rpm >= low) & (response.speeds_rpm <= high)
+        torque = float(response.torque_amplitude_Nm[near][:, list(study.shaft.in_crankshaft)].max())
         row: dict[str, Cell] = {"speed_rpm": found.speed_rpm, "order": found.order, "mode": str(found.mode)}
         row |= {"kind": "major" if found.major else "minor", "cylinders_helping_percent": 100 * found.share}
         rows.append({**row, "torque_amplitude_Nm": torque, "shear_MPa": study.shaft.shear_MPa(torque)})
@@ -67,7 +62,7 @@ def sections_table(study: VibrationStudy) -> ResultTable:
 def worst_sentence(study: VibrationStudy) -> str:
     """The largest torque of the crankshaft in one sentence."""
     worst, response = study.response.worst, study.response
-    amplitude = float(response.torque_amplitude_Nm[worst.speed_index, worst.section])
+    amplitude = response.worst_Nm
     return (
         f"The crankshaft's torque swings most at {response.speeds_rpm[worst.speed_index]:.0f} rpm between "
         f"{study.shaft.sections[worst.section].replace(' - ', ' and ')}: +-{amplitude:.1f} N m, "
@@ -87,11 +82,21 @@ def barred_sentence(study: VibrationStudy) -> str:
 
 
 def varying_sentence(study: VibrationStudy) -> str:
-    """What the mean inertia leaves out, in one sentence."""
-    return (
-        "Rod and piston count with their mean inertia; it varies by "
-        f"+-{study.varying_inertia_percent:.1f} % of a throw's over a turn."
+    """Whether the varying inertia of rod and piston counts, by what estimate, and what it changes."""
+    part, threshold = study.varying, 100 * study.scene.effects.threshold
+    start = (
+        f"The inertia of rod and piston varies over a turn by +-{study.varying_inertia_percent:.1f} % of a "
+        f"throw's, +-{part.share_percent:.1f} % of what swings in a natural vibration"
     )
+    change = study.varying_change_percent
+    if change is not None:
+        return (
+            f"{start}, above the threshold of {threshold:g} %: included, it changes the largest torque "
+            f"amplitude by {change:+.1f} %."
+        )
+    if part.share_percent < threshold:
+        return f"{start}, below the threshold of {threshold:g} %: they count with their mean inertia."
+    return f"{start}: left out without [shaft], they count with their mean inertia."
 
 
 def run_up_sentence(study: VibrationStudy) -> str:
@@ -100,9 +105,10 @@ def run_up_sentence(study: VibrationStudy) -> str:
     if worst is None or passage is None:
         return ""
     speed, section, torque = worst
-    steady = float(study.response.torque_amplitude_Nm[:, section].max())
+    steady = float(study.mean_response.torque_amplitude_Nm[:, section].max())
+    inertia = ", with mean inertia," if study.varying.included else ""
     return (
-        f"In a run-up of {passage.seconds:g} s it swings most at {speed:.0f} rpm between "
+        f"In a run-up of {passage.seconds:g} s{inertia} it swings most at {speed:.0f} rpm between "
         f"{study.shaft.sections[section].replace(' - ', ' and ')}: +-{torque:.1f} N m, "
         f"{100 * torque / steady:.0f} % of the largest steady vibration there."
     )
