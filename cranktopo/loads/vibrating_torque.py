@@ -9,8 +9,9 @@ from cranktopo.loads.disk_chain import Array
 from cranktopo.loads.engine_torque import ShaftTorque
 from cranktopo.loads.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.loads.torque_harmonics import TorqueHarmonics, torque_harmonics
+from cranktopo.loads.varying_inertia import VaryingPart, varying_part
 from cranktopo.loads.vibration import (
-    ORDERS,
+    CriticalSpeed,
     critical_speeds,
     on_disks,
     section_curves_Nm,
@@ -19,7 +20,6 @@ from cranktopo.loads.vibration import (
 )
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_shaft import speed_range_rpm
-from cranktopo.units import angular_speed_rad_s
 
 
 def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
@@ -28,12 +28,11 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
     Raises:
         CranktopoError: no torque over the cycle, or nothing at the takeoff.
     """
-    shaft, harmonics = _model(scene, enabled)
+    shaft, harmonics, _, part = _model(scene, enabled)
     speed = scene.engine.speed_rpm if scene.engine else 0.0
     excited = on_disks(shaft, harmonics.of_throws_Nm(speed))
-    frequency = angular_speed_rad_s(speed) * harmonics.orders[1 : ORDERS + 1]
-    twist = shaft.chain.response_rad(frequency, excited[1 : ORDERS + 1])
-    curves = section_curves_Nm(shaft, excited, shaft.chain.section_torque_Nm(frequency, twist))
+    found = vibration(shaft, harmonics, np.array([speed]), varying_kg_m2=part.counting_kg_m2)
+    curves = section_curves_Nm(shaft, excited, found.torque_Nm[0])
     cycle = 360.0 / float(harmonics.orders[1])
     angle = np.arange(curves.shape[1]) * cycle / curves.shape[1]
     return ShaftTorque(angle, curves[shaft.behind], _ahead(shaft, curves))
@@ -45,20 +44,25 @@ def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
     Raises:
         CranktopoError: as `vibrating_torque`.
     """
-    shaft, harmonics = _model(scene, enabled)
-    speeds = speed_range_rpm(scene)
-    critical = critical_speeds(shaft, shaft.chain.modes(), harmonics, speeds)
-    found = vibration(shaft, harmonics, speeds_to_solve(speeds, critical))
+    shaft, harmonics, critical, part = _model(scene, enabled)
+    speeds = speeds_to_solve(speed_range_rpm(scene), critical, rise=part.rise)
+    found = vibration(shaft, harmonics, speeds, varying_kg_m2=part.counting_kg_m2)
     return float(found.speeds_rpm[found.worst.speed_index])
 
 
-def _model(scene: Scene, enabled: frozenset[str]) -> tuple[ShaftChain, TorqueHarmonics]:
+def _model(
+    scene: Scene, enabled: frozenset[str]
+) -> tuple[ShaftChain, TorqueHarmonics, tuple[CriticalSpeed, ...], VaryingPart]:
+    """The shaft, the torques of its cylinders, its critical speeds, the varying part of its inertia."""
     shaft, harmonics = estimated_chain(scene), torque_harmonics(scene, enabled)
     if harmonics is None:
         raise invalid("engine.gas", None, "must be given for the torque of a vibrating shaft")
     if len(shaft.names) == shaft.first + shaft.throws:
         raise invalid("shaft.flywheel", None, "must be given, or another part at the takeoff")
-    return shaft, harmonics
+    modes = shaft.chain.modes()
+    critical = critical_speeds(shaft, modes, harmonics, speed_range_rpm(scene))
+    part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
+    return shaft, harmonics, critical, part
 
 
 def _ahead(shaft: ShaftChain, curves: Array) -> Array:

@@ -14,7 +14,11 @@ HOLE = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}
 
 
 @pytest.mark.parametrize(
-    ("fillet_mm", "pocket"), [(2.5, []), (0.0, [HOLE])], ids=["round", "sharp, lopsided"]
+    ("fillet_mm", "pocket"),
+    [
+        pytest.param(2.5, [], id="round"),
+        pytest.param(0.0, [HOLE], id="sharp, lopsided", marks=pytest.mark.slow),  # a minute: no mirror
+    ],
 )
 def test_the_bound_is_more_than_what_cubic_displacements_take_off(
     fillet_mm: float, pocket: list[dict[str, object]]
