@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.evaluate.m53 import FilletCheck, fatigue_strength_MPa
-from cranktopo.loads.histories import HistoryKind, load_history
+from cranktopo.loads.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.scene import Scene
 from cranktopo.scene.drilling import Channel, Mouth, channels
 from cranktopo.units import NMM_PER_NM
@@ -85,12 +85,16 @@ def check_outlets(
     Raises:
         CranktopoError: the scene does not tell the loads.
     """
-    return tuple(
-        _check(scene, channel, mouth, kind, enabled, torque_Nmm)
+    outlets = [
+        (channel, mouth)
         for channel in channels(scene)
         for mouth in channel.mouths
         if mouth.journal == "crankpin" and not mouth.in_bore
-    )
+    ]
+    if not outlets:
+        return ()
+    history = load_history(scene, kind, enabled | {"tangential"})
+    return tuple(_check(scene, channel, mouth, kind, history, torque_Nmm) for channel, mouth in outlets)
 
 
 def _check(
@@ -98,14 +102,14 @@ def _check(
     channel: Channel,
     mouth: Mouth,
     kind: HistoryKind,
-    enabled: frozenset[str],
+    history: LoadHistory,
     torque_Nmm: float,
 ) -> OutletCheck:
     pin, bore = scene.throw.crankpin, 2 * channel.radius_mm
     size = pin.outer_diameter_mm
     gamma = outlet_factors(bore, size)
     modulus = math.pi / 32 * (size**4 - pin.bore_diameter_mm**4) / size
-    bending = _alternating_moment_Nmm(scene, mouth, kind, enabled) / modulus
+    bending = _alternating_moment_Nmm(scene, mouth, kind, history) / modulus
     torsion = torque_Nmm / (2 * modulus)
     settings = scene.fatigue
     # Factors of the process above 1, and treatments of the fillets, count in the fillets alone.
@@ -118,11 +122,10 @@ def _check(
     return OutletCheck(channel.key, angle, *gamma, bending, torsion, check, _outside(bore / size, mouth))
 
 
-def _alternating_moment_Nmm(scene: Scene, mouth: Mouth, kind: HistoryKind, enabled: frozenset[str]) -> float:
+def _alternating_moment_Nmm(scene: Scene, mouth: Mouth, kind: HistoryKind, history: LoadHistory) -> float:
     """Alternating moment at the outlet: triangular diagrams of radial and tangential force."""
     aside, along, _ = mouth.normal
     lever = mouth.point_mm[2] / 2
-    history = load_history(scene, kind, enabled | {"tangential"})
     if kind == "cycle":
         at = history.tangential_N * aside - history.radial_N * along
         return lever * float(np.ptp(at)) / 2

@@ -127,7 +127,8 @@ def check_rule(
     """
     scene = target.scene
     check_method(scene, "m53")
-    history = load_history(scene, kind, load_kinds(scene, kind)[0])
+    enabled = load_kinds(scene, kind)[0]
+    history = load_history(scene, kind, enabled)
     force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
     size = dimensions(scene)
     moment = force / 2 * web_lever_mm(scene)
@@ -147,7 +148,7 @@ def check_rule(
         _checks(scene, size, closed, nominal),
         _checks(scene, size, elements, nominal),
         model.quality,
-        check_outlets(scene, kind, load_kinds(scene, kind)[0], torque * NMM_PER_NM),
+        check_outlets(scene, kind, enabled, torque * NMM_PER_NM),
     )
 
 

@@ -19,7 +19,7 @@ from cranktopo.loads.forces import (
 )
 from cranktopo.loads.gas import PressureCurve, pressure_curve
 from cranktopo.loads.kinematics import Array, exact_motion, series_motion
-from cranktopo.loads.vibrating_torque import vibrating_torque
+from cranktopo.loads.vibrating_torque import vibrating_torque, worst_speed_rpm
 from cranktopo.scene import Scene
 from cranktopo.scene.engine import Engine
 from cranktopo.units import NMM_PER_NM
@@ -86,6 +86,15 @@ def at_speed(scene: Scene, speed_rpm: float) -> Scene:
     """The scene with its engine at another speed; gas pressures stay as they are."""
     engine = engine_of(scene).model_copy(update={"speed_rpm": speed_rpm})
     return scene.model_copy(update={"engine": engine})
+
+
+def at_worst_speed(scene: Scene, enabled: frozenset[str]) -> Scene:
+    """The scene at the speed where the torque of its vibrating shaft swings most.
+
+    Raises:
+        CranktopoError: as `vibrating_torque`.
+    """
+    return at_speed(scene, worst_speed_rpm(scene, enabled))
 
 
 def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnalysis:

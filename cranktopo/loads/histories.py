@@ -8,10 +8,9 @@ from typing import Literal
 import numpy as np
 
 from cranktopo.errors import CranktopoError
-from cranktopo.loads.analysis import Cycle, analyse, at_speed, engine_of
+from cranktopo.loads.analysis import Cycle, analyse, at_worst_speed, engine_of
 from cranktopo.loads.kinematics import Array
 from cranktopo.loads.states import extreme_states
-from cranktopo.loads.vibrating_torque import worst_speed_rpm
 from cranktopo.scene import Scene
 from cranktopo.scene.engine import Engine
 from cranktopo.units import angular_speed_rad_s
@@ -90,7 +89,7 @@ def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory
     """The cycle at the engine's speed; of a vibrating shaft also that at its worst speed."""
     if "torsional_vibration" not in enabled:
         return _one_cycle(scene, engine, enabled)
-    worst = at_speed(scene, worst_speed_rpm(scene, enabled))
+    worst = at_worst_speed(scene, enabled)
     first, second = (_one_cycle(at, engine_of(at), enabled) for at in (scene, worst))
     joined = {
         name: np.concatenate([getattr(first, name), getattr(second, name)])

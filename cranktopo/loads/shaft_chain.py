@@ -104,7 +104,7 @@ def moving_inertia_kg_mm2(scene: Scene) -> float:
 
 
 def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
-    """Second harmonic of a throw's inertia over a turn, in percent of its mean; the model leaves it out.
+    """Second harmonic of a throw's inertia over a turn, in percent of its mean.
 
     Each reciprocating mass swings by half of itself at the throw radius, twice a turn.
     """

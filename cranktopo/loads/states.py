@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.loads.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_speed
+from cranktopo.loads.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_worst_speed
 from cranktopo.loads.forces import rotating_forces
 from cranktopo.loads.kinematics import Array
 from cranktopo.loads.load_case import LoadCase, LoadKind
-from cranktopo.loads.vibrating_torque import worst_speed_rpm
 from cranktopo.scene import Scene
 from cranktopo.units import NMM_PER_NM
 
@@ -78,7 +77,7 @@ def _twisting(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> 
     """The analysis that the torques are taken from: of a vibrating shaft that at its worst speed."""
     if "torsional_vibration" not in enabled:
         return analysis
-    return analyse(at_speed(scene, worst_speed_rpm(scene, enabled)), enabled)
+    return analyse(at_worst_speed(scene, enabled), enabled)
 
 
 def _unit_states(why: str) -> tuple[ExtremeState, ...]:

@@ -8,18 +8,10 @@ from cranktopo.errors import invalid
 from cranktopo.loads.disk_chain import Array
 from cranktopo.loads.engine_torque import ShaftTorque
 from cranktopo.loads.shaft_chain import ShaftChain, estimated_chain
-from cranktopo.loads.torque_harmonics import TorqueHarmonics, torque_harmonics
-from cranktopo.loads.varying_inertia import VaryingPart, varying_part
-from cranktopo.loads.vibration import (
-    CriticalSpeed,
-    critical_speeds,
-    on_disks,
-    section_curves_Nm,
-    speeds_to_solve,
-    vibration,
-)
+from cranktopo.loads.torque_harmonics import torque_harmonics
+from cranktopo.loads.vibrating_shaft import VibratingShaft, vibrating_shaft
+from cranktopo.loads.vibration import on_disks, section_curves_Nm
 from cranktopo.scene import Scene
-from cranktopo.scene.checks_shaft import speed_range_rpm
 
 
 def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
@@ -28,12 +20,13 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
     Raises:
         CranktopoError: no torque over the cycle, or nothing at the takeoff.
     """
-    shaft, harmonics, _, part = _model(scene, enabled)
+    model = _model(scene, enabled)
+    shaft = model.shaft
     speed = scene.engine.speed_rpm if scene.engine else 0.0
-    excited = on_disks(shaft, harmonics.of_throws_Nm(speed))
-    found = vibration(shaft, harmonics, np.array([speed]), varying_kg_m2=part.counting_kg_m2)
+    excited = on_disks(shaft, model.harmonics.of_throws_Nm(speed))
+    found = model.at(np.array([speed]))
     curves = section_curves_Nm(shaft, excited, found.torque_Nm[0])
-    cycle = 360.0 / float(harmonics.orders[1])
+    cycle = 360.0 / float(model.harmonics.orders[1])
     angle = np.arange(curves.shape[1]) * cycle / curves.shape[1]
     return ShaftTorque(angle, curves[shaft.behind], _ahead(shaft, curves))
 
@@ -44,25 +37,18 @@ def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
     Raises:
         CranktopoError: as `vibrating_torque`.
     """
-    shaft, harmonics, critical, part = _model(scene, enabled)
-    speeds = speeds_to_solve(speed_range_rpm(scene), critical, rise=part.rise)
-    found = vibration(shaft, harmonics, speeds, varying_kg_m2=part.counting_kg_m2)
+    found = _model(scene, enabled).over_the_range()
     return float(found.speeds_rpm[found.worst.speed_index])
 
 
-def _model(
-    scene: Scene, enabled: frozenset[str]
-) -> tuple[ShaftChain, TorqueHarmonics, tuple[CriticalSpeed, ...], VaryingPart]:
-    """The shaft, the torques of its cylinders, its critical speeds, the varying part of its inertia."""
+def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:
+    """The shaft with the torques of its cylinders; refused where the torque or a takeoff is missing."""
     shaft, harmonics = estimated_chain(scene), torque_harmonics(scene, enabled)
     if harmonics is None:
         raise invalid("engine.gas", None, "must be given for the torque of a vibrating shaft")
     if len(shaft.names) == shaft.first + shaft.throws:
         raise invalid("shaft.flywheel", None, "must be given, or another part at the takeoff")
-    modes = shaft.chain.modes()
-    critical = critical_speeds(shaft, modes, harmonics, speed_range_rpm(scene))
-    part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
-    return shaft, harmonics, critical, part
+    return vibrating_shaft(scene, shaft, harmonics)
 
 
 def _ahead(shaft: ShaftChain, curves: Array) -> Array:

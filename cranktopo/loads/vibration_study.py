@@ -12,16 +12,11 @@ from cranktopo.loads.disk_chain import Mode
 from cranktopo.loads.run_up import RunUp, run_up
 from cranktopo.loads.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.loads.torque_harmonics import torque_harmonics
-from cranktopo.loads.varying_inertia import VaryingPart, varying_part
-from cranktopo.loads.vibration import (
-    CriticalSpeed,
-    Vibration,
-    critical_speeds,
-    speeds_to_solve,
-    vibration,
-)
+from cranktopo.loads.varying_inertia import VaryingPart
+from cranktopo.loads.vibrating_shaft import vibrating_shaft
+from cranktopo.loads.vibration import CriticalSpeed, Vibration
 from cranktopo.scene import Scene
-from cranktopo.scene.checks_shaft import shaft_warnings, speed_range_rpm
+from cranktopo.scene.checks_shaft import shaft_warnings
 from cranktopo.scene.shaft_table import ShaftTable
 
 SCHEMA_VERSION = 1
@@ -205,30 +200,21 @@ def study_vibration(
             "shaft: one throw with nothing joined to it cannot twist.",
             hint="Add [shaft.flywheel] or [shaft.propeller].",
         )
-    speeds = speed_range_rpm(scene)
-    modes = shaft.chain.modes()
-    critical = critical_speeds(shaft, modes, harmonics, speeds)
-    part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
-    response = mean = vibration(shaft, harmonics, speeds_to_solve(speeds, critical))
-    if part.included:
-        solved = speeds_to_solve(speeds, critical, rise=part.rise)
-        response = vibration(shaft, harmonics, solved, varying_kg_m2=part.counting_kg_m2)
+    model = vibrating_shaft(scene, shaft, harmonics)
+    response = model.over_the_range()
     permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
-    barred = None if permitted is None else response.barred_rpm(permitted)
-    varying = varying_inertia_percent(scene, throw_inertia_kg_mm2)
-    passage = None if run_up_s is None else run_up(shaft, harmonics, speeds, run_up_s)
     return VibrationStudy(
         scene,
         stiffness_source,
-        modes,
-        critical,
+        model.modes,
+        model.critical,
         response,
-        varying,
-        part,
-        mean,
-        barred,
+        varying_inertia_percent(scene, throw_inertia_kg_mm2),
+        model.varying,
+        model.with_mean_inertia() if model.varying.included else response,
+        None if permitted is None else response.barred_rpm(permitted),
         shaft_warnings(scene),
-        passage,
+        None if run_up_s is None else run_up(shaft, harmonics, model.range_rpm, run_up_s),
     )
 
 

@@ -115,7 +115,7 @@ def test_built_in_designs_are_without_it(name: str, monkeypatch: pytest.MonkeyPa
         raise AssertionError
 
     for where in (
-        "loads.states.worst_speed_rpm",
+        "loads.analysis.worst_speed_rpm",
         "loads.analysis.vibrating_torque",
         "effects.vibration_rule.torque_harmonics",
     ):

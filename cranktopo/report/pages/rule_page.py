@@ -11,7 +11,7 @@ from cranktopo.evaluate.m53 import LEAST_FACTOR, ratios
 from cranktopo.evaluate.rule_check import RuleCheck
 from cranktopo.loads import LoadAnalysis, LoadCase
 from cranktopo.report.figures.plot import Picture
-from cranktopo.report.pages.page import Fact, Page, Section
+from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import effects_section, loads_section, pairs, versions_section
 from cranktopo.report.tables import rule_tables as tables
 from cranktopo.report.tables.fatigue_tables import factor_table, outlet_table
@@ -109,7 +109,7 @@ def _facts(check: RuleCheck) -> tuple[Fact, ...]:
     )
 
 
-def _status(good: bool) -> Any:
+def _status(good: bool) -> FactStatus:
     return "good" if good else "bad"
 
 

@@ -44,9 +44,10 @@ _SHAFTS: tuple[Column[_Entry], ...] = (
     Column("apart_mm", 1, lambda e: e["distance_mm"] or None),
     Column("force_N", 1, lambda e: e["force_N"]),
 )
-_GEARS: tuple[Column[_Entry], ...] = tuple(
-    Column(f"gear_{name}", 1, lambda e, name=name: e["gear"] and e["gear"][name])  # type: ignore[misc]
-    for name in ("tangential_N", "radial_N", "axial_N")
+_GEARS: tuple[Column[_Entry], ...] = (
+    Column("gear_tangential_N", 1, lambda e: e["gear"] and e["gear"]["tangential_N"]),
+    Column("gear_radial_N", 1, lambda e: e["gear"] and e["gear"]["radial_N"]),
+    Column("gear_axial_N", 1, lambda e: e["gear"] and e["gear"]["axial_N"]),
 )
 _BEARINGS: tuple[Column[_Entry], ...] = (
     Column("bearing", 0, lambda e: str(e["bearing"])),
@@ -177,7 +178,8 @@ def _left(data: _Entry, state: str) -> str:
     entries = [entry for entry in data["free"] if entry["state"] == state]
     found = []
     for name, unit, words in (("force_N", "N", "force"), ("moment_Nm", "N m", "moment")):
-        worst = max(entries, key=lambda entry, name=name: float(f"{entry[name]:.6g}"))  # type: ignore[misc]
+        sizes = [float(f"{entry[name]:.6g}") for entry in entries]
+        worst = entries[sizes.index(max(sizes))]
         size = f"{worst[name]:.4g} {unit} of order {worst['order']}"
         found.append(f"free {words} {size}" if worst[name] else f"no free {words}")
     return ", ".join(found)
