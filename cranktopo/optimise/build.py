@@ -24,6 +24,7 @@ from cranktopo.optimise.responses import (
 from cranktopo.optimise.statement import Goal, Requirement, Statement
 from cranktopo.scene.goal import Goal as WantedGoal
 from cranktopo.scene.goal import Limit
+from cranktopo.scene.goal.moved import least_size, size_of
 from cranktopo.scene.goal.quantities import quantity_named
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.schema import Optimise, Scene
@@ -94,9 +95,9 @@ def _of_volume(
 
 
 def _of_goal(goal: WantedGoal, known: Mapping[str, Response], original: Mapping[str, float]) -> Statement:
-    first = _known(known, goal.quantity, "goal")
+    first, least = _known(known, goal.quantity, "goal"), least_size(goal.quantity, original)
     return Statement(
-        (Goal(first, goal.sense, abs(original[goal.quantity]) or 1.0),),
+        (Goal(first, goal.sense, size_of(original[goal.quantity], 0.0, least)),),
         tuple(
             _requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
             for limit in goal.limits
@@ -127,4 +128,5 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
 def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> Requirement:
     own = original[limit.quantity]
     bound = limit.value / 100 * own if limit.percent else limit.value
-    return Requirement(response, limit.sense, bound, own, limit.percent)
+    least = least_size(limit.quantity, original)
+    return Requirement(response, limit.sense, bound, own, limit.percent, least)

@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.optimise.responses import Design, Response
+from cranktopo.scene.goal.moved import size_of
 
 Sense = Literal["minimise", "maximise"]
 
@@ -43,6 +44,7 @@ class Requirement:
     Attributes:
         original: value of the original web, by which a bound of zero is measured; 0 where there is none.
         percent: whether messages give values in percent of the original's.
+        least_size: of a limit on what may be 0.
     """
 
     response: Response
@@ -50,6 +52,7 @@ class Requirement:
     bound: float
     original: float = 0.0
     percent: bool = False
+    least_size: float = 0.0
 
     def __str__(self) -> str:
         return f"{self.response.name} {self.sense} {self.shown(self.bound)}"
@@ -67,11 +70,11 @@ class Requirement:
     def scaled(self, design: Design) -> jax.Array:
         """Share by which the limit is broken: at most 0 where it holds.
 
-        A lower bound of something positive is taken as bound / value - 1.
+        A lower bound of something positive is taken as bound / value - 1, unless that may be 0.
         """
         value = self.response.value(design)
         linear = self._sign * (value - self.bound) / self._size
-        if self.sense == "<=" or self.bound <= 0:
+        if self.sense == "<=" or self.bound <= 0 or self.least_size:
             return linear
         return jnp.where(value > 0, self.bound / jnp.where(value > 0, value, 1.0) - 1.0, linear)
 
@@ -85,7 +88,7 @@ class Requirement:
 
     @property
     def _size(self) -> float:
-        return abs(self.bound) or abs(self.original) or 1.0
+        return size_of(self.bound, self.original, self.least_size)
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,7 @@ class CheckedLimit:
         required, reached = self.outcome.required, self.outcome.reached
         if required is None or reached is None:
             return self.in_cells.bound
-        return moved_bound(required, self.value, reached)
+        return moved_bound(self.outcome.limit.quantity, required, self.value, reached)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from math import degrees
 
 from cranktopo.loads.load_case import LoadCase
 from cranktopo.scene.goal import Goal, Limit, QuantityName
+from cranktopo.scene.goal.moved import least_size, moved_bound, size_of
 from cranktopo.scene.goal.quantities import STIFFNESS_OF
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
 
@@ -34,14 +35,15 @@ def search_goal_of(
 
     Args:
         original: quantities of the original web in the model.
-        true_original: by the body-fitted evaluation; absolute limits keep their relation to it.
+        true_original: by the body-fitted evaluation; limits keep their relation to it.
         cases: load cases, for displacement and twist.
     """
     sign = 1.0 if goal.sense == "minimise" else -1.0
     limits = [
         found for limit in goal.limits for found in _search_limits(limit, original, true_original, cases)
     ]
-    return SearchGoal(goal.quantity, sign, abs(original[goal.quantity]), tuple(limits))
+    scale = size_of(original[goal.quantity], 0.0, least_size(goal.quantity, original))
+    return SearchGoal(goal.quantity, sign, scale, tuple(limits))
 
 
 def _search_limits(
@@ -50,12 +52,14 @@ def _search_limits(
     quantity = STIFFNESS_OF.get(limit.quantity, limit.quantity)
     if quantity not in original:
         return
+    own, true = original[quantity], truth[quantity]
     if quantity == limit.quantity:
-        sense, share = limit.sense, limit.value / 100 if limit.percent else limit.value / truth[quantity]
+        sense, required = limit.sense, limit.value / 100 * true if limit.percent else limit.value
     else:
         sense = ">=" if limit.sense == "<=" else "<="
-        share = 100 / limit.value if limit.percent else _load(quantity, cases) / limit.value / truth[quantity]
-    yield SearchLimit(quantity, sense, share * original[quantity], original[quantity])
+        required = 100 / limit.value * true if limit.percent else _load(quantity, cases) / limit.value
+    bound = moved_bound(quantity, required, own, true)
+    yield SearchLimit(quantity, sense, bound, own, least_size(quantity, original))
 
 
 def _load(stiffness: str, cases: tuple[LoadCase, ...]) -> float:

@@ -15,6 +15,7 @@ from cranktopo.remodel.family import Layout
 from cranktopo.remodel.initial_guess import with_stations
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.fitted import FittedFeature
+from cranktopo.scene.goal.moved import model_error, without_error
 from cranktopo.shape.free_bores import free_bores
 from cranktopo.shape.pocket_places import pocket_starts
 from cranktopo.shape.refining import Refinement, Told, merit, refined
@@ -93,7 +94,7 @@ class Grown:
         objective: the goal, with what slightly missed limits cost; smaller is better.
         missed: by how much it misses its limits, relative; 0 where it keeps them.
         told: its quantities in the numbers of the evaluation.
-        factors: by how much the cells overrate them; the same is taken for webs that grow from it.
+        errors: by how much the cells overrate them, also taken for webs that grow from it (`model_error`).
         exact: these by body-fitted elements; None while only the cells have told them.
         solved: webs solved to refine it.
     """
@@ -103,7 +104,7 @@ class Grown:
     objective: float
     missed: float
     told: Mapping[str, float]
-    factors: Mapping[str, float]
+    errors: Mapping[str, float]
     exact: Told | None = None
     solved: int = 0
 
@@ -185,7 +186,7 @@ class Growth:
         paid = prices_of(self.model.scene, web, best.values, best.exact, self._goal)
         cells = self.model.responses(web, best.values, self._cells_goal.quantities)
         found = Found(best.layout, best.values, best.objective, cells)
-        return pocket_starts(self.model, found, self._cells_goal.corrected(best.factors), paid)
+        return pocket_starts(self.model, found, self._cells_goal.corrected(best.errors), paid)
 
     def _ends(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
         there = {part.label for part in best.layout.parts}
@@ -217,7 +218,7 @@ class Growth:
 
         Both are refined where the cells cannot tell which is better.
         """
-        found, solved = self._on_cells(layout, start, EVALUATIONS, best.factors)
+        found, solved = self._on_cells(layout, start, EVALUATIONS, best.errors)
         if found is not None and best.missed == 0 < found.missed:
             found = None
         if found is None or not LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
@@ -236,20 +237,25 @@ class Growth:
             self._work.info(f"{step}: left out, as a web could not be solved: {error}")
 
     def _on_cells(
-        self, layout: Layout, start: Array, evaluations: int, factors: Mapping[str, float]
+        self, layout: Layout, start: Array, evaluations: int, errors: Mapping[str, float]
     ) -> tuple[Grown | None, int]:
-        """The best web of a layout by cells that overrate it by these factors, and how many were solved."""
-        goal = self._cells_goal.corrected(factors)
+        """The best web of a layout by cells that overrate it by these errors, and how many were solved."""
+        goal = self._cells_goal.corrected(errors)
         found, solved = search(self.model, layout, start, goal, self._name, self._work, evaluations, True)
         if found is None:
             return None, solved
         told = {
-            name: value / self.model.original[name] * self._original[name] / factors.get(name, 1.0)
+            name: self._told(name, value, errors)
             for name, value in found.responses.values.items()
-            if name in self._original and self.model.original[name]
+            if name in self._original
         }
         objective = merit(goal, found.responses.values)
-        return Grown(layout, found.values, objective, _doubtful(found.missed), told, factors), solved
+        return Grown(layout, found.values, objective, _doubtful(found.missed), told, errors), solved
+
+    def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
+        """A quantity of the cells in the numbers of the evaluation."""
+        told = without_error(name, value, model_error(name, self.model.original[name], self._original[name]))
+        return without_error(name, told, errors[name]) if name in errors else told
 
     @property
     def _name(self) -> str:
@@ -284,19 +290,17 @@ class Growth:
             kept["objective"],
             _doubtful(float(self._goal.excesses(exact.values).max(initial=0.0))),
             exact.values,
-            self._factors(web.layout, values, exact.values),
+            self._errors(web.layout, values, exact.values),
             exact,
             kept["solved"],
         )
 
-    def _factors(self, layout: Layout, values: Array, truth: Mapping[str, float]) -> dict[str, float]:
+    def _errors(self, layout: Layout, values: Array, truth: Mapping[str, float]) -> dict[str, float]:
         """By how much the cells overrate each quantity of the goal for a web whose truth is known."""
         cells = self.model.responses(self.model.web(layout), values, ()).values
-        before, now = self.model.original, self._original
         return {
-            name: cells[name] / before[name] * now[name] / truth[name]
+            name: model_error(name, self._told(name, cells[name], {}), truth[name])
             for name in set(self._cells_goal.quantities)
-            if before[name] and truth[name]
         }
 
     def _note(

@@ -21,6 +21,7 @@ from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, exact_web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.scene import Scene
+from cranktopo.scene.goal.quantities import quantity_named
 from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.shape.mesh_fatigue import FilletFatigue
 from cranktopo.shape.mesh_stiffness import bending_slopes, torsion_slopes
@@ -57,9 +58,11 @@ class MeshResponses:
         )
 
     def brought_to(self, truth: Mapping[str, float]) -> MeshResponses:
-        """The same as shares of a truth: its values where it tells them, with slopes in proportion."""
+        """With the values of a truth; slopes in proportion, but as they are for what may be 0."""
         both = self.values.keys() & truth.keys()
-        return self.scaled({name: truth[name] / self.values[name] for name in both if self.values[name]})
+        signed = {name for name in both if quantity_named(name).signed}
+        found = self.scaled({name: truth[name] / self.values[name] for name in both - signed})
+        return MeshResponses(found.values | {name: truth[name] for name in signed}, found.slopes)
 
 
 class MeshModel:

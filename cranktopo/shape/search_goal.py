@@ -9,6 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.scene.goal.moved import size_of, with_error
+from cranktopo.scene.goal.quantities import quantity_named
+
 Array = NDArray[np.float64]
 
 
@@ -19,12 +22,14 @@ class SearchLimit:
     Attributes:
         value: in the quantity's unit.
         original: the original web's, which is the size of a limit of zero.
+        least_size: of a limit on what may be 0.
     """
 
     quantity: str
     sense: Literal["<=", ">="]
     value: float
     original: float = field(default=1.0, compare=False)
+    least_size: float = field(default=0.0, compare=False)
 
     @property
     def sign(self) -> float:
@@ -34,12 +39,16 @@ class SearchLimit:
     @property
     def per_size(self) -> float:
         """Its sign over its size, which turns an excess into a share."""
-        return self.sign / (abs(self.value) or abs(self.original) or 1.0)
+        return self.sign / size_of(self.value, self.original, self.least_size)
+
+    def corrected(self, errors: Mapping[str, float]) -> SearchLimit:
+        """The limit for a model that errs."""
+        if self.quantity not in errors:
+            return self
+        return replace(self, value=with_error(self.quantity, self.value, errors[self.quantity]))
 
     def tightened(self, share: float) -> SearchLimit:
-        """The limit moved by a share of its size; an unbalance may be limited to 0 or less."""
-        if self.value > 0:
-            return replace(self, value=self.value * (1 - self.sign * share))
+        """The limit moved by a share of its size."""
         return replace(self, value=self.value - share / self.per_size)
 
 
@@ -51,16 +60,18 @@ class SearchGoal:
         quantity: the quantity of the goal.
         sign: 1 minimises it, -1 maximises it.
         scale: its value for the original web, which makes the objective one.
+        shift: by how much a model overrates a quantity that may be 0.
     """
 
     quantity: str
     sign: float
     scale: float
     limits: tuple[SearchLimit, ...]
+    shift: float = 0.0
 
     def objective(self, values: Mapping[str, float]) -> float:
         """The goal, smaller is better; 1 or -1 for the original web."""
-        return self.sign * values[self.quantity] / self.scale
+        return self.sign * (values[self.quantity] - self.shift) / self.scale
 
     def objective_slope(self, slopes: Mapping[str, Array]) -> Array:
         """Its gradient, (parameters,)."""
@@ -92,10 +103,14 @@ class SearchGoal:
         """Every quantity that it speaks of."""
         return (self.quantity, *(r.quantity for r in self.limits))
 
-    def corrected(self, factors: Mapping[str, float]) -> SearchGoal:
-        """The same for a model that overrates each quantity by a known factor."""
-        moved = tuple(replace(r, value=r.value * factors.get(r.quantity, 1.0)) for r in self.limits)
-        return replace(self, scale=self.scale * factors.get(self.quantity, 1.0), limits=moved)
+    def corrected(self, errors: Mapping[str, float]) -> SearchGoal:
+        """The same for a model that overrates some quantities by known errors, as `model_error` has them."""
+        found = replace(self, limits=tuple(limit.corrected(errors) for limit in self.limits))
+        if self.quantity not in errors:
+            return found
+        if quantity_named(self.quantity).signed:
+            return replace(found, shift=self.shift + errors[self.quantity])
+        return replace(found, scale=with_error(self.quantity, self.scale, errors[self.quantity]))
 
     def reserved(self, share: float, quantities: Collection[str] | None = None) -> SearchGoal:
         """The same with limits, or those of some quantities, that are tighter by a share of their sizes."""

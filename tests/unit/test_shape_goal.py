@@ -14,6 +14,7 @@ from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.goal import Goal, Limit
+from cranktopo.scene.goal.outcome import LimitOutcome
 from cranktopo.shape.envelope_room import EnvelopeRoom
 from cranktopo.shape.goal_in_model import search_goal_of
 from cranktopo.shape.search_goal import SearchGoal, SearchLimit
@@ -39,8 +40,37 @@ def test_percent_is_of_the_original_in_the_same_model() -> None:
 
 
 def test_an_absolute_limit_keeps_its_relation_to_the_true_original() -> None:
-    (found,) = limits_of(Limit("unbalance", "<=", 22.0))
-    assert found == SearchLimit("unbalance", "<=", pytest.approx(30.0 * 22 / 33))
+    (found,) = limits_of(Limit("mass", "<=", 1.4))
+    assert found == SearchLimit("mass", "<=", pytest.approx(1.5 * 1.4 / 1.6))
+
+
+@pytest.mark.parametrize(("limit", "bound"), [(5.0, 5.5), (-2.0, -1.5), (0.0, 0.5)])
+def test_a_limit_on_unbalance_is_moved_by_the_difference_of_the_models(limit: float, bound: float) -> None:
+    """An original that is nearly balanced, of another sign in the cells: their ratio means nothing."""
+    cells, truth = ORIGINAL | {"unbalance": 0.4}, TRUE | {"unbalance": -0.1}
+    goal = Goal("minimise", "mass", (Limit("unbalance", "<=", limit), Limit("unbalance", ">=", 100.0, True)))
+    found, own = search_goal_of(goal, cells, truth, ()).limits
+    assert found.value == pytest.approx(bound)
+    assert own.value == pytest.approx(0.4)
+
+
+def test_a_limit_on_unbalance_has_a_size_where_the_original_is_balanced() -> None:
+    """At least a hundredth of the root of mass times inertia; 1.5 kg with 2400 kg mm2 allow 60 kg mm."""
+    balanced = ORIGINAL | {"unbalance": 1e-9, "inertia": 2400.0}
+    goal = Goal("minimise", "unbalance", (Limit("unbalance", "<=", 0.1), Limit("mass", "<=", 1.4)))
+    found = search_goal_of(goal, balanced, balanced, ())
+    assert found.scale == pytest.approx(0.6)
+    at = {"unbalance": 0.4, "mass": 1.4}
+    assert found.excesses(at) == pytest.approx([0.5, 0.0])
+    assert found.limits[0].tightened(0.01).value == pytest.approx(0.094)
+    assert LimitOutcome(goal.limits[0], 0.103, 0.0, least_size=0.6).missed == pytest.approx(0.005)
+
+
+def test_a_goal_of_unbalance_is_corrected_by_a_difference() -> None:
+    goal = SearchGoal("unbalance", 1.0, 2.0, (SearchLimit("unbalance", ">=", 0.0),))
+    found = goal.corrected({"unbalance": -0.5})
+    assert found.objective({"unbalance": 0.3}) == pytest.approx(goal.objective({"unbalance": 0.8}))
+    assert found.excesses({"unbalance": -0.5}) == pytest.approx([0.0])
 
 
 def test_a_displacement_is_the_engines_force_over_the_bending_stiffness(mikron: Scene) -> None:

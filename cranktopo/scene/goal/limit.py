@@ -146,7 +146,7 @@ def _number(quantity: GoalQuantity, number: str, rest: str) -> float:
 
 
 def _in_percent(quantity: GoalQuantity, value: float) -> float:
-    lowest = -_LARGEST_PERCENT if quantity.name == "unbalance" else 0.0
+    lowest = -_LARGEST_PERCENT if quantity.signed else 0.0
     if lowest < value <= _LARGEST_PERCENT:
         return value
     least = f">= {lowest:g}" if lowest else "> 0"
@@ -165,7 +165,7 @@ def _in_unit(quantity: GoalQuantity, value: float, unit: str, sense: LimitSense)
         near = suggest(_clipped(unit), [*names, "%"])
         hint = near if near.startswith("Did") else f"Write {_example(quantity)}."
         raise refused(f"unknown unit '{_clipped(unit)}'; {valid}", hint)
-    if quantity.name != "unbalance" and value <= 0:
+    if not quantity.signed and value <= 0:
         raise refused("the number must be > 0")
     if abs(value * size) > _LARGEST:
         raise refused(f"the number must be <= {_LARGEST / size:g}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.scene.goal.limit import Goal, Limit
+from cranktopo.scene.goal.moved import least_size, size_of
 from cranktopo.scene.goal.quantities import QUANTITIES
 
 Values = Mapping[str, float]
@@ -23,12 +24,14 @@ class LimitOutcome:
     Attributes:
         reached, original: None where nobody has told it.
         tolerance: share of its size by which the limit may be missed and still holds.
+        least_size: of a limit on what may be 0.
     """
 
     limit: Limit
     reached: float | None
     original: float | None
     tolerance: float = HOLDS
+    least_size: float = 0.0
 
     @property
     def required(self) -> float | None:
@@ -39,13 +42,10 @@ class LimitOutcome:
 
     @property
     def missed(self) -> float | None:
-        """Share of its size by which the limit is missed, negative where there is room; None if unknown.
-
-        The size of a limit of zero is the original's.
-        """
+        """Share of its size by which the limit is missed, negative where there is room; None if unknown."""
         if self.required is None or self.reached is None:
             return None
-        size = abs(self.required) or abs(self.original or 0.0) or 1.0
+        size = size_of(self.required, self.original or 0.0, self.least_size)
         over = self.reached - self.required
         return (over if self.limit.sense == "<=" else -over) / size
 
@@ -86,7 +86,13 @@ def limit_outcomes(
             unit; what is not known is left out.
     """
     return tuple(
-        LimitOutcome(limit, reached.get(limit.quantity), original.get(limit.quantity), tolerance)
+        LimitOutcome(
+            limit,
+            reached.get(limit.quantity),
+            original.get(limit.quantity),
+            tolerance,
+            least_size(limit.quantity, original),
+        )
         for limit in goal.limits
     )
 

@@ -43,6 +43,7 @@ class GoalQuantity:
         better: which way a designer wants it.
         as_goal: whether it may be the goal itself, not only a limit.
         either_limit: whether a limit from below and one from above make sense on their own.
+        signed: whether it may be 0 or negative.
         load_case: load case that it is read off; empty where geometry alone gives it.
         engine_load: whether it depends on the size of the engine's load.
         optimisers: those that can take it into account while they search.
@@ -54,6 +55,7 @@ class GoalQuantity:
     better: Better
     as_goal: bool = True
     either_limit: bool = False
+    signed: bool = False
     load_case: Literal["", "bending", "torsion"] = ""
     engine_load: bool = False
     optimisers: frozenset[Optimiser] = frozenset({"density", "shape"})
@@ -84,6 +86,7 @@ QUANTITIES: dict[QuantityName, GoalQuantity] = {
             {"kg mm": 1.0, "kg m": 1e3, "g mm": 1e-3, "g m": 1.0},
             "low",
             either_limit=True,
+            signed=True,
         ),
         GoalQuantity("torsion", "torsional stiffness", _TORSION_UNITS, "high", load_case="torsion"),
         GoalQuantity("bending", "bending stiffness", _BENDING_UNITS, "high", load_case="bending"),
