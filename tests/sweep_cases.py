@@ -9,8 +9,15 @@ from pathlib import Path
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.scene import Scene
+from cranktopo.scene.features import ObroundWeb
 
 TRACE, HELD = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS"
+
+
+def width_mm(scene: Scene) -> float:
+    """Width of the web, which is an obround in every design of these sweeps."""
+    assert isinstance(scene.web, ObroundWeb)
+    return scene.web.width_mm
 
 
 def empty(scene: Scene) -> dict[str, float]:
@@ -19,13 +26,13 @@ def empty(scene: Scene) -> dict[str, float]:
     if TRACE in os.environ:
         with Path(os.environ[TRACE]).open("a", encoding="ascii") as file:
             file.write(f"{scene.name}\n")
-    width = scene.web.width_mm  # type: ignore[union-attr]
+    width = width_mm(scene)
     return {"mass_kg": width / 30, "torsion_Nm_per_rad": 1000 * (width - 10 * scene.throw.crankpin.fillet_mm)}
 
 
 def failing(scene: Scene) -> dict[str, float]:
     """Fails in every way by the width of the web."""
-    width = scene.web.width_mm  # type: ignore[union-attr]
+    width = width_mm(scene)
     if width == 51:
         raise CranktopoError("the solver failed.", code=ExitCode.SOLVER)
     if width == 52:
@@ -37,7 +44,7 @@ def failing(scene: Scene) -> dict[str, float]:
 
 def deadly(scene: Scene) -> dict[str, float]:
     """Kills its worker, once or always, by the width of the web."""
-    width, trace = scene.web.width_mm, Path(os.environ[TRACE])  # type: ignore[union-attr]
+    width, trace = width_mm(scene), Path(os.environ[TRACE])
     once = trace.with_name(f"{scene.name}.once")
     if width == 52 or (width == 51 and not once.exists()):
         once.touch()

@@ -2,19 +2,50 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import random
 import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import trimesh
 
+from cranktopo.evaluate.targets import Target, simulated
 from cranktopo.pipeline.sweep.front import front_of, picks_of
+from cranktopo.pipeline.sweep.web_view import web_view
 from cranktopo.report.pages.sweep_page import sweep_html
+from cranktopo.report.viewer.scene3d import ShownBody
+from cranktopo.report.viewer.small_web import packed_web
+from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene.varying import with_value
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 POINTS, MOST_BYTES, MOST_MS = 500, 10_000_000, 100.0
+NARROW_MM, WIDE_MM = 48.0, 60.0
 TORSION = "torsion_Nm_per_rad"
+# From the pointer's move to the picture of that point's web, ms.
+SEEN = """([x, y, i]) => new Promise((done) => {
+    const viewer = document.getElementById("viewer"), began = performance.now();
+    new MutationObserver((_, observer) => {
+        if (viewer.dataset.web !== String(i)) return;
+        observer.disconnect();
+        done(performance.now() - began);
+    }).observe(viewer, { attributes: true });
+    const moved = new PointerEvent("pointermove", { clientX: x, clientY: y, bubbles: true });
+    document.querySelector("[data-scatter] svg").dispatchEvent(moved);
+})"""
+# Columns of the canvas in which the web's blue is seen.
+BLUE = """() => {
+    const canvas = document.querySelector("canvas"), gl = canvas.getContext("webgl2");
+    const [w, h] = [canvas.width, canvas.height], pixels = new Uint8Array(4 * w * h), seen = new Set();
+    gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    for (let n = 0; n < w * h; n++) if (pixels[4 * n + 2] > 1.5 * pixels[4 * n]) seen.add(n % w);
+    return seen.size;
+}"""
 # A step of the user, and the layout that the browser makes of it.
 TIMED = """() => {{
     const began = performance.now();
@@ -81,9 +112,31 @@ def record() -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def page_file(record: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def webs(record: dict[str, Any]) -> dict[str, str]:
+    """A web for every point that has one: by turns a narrow one, a wide one, and one with bumps."""
+    exact = [web_view(Target("web", scene)) for scene in map(with_width, (NARROW_MM, WIDE_MM))]
+    kinds = [*exact, packed_web(rough_web())]
+    done = [row["id"] for row in record["points"] if row["status"] == "done"]
+    return {"original": exact[0], **dict(zip(done, itertools.cycle(kinds), strict=False))}
+
+
+def with_width(width_mm: float) -> Scene:
+    tables = with_value(load_scene("mikron-iiic").model_dump(mode="json"), "web.width_mm", width_mm)
+    return simulated(scene_from_dict(tables, "test"))
+
+
+def rough_web() -> ShownBody:
+    """A body with bumps all over, as heavy to pack as any that an optimisation leaves."""
+    body = trimesh.creation.icosphere(subdivisions=5, radius=40.0)
+    bumps = 1 + 0.02 * np.sin(0.3 * body.vertices).prod(axis=1, keepdims=True)
+    mesh = SurfaceMesh(np.asarray(body.vertices * bumps), np.asarray(body.faces, np.int64))
+    return ShownBody("rough", mesh, (-10.0, 10.0), 40.0)
+
+
+@pytest.fixture(scope="module")
+def page_file(record: dict[str, Any], webs: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("sweep") / "report.html"
-    path.write_text(sweep_html(record), encoding="utf-8")
+    path.write_text(sweep_html(record, webs), encoding="utf-8")
     assert path.stat().st_size < MOST_BYTES
     return path
 
@@ -100,7 +153,7 @@ def opened(browser: Any, page_file: Path) -> Iterator[Any]:
         page.on("pageerror", lambda error: said.append(str(error)))
         page.on("request", lambda request: said.append(request.url))
         page.goto(page_file.as_uri())
-        page.wait_for_selector("html[data-ready]", timeout=30_000)
+        page.wait_for_selector("html[data-ready] #viewer[data-pictures]", timeout=30_000)
         return page
 
     yield visit
@@ -123,6 +176,7 @@ def test_plots_and_table_show_the_points(opened: Any, record: dict[str, Any]) ->
     page = opened()
     assert page.locator("[data-scatter] circle:not(.ring)").count() == POINTS - 1
     assert page.locator("[data-scatter] circle.front").count() == len(record["front"])
+    assert page.locator("[data-scatter] .error").count() == len(record["front"]), "of the torsion"
     assert page.locator("[data-scatter] .original").count() == 1
     assert page.locator("[data-scatter] .bound").count() == 1, "of the mass, which is across"
     assert page.locator("[data-parallel] path.row").count() == POINTS
@@ -159,13 +213,73 @@ def test_filter_sort_and_hover_are_linked_and_quick(opened: Any, record: dict[st
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     shown = page.locator("[data-detail] .title").inner_text().split(",")[0]
     assert shown in {row["id"] for row in light}
-    assert page.locator("[data-scatter] .error").count() == 1, "the error of the torsion"
+    assert page.locator("[data-mark] .error").count() == 1, "the error of the torsion"
     spot = f"clientX: {box['x']} + 9 * Math.random(), clientY: {box['y']}, bubbles: true"
     moved = f"new PointerEvent('pointermove', {{{spot}}})"
     hover = f"() => document.querySelector('[data-scatter] svg').dispatchEvent({moved})"
     assert timed(page, hover) < MOST_MS
     page.get_by_role("button", name="Clear").click()
     assert page.locator("[data-count]").inner_text() == f"{POINTS} of {POINTS} points"
+
+
+def centre(place: Any) -> tuple[float, float]:
+    box = place.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_the_web_under_the_cursor_is_drawn_at_once(opened: Any) -> None:
+    """As wide as it is, in the original's scale; within the limit for most of a dozen points."""
+    page = opened()
+    page.get_by_role("button", name="Front").click()
+    page.locator("[data-scatter]").scroll_into_view_if_needed()
+    times, widths = list[float](), dict[int, float]()
+    for number in range(8, 20):
+        dot = page.locator(f"[data-scatter] circle[data-i='{number}']")
+        page.locator("[data-axis='x']").select_option(label="web.width, mm")
+        times.append(page.evaluate(SEEN, [*centre(dot), number]))
+        # The seventh has no web, so that those behind it come one earlier.
+        widths[(number - 1) % 3] = page.evaluate(BLUE)
+    assert sorted(times)[len(times) // 2] < MOST_MS, times
+    assert widths[1] / widths[0] == pytest.approx(WIDE_MM / NARROW_MM, rel=0.03)
+
+
+def test_keys_and_rows_lead_to_the_web(opened: Any, record: dict[str, Any]) -> None:
+    page, rows = opened(), record["points"]
+    page.locator("[data-scatter]").focus()
+    for _ in range(2):
+        page.keyboard.press("ArrowRight")
+    by_mass = sorted((i for i in range(POINTS) if i != 7), key=lambda i: rows[i]["mass_kg"])
+    page.wait_for_selector(f"#viewer[data-web='{by_mass[1]}']")
+    page.keyboard.press("Enter")
+    page.locator("[data-table] tr[data-i='7']").focus()
+    page.wait_for_selector("#viewer.missing")
+    assert page.locator("[data-web-of]").inner_text() == "no web: impossible"
+    page.locator("[data-scatter]").focus()
+    page.wait_for_selector(f"#viewer[data-web='{by_mass[1]}']:not(.missing)")
+    page.keyboard.press("Escape")
+    page.wait_for_selector("#viewer[data-web='']")
+    assert page.locator("[data-web-of]").inner_text() == "original web"
+
+
+def test_a_touch_shows_the_web(opened: Any) -> None:
+    page = opened(viewport={"width": 390, "height": 780}, has_touch=True)
+    dot = page.locator("[data-scatter] circle[data-i='12']")
+    dot.scroll_into_view_if_needed()
+    page.touchscreen.tap(*centre(dot))
+    page.wait_for_function("document.getElementById('viewer').dataset.web > ''")
+    shown = page.locator("[data-detail] .title").inner_text().split(",")[0]
+    assert page.locator("[data-web-of]").inner_text() == f"web of {shown}"
+
+
+def test_a_page_without_room_keeps_the_webs_of_picks_and_front(record: dict[str, Any]) -> None:
+    large = {row["id"]: "x" * 300_000 for row in [*record["points"], record["original"]]}
+    text = sweep_html(record, large)
+    assert len(text) < MOST_BYTES
+    kept = json.loads(text.split('id="sweep-webs" type="application/json">')[1].split("</script>")[0])
+    first = list(dict.fromkeys([*record["picks"].values(), *record["front"]]))[:20]
+    assert all(kept[int(one, 16)] for one in first)
+    assert kept.count(None) > 400
+    assert 'id="viewer"' not in sweep_html(record, {})
 
 
 def test_a_range_is_dragged_along_an_axis(opened: Any) -> None:

@@ -21,7 +21,9 @@ from cranktopo import sweep
 from cranktopo.cli.main import main
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.pipeline.sweep.targets import with_picks
+from cranktopo.scene import load_scene
 from tests import sweep_cases
+from tests.packed_scenes import small_web
 from tests.sweep_cases import HELD, TRACE
 
 WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
@@ -140,10 +142,15 @@ def test_a_sweep_of_evaluations(scheduler: str, tmp_path: Path, capfd: pytest.Ca
     assert main(words) == 0
     data = json.loads(capfd.readouterr().out)
     (point,) = data["points"]
+    web = small_web(json.loads((out / point["run"] / "point.json").read_text())["view"])
+    density = load_scene("mikron-iiic").material.density_kg_m3
+    assert 2 * web.volume_mm3 * density * 1e-9 == pytest.approx(point["mass_kg"], rel=0.02)
+    assert "view" not in point, "only the page shows it"
+    assert 'id="viewer"' in (out / "report.html").read_text()
     assert data["picks"]["lightest that is no softer"] == point["id"]
-    web = out / point["run"] / point["target"]
-    assert with_picks(["mikron-iiic", str(out)]) == ["mikron-iiic", str(web)]
-    assert main(["evaluate", str(web), *coarse, "--json"]) == 0
+    file = out / point["run"] / point["target"]
+    assert with_picks(["mikron-iiic", str(out)]) == ["mikron-iiic", str(file)]
+    assert main(["evaluate", str(file), *coarse, "--json"]) == 0
     (entry,) = json.loads(capfd.readouterr().out)["evaluations"]
     assert entry["target"] == f"mikron-iiic-{point['id']}"
     assert entry["mass_kg"]["throw"] == point["mass_kg"]

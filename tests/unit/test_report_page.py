@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import base64
-import json
 import re
-import struct
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +21,7 @@ from cranktopo.report.verdict_sentence import run_changes_percent, worse_line
 from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
 from cranktopo.surface import DensityGrid
 from cranktopo.triangles.surface_mesh import SurfaceMesh
+from tests.packed_scenes import unpacked
 
 
 def mesh_of(body: trimesh.Trimesh) -> SurfaceMesh:
@@ -93,15 +90,6 @@ def test_fatigue_of_the_design_beside_its_baseline() -> None:
     assert (fact.value, fact.status, fact.note) == ("0.97", "bad", "least safety of web; old has 1.31")
     assert fatigue_fact({"baseline": None, "fatigue": entries}, "").value == "1.31"
     assert fatigue_fact(None, "why not").note == "why not"
-
-
-def unpacked(text: str) -> tuple[dict[str, Any], list[np.ndarray]]:
-    block = zlib.decompress(base64.b64decode(text))
-    (length,) = struct.unpack("<I", block[:4])
-    header = json.loads(block[4 : 4 + length])
-    rest = block[4 + length :]
-    arrays = [np.frombuffer(rest, a["type"], a["length"], a["offset"]) for a in header["arrays"]]
-    return header, arrays
 
 
 def test_packed_scene_is_the_body_and_the_densities() -> None:

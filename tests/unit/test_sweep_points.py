@@ -59,9 +59,10 @@ def test_a_grid_takes_all_combinations_once_each() -> None:
 
 
 def test_the_hash_is_that_of_the_scene_and_the_settings() -> None:
-    def first(**settings: object) -> str:
-        vary = [read_option(f"{WIDTH}={settings.pop('width', '52')}")]
-        return points_of(sweep_plan(["mikron-iiic"], vary, **settings))[0].sha256  # type: ignore[arg-type]
+    def first(width: str = "52", stage: str = "evaluate", element_size_mm: float | None = None) -> str:
+        vary = [read_option(f"{WIDTH}={width}")]
+        plan = sweep_plan(["mikron-iiic"], vary, stage=stage, element_size_mm=element_size_mm)
+        return points_of(plan)[0].sha256
 
     assert first() == first(width="52.0")
     usual = sweep_plan(["mikron-iiic"], [read_option("optimise.penalty=3")])

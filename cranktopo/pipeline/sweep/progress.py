@@ -12,7 +12,7 @@ _EVERY_S = 5.0
 
 
 class Progress:
-    """Lines of progress, one every few seconds; time left by the pace of this session."""
+    """Lines of progress, one every few seconds; time left by the pace since the start."""
 
     def __init__(self, points: int, kept: int, info: Info) -> None:
         self._points, self._done, self._info = points, kept, info

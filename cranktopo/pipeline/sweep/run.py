@@ -29,6 +29,7 @@ from cranktopo.pipeline.sweep.plan import SweepPlan, plan_from_json
 from cranktopo.pipeline.sweep.points import Point, original_of, points_of
 from cranktopo.pipeline.sweep.progress import Progress
 from cranktopo.pipeline.sweep.table import frame_of, write_tables
+from cranktopo.pipeline.sweep.web_view import VIEW
 from cranktopo.pipeline.sweep.workers import cores, point_memory_MiB, workers_for
 from cranktopo.report.pages.report_file import REPORT
 from cranktopo.report.pages.sweep_page import sweep_html
@@ -160,7 +161,8 @@ def _worked(
         data = _told(run, plan, points, original, found)
         frame = frame_of(data["points"], data["front"])
         data["files"] = {**write_tables(frame, run.path, TABLE), "page": REPORT}
-        write_text(run.path / REPORT, sweep_html(data))
+        webs = {one: result[VIEW] for one, result in found.items() if VIEW in result}
+        write_text(run.path / REPORT, sweep_html(data, webs))
         data["seconds"] = {"total": time.perf_counter() - began}
         write_json(run.path / RESULT_FILES[SWEEP], data)
     run.log(", ".join(f"{count} {status}" for status, count in data["ends"].items()))
@@ -208,7 +210,7 @@ def _told(
     finished = [row for row in rows if row["status"] == DONE]
     own = plan.original.model_dump(mode="json")
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
-    reference = {**found[original.id], "varied": varied}
+    reference = {**_row(original, found[original.id]), "varied": varied}
     known = reference if reference["status"] == DONE else None
     front, objectives = front_of(finished)
     return {
@@ -228,4 +230,5 @@ def _told(
 
 def _row(point: Point, result: Json) -> Json:
     """The result as of this point; `original` and a point of the same scene share one."""
-    return {**result, "varied": dict(point.varied), "design": point.design}
+    told = {name: value for name, value in result.items() if name != VIEW}
+    return {**told, "varied": dict(point.varied), "design": point.design}

@@ -11,6 +11,7 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.targets import Target, simulated
 from cranktopo.pipeline.evaluate import MeshRequest, evaluate_target
 from cranktopo.pipeline.sweep.plan import Stage
+from cranktopo.pipeline.sweep.web_view import VIEW, web_view
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import SHAPE, Json, RunKind, open_run, read_json, read_result, write_text
@@ -23,7 +24,7 @@ StageFunction = Callable[[Scene, Path, float | None], Json]
 
 
 def run_stage(stage: Stage, scene: Scene, folder: Path, element_size_mm: float | None) -> Json:
-    """What a stage tells of a scene: quantities with their units in the names, `target` for `compare`.
+    """What a stage tells of a scene: quantities with units in their names, `target` for `compare`, `view`.
 
     Args:
         folder: directory of the point; what an interrupted stage left there is continued.
@@ -56,21 +57,24 @@ def columns_of(entry: Mapping[str, Any]) -> Json:
 
 
 def _evaluated(scene: Scene, folder: Path, size: float | None) -> Json:
-    return {**_judged(Target(scene.name, simulated(scene)), size), "target": DESIGN}
+    web = Target(scene.name, simulated(scene))
+    return {**_judged(web, size), "target": DESIGN, VIEW: web_view(web)}
 
 
 def _fatigue(scene: Scene, folder: Path, size: float | None) -> Json:
     from cranktopo.pipeline.fatigue import assess_fatigue
 
-    found = assess_fatigue([Target(scene.name, simulated(scene, fillets=True))])
-    safety = found.fields[0].critical.safety
-    return {**_evaluated(scene, folder, size), "fatigue_safety": safety}
+    web = Target(scene.name, simulated(scene, fillets=True))
+    safety = assess_fatigue([web]).fields[0].critical.safety
+    judged = _judged(Target(scene.name, simulated(scene)), size)
+    return {**judged, "fatigue_safety": safety, "target": DESIGN, VIEW: web_view(web)}
 
 
 def _optimised(scene: Scene, folder: Path, size: float | None) -> Json:
     metrics = _densities(scene, folder)
     surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics["files"]["stl"], folder / RUN)
-    return {**_judged(surface, size), **_limits(metrics), **_told(metrics), "target": RUN}
+    judged = _judged(surface, size)
+    return {**judged, **_limits(metrics), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
 
 
 def _densities(scene: Scene, folder: Path) -> Json:
@@ -99,8 +103,8 @@ def _remodelled(scene: Scene, folder: Path, size: float | None) -> Json:
         remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     data = read_json(done)
     file = f"{REMODEL}/{data['files']['design']}"
-    web = load_scene(str(folder / file))
-    return {**_judged(Target(scene.name, simulated(web)), size), **_told(metrics), "target": file}
+    web = Target(scene.name, simulated(load_scene(str(folder / file))))
+    return {**_judged(web, size), **_told(metrics), "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, size: float | None) -> Json:
@@ -113,13 +117,16 @@ def _shaped(scene: Scene, folder: Path, size: float | None) -> Json:
         begun = _begun(run)
         data = (resume_shape(str(run)) if begun else shape_design(wanted, out=run, command=COMMAND)).data
     safety = data["values"]["result"].get("fatigue_safety")
+    file = f"{RUN}/{data['files']['design']}"
+    shaped = load_scene(str(folder / file))
     return {
         **columns_of(data["result"]),
         **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data),
         **_bound(data),
         **_told(data),
-        "target": f"{RUN}/{data['files']['design']}",
+        "target": file,
+        VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
 
 

@@ -71,8 +71,9 @@ def shaded(
     """
     largest = mesh.extent_mm / faces_along if faces_along else None
     whole = solid_of(mesh).as_original()
-    main, rest = whole.split_by_plane((0.0, 0.0, -1.0), _BEYOND_MM - web_z_mm[0])
-    web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -_BEYOND_MM - web_z_mm[1])
+    low, high = web_sides_mm(web_z_mm)
+    main, rest = whole.split_by_plane((0.0, 0.0, -1.0), -low)
+    web, pin = rest.split_by_plane((0.0, 0.0, -1.0), -high)
     coloured = ((main, JOURNAL_COLOUR, 1.0), (web, WEB_COLOUR, 0.0), (pin, JOURNAL_COLOUR, -1.0))
     parts = [
         _coloured(solid, colour, largest, whole.original_id(), -outward * _INSET * mesh.extent_mm)
@@ -86,6 +87,11 @@ def shaded(
         faces=np.concatenate([part.faces + shift for part, shift in zip(parts, before, strict=False)]),
         colours=np.concatenate([part.colours for part in parts]),
     )
+
+
+def web_sides_mm(web_z_mm: tuple[float, float]) -> tuple[float, float]:
+    """Axial range that has the colour of the web, mm."""
+    return web_z_mm[0] - _BEYOND_MM, web_z_mm[1] + _BEYOND_MM
 
 
 def view_axes(towards_viewer: tuple[float, float, float], up: tuple[float, float, float]) -> Array:

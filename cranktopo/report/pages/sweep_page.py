@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.report.tables.result_table import ResultTable
+from cranktopo.report.viewer.scene3d import SCRIPT
 
 _TEMPLATES = Path(__file__).parent / "template"
-_SCRIPT = Path(__file__).resolve().parents[1] / "viewer" / "sweep.js"
+_SCRIPT = SCRIPT.with_name("sweep.js")
+_MOST_LETTERS = 9_400_000
+"""Of the page's data; what does not fit has no picture in the page, and says so."""
 _DIGITS = 6
 _SENSES = {
     "mass_kg": -1,
@@ -35,21 +38,31 @@ _ERRORS = {
 _TOLD_APART = ("id", "varied", "run", "reason", "sha256", "version", "target", "status", "design", "stage")
 
 
-def sweep_html(data: Mapping[str, Any]) -> str:
-    """The page as the text of an HTML file; `data` as sweep.json holds it."""
+def sweep_html(data: Mapping[str, Any], webs: Mapping[str, str]) -> str:
+    """The page as the text of an HTML file.
+
+    Args:
+        data: as sweep.json holds it.
+        webs: bodies by the id of their point, from `packed_web`; those of picks and front go first where
+            the page cannot hold all; without that of the original the page has no 3D view.
+    """
     from jinja2 import Environment, FileSystemLoader
     from markupsafe import Markup
 
     environment = Environment(loader=FileSystemLoader(_TEMPLATES), autoescape=True)
     style = "".join((_TEMPLATES / name).read_text(encoding="utf-8") for name in ("report.css", "sweep.css"))
-    shown = json.dumps(page_data(data), separators=(",", ":"), allow_nan=False)
+    numbers = _text(page_data(data))
+    original = webs.get(data["original"]["id"], "")
+    scripts = [SCRIPT, _SCRIPT] if original else [_SCRIPT]
     return environment.get_template("sweep.html.j2").render(
         data=data,
         objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data["objectives"]),
         picks=[(name, _pick(data, one)) for name, one in data["picks"].items()],
         style=Markup(style),
-        script=Markup(_SCRIPT.read_text(encoding="utf-8")),
-        points=Markup(shown.replace("</", "<\\/").replace("<!--", "<\\!--")),
+        script=Markup("".join(path.read_text(encoding="utf-8") for path in scripts)),
+        points=Markup(numbers),
+        webs=Markup(_text(_fitting(data, webs, _MOST_LETTERS - len(numbers)))),
+        original=Markup(original),
         version=metadata.version("cranktopo"),
     )
 
@@ -72,6 +85,23 @@ def page_data(data: Mapping[str, Any]) -> dict[str, Any]:
         "front": [place[one] for one in data["front"]],
         "picks": [[name, place[one]] for name, one in data["picks"].items()],
     }
+
+
+def _text(data: object) -> str:
+    """As JSON that may stand in a script element."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return text.replace("</", "<\\/").replace("<!--", "<\\!--")
+
+
+def _fitting(data: Mapping[str, Any], webs: Mapping[str, str], letters: int) -> list[str | None]:
+    """The web of each row, as far as so many letters go: first those of picks and front, then by rows."""
+    rows = [row["id"] for row in data["points"]]
+    kept: dict[str, str] = {}
+    for one in dict.fromkeys([*data["picks"].values(), *data["front"], *rows]):
+        letters -= len(webs.get(one, ""))
+        if one in webs and letters > 0:
+            kept[one] = webs[one]
+    return [kept.get(one) for one in rows]
 
 
 def _columns(data: Mapping[str, Any]) -> list[str]:

@@ -6,7 +6,7 @@ import base64
 import json
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -78,28 +78,31 @@ def packed(scene3d: Scene3D) -> str:
 
     Positions are rounded to 1/65535 of the size, normals to 1/127, densities to 1/255.
     """
-    arrays = _Arrays()
+    arrays = Arrays()
     most = MOST_FACES // len(scene3d.bodies)
     header = {
         "bodies": [_body(arrays, body, most, scene3d.stress_scales) for body in scene3d.bodies],
         "first": scene3d.first,
         "stress": _stress(scene3d.stress_scales),
         "steps": _steps(arrays, scene3d.steps, scene3d.notes),
-        "arrays": arrays.index,
     }
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % _ALIGNMENT)
-    block = struct.pack("<I", len(text)) + text + b"".join(arrays.parts)
-    return base64.b64encode(zlib.compress(block, 9)).decode("ascii")
+    return arrays.packed_with(header)
 
 
-class _Arrays:
+class Arrays:
     """Arrays one behind the other, each at a multiple of four bytes."""
 
     def __init__(self) -> None:
         self.parts: list[bytes] = []
         self.index: list[dict[str, Any]] = []
         self._end = 0
+
+    def packed_with(self, header: Mapping[str, Any]) -> str:
+        """Base64 text of a compressed block: the JSON header, and the arrays that it names by number."""
+        text = json.dumps({**header, "arrays": self.index}, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % _ALIGNMENT)
+        block = struct.pack("<I", len(text)) + text + b"".join(self.parts)
+        return base64.b64encode(zlib.compress(block, 9)).decode("ascii")
 
     def add(self, array: NDArray[Any]) -> int:
         """Add an array and return its number."""
@@ -117,8 +120,8 @@ def _stress(scales: Sequence[StressScale]) -> dict[str, Any] | None:
     return {"ramp": STRESS_COLOURS, "cases": cases}
 
 
-def _body(arrays: _Arrays, body: ShownBody, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
-    shading = shaded(_simplified(body.mesh, most), body.web_z_mm, FACES_ALONG if scales else None)
+def _body(arrays: Arrays, body: ShownBody, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
+    shading = shaded(simplified(body.mesh, most), body.web_z_mm, FACES_ALONG if scales else None)
     low, high = shading.vertices_mm.min(axis=0), shading.vertices_mm.max(axis=0)
     journal = np.zeros(len(shading.vertices_mm), np.uint8)
     journal[shading.faces] = (shading.colours == JOURNAL_COLOUR).all(axis=1)[:, None]
@@ -127,8 +130,8 @@ def _body(arrays: _Arrays, body: ShownBody, most: int, scales: Sequence[StressSc
         "half_pitch_mm": body.half_pitch_mm,
         "low_mm": low.tolist(),
         "size_mm": (high - low).tolist(),
-        "positions": arrays.add(_scaled((shading.vertices_mm - low) / (high - low), 65535, np.uint16)),
-        "normals": arrays.add(_scaled(shading.normals, 127, np.int8)),
+        "positions": arrays.add(scaled((shading.vertices_mm - low) / (high - low), 65535, np.uint16)),
+        "normals": arrays.add(scaled(shading.normals, 127, np.int8)),
         "journal": arrays.add(journal),
         "faces": arrays.add(shading.faces.astype(np.uint32)),
         "stress": [arrays.add(share) for share in _shares(shading, body.stress, scales)],
@@ -140,10 +143,10 @@ def _shares(mesh: ShadedMesh, stress: CaseStress | None, scales: Sequence[Stress
     if stress is None or not scales:
         return []
     found = zip(stress.at(mesh.vertices_mm), scales, strict=True)
-    return [_scaled(np.minimum(values / scale.top_MPa, 1.0), 255, np.uint8) for values, scale in found]
+    return [scaled(np.minimum(values / scale.top_MPa, 1.0), 255, np.uint8) for values, scale in found]
 
 
-def _simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
+def simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
     """The mesh with at most so many faces, or as few as a tolerance of 0.8 mm gives."""
     if len(mesh.faces) <= most:
         return mesh
@@ -155,7 +158,7 @@ def _simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
     return found
 
 
-def _steps(arrays: _Arrays, steps: Sequence[DesignSnapshot], notes: Sequence[str]) -> dict[str, Any] | None:
+def _steps(arrays: Arrays, steps: Sequence[DesignSnapshot], notes: Sequence[str]) -> dict[str, Any] | None:
     if not steps:
         return None
     first = steps[0].cells
@@ -165,9 +168,10 @@ def _steps(arrays: _Arrays, steps: Sequence[DesignSnapshot], notes: Sequence[str
         "cell_mm": first.cell_mm.tolist(),
         "iterations": [step.iteration for step in steps],
         "notes": list(notes),
-        "densities": [arrays.add(_scaled(step.cells.density, 255, np.uint8)) for step in steps],
+        "densities": [arrays.add(scaled(step.cells.density, 255, np.uint8)) for step in steps],
     }
 
 
-def _scaled(values: NDArray[np.float64], most: int, kind: type[np.integer[Any]]) -> NDArray[Any]:
+def scaled(values: NDArray[np.float64], most: int, kind: type[np.integer[Any]]) -> NDArray[Any]:
+    """Shares of 1 as integers up to `most`."""
     return np.rint(values * most).astype(kind)

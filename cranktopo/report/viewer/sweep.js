@@ -3,6 +3,8 @@
 (() => {
   const data = JSON.parse(document.getElementById("sweep-data").textContent);
   const { columns, rows, about, original, picks } = data;
+  const webs = JSON.parse(document.getElementById("sweep-webs").textContent);
+  const viewer = document.getElementById("viewer");
   const one = (query) => document.querySelector(query);
   const front = new Set(data.front);
   const isNumber = (value) => typeof value === "number";
@@ -23,8 +25,8 @@
   let seen = rows.map(() => true);
 
   // Axes ---------------------------------------------------------------------------------------------------
-  const extent = (c, extra = []) => {
-    const values = rows.map((row) => row[c]).concat(extra).filter(isNumber);
+  const extent = (c, extra = [], among = rows) => {
+    const values = among.map((row) => row[c]).concat(extra).filter(isNumber);
     if (!values.length) return [0, 1];
     const low = Math.min(...values), high = Math.max(...values), pad = (high - low || Math.abs(high) || 1) * 0.05;
     return [low - pad, high + pad];
@@ -41,10 +43,17 @@
   // Scatter ------------------------------------------------------------------------------------------------
   let places = [];
   let toScreen = null;
+  function errorBars(i) {
+    const row = rows[i], { x, y } = state, { px, py } = toScreen;
+    if (!isNumber(row[x]) || !isNumber(row[y])) return "";
+    const [ex, ey] = [x, y].map((c) => columns[c].error === null ? 0 : (row[columns[c].error] || 0) / 100 * row[c]);
+    const bar = (x1, x2, y1, y2) => `<line class="error" data-i="${i}" x1="${px(x1)}" x2="${px(x2)}" y1="${py(y1)}" y2="${py(y2)}"/>`;
+    return (ex ? bar(row[x] - ex, row[x] + ex, row[y], row[y]) : "") + (ey ? bar(row[x], row[x], row[y] - ey, row[y] + ey) : "");
+  }
   function drawScatter() {
     const holder = one("[data-scatter]");
     const width = Math.max(300, holder.clientWidth), height = Math.min(520, Math.max(300, width * 0.6));
-    const box = { left: 64, right: width - 14, top: 12, bottom: height - 44 };
+    const box = { left: 78, right: width - 14, top: 12, bottom: height - 44 };
     const { x, y, colour } = state;
     const boundOf = (c) => columns[c].bound === null ? [] : [columns[c].bound];
     const xs = extent(x, [original[x], ...boundOf(x)]), ys = extent(y, [original[y], ...boundOf(y)]);
@@ -59,7 +68,8 @@
     for (const v of boundOf(x)) parts.push(`<line class="bound" x1="${px(v)}" x2="${px(v)}" y1="${box.top}" y2="${box.bottom}"/>`);
     for (const v of boundOf(y)) parts.push(`<line class="bound" x1="${box.left}" x2="${box.right}" y1="${py(v)}" y2="${py(v)}"/>`);
     one("[data-bound]").hidden = !boundOf(x).length && !boundOf(y).length;
-    const range = colour < 0 ? null : extent(colour);
+    const drawn = rows.filter((row) => isNumber(row[x]) && isNumber(row[y]));
+    const range = colour < 0 ? null : extent(colour, [], drawn);
     places = [];
     const dots = [];
     rows.forEach((row, i) => {
@@ -70,7 +80,7 @@
       const dot = `<circle data-i="${i}" cx="${cx.toFixed(1)}" cy="${cy.toFixed(1)}" r="${front.has(i) ? 5 : 4}"${fill} class="${front.has(i) ? "front" : ""}"/>`;
       front.has(i) ? dots.push(dot) : dots.unshift(dot);
     });
-    parts.push(`<path class="line" data-front/>`, ...dots);
+    parts.push(`<path class="line" data-front/>`, ...data.front.map(errorBars), ...dots);
     if (isNumber(original[x]) && isNumber(original[y])) {
       const [ox, oy] = [px(original[x]), py(original[y])];
       parts.push(`<path class="original" d="M${ox - 7} ${oy - 7}L${ox + 7} ${oy + 7}M${ox - 7} ${oy + 7}L${ox + 7} ${oy - 7}"><title>original</title></path>`);
@@ -80,7 +90,7 @@
     const ramp = one("[data-ramp]");
     ramp.hidden = !range;
     if (range) {
-      const values = rows.map((row) => row[colour]).filter(isNumber);
+      const values = drawn.map((row) => row[colour]).filter(isNumber);
       ramp.innerHTML = `<span class="swatch" style="width:5rem;background:linear-gradient(90deg,${[0, .25, .5, .75, 1].map(hue)})"></span>${escaped(nameOf(colour))}: ${text(Math.min(...values))} to ${text(Math.max(...values))}`;
     }
     filterScatter();
@@ -97,7 +107,7 @@
     return line.map(({ cx, cy }, n) => n ? `L${cx.toFixed(1)} ${line[n - 1].cy.toFixed(1)}L${cx.toFixed(1)} ${cy.toFixed(1)}` : `M${cx.toFixed(1)} ${cy.toFixed(1)}`).join("");
   }
   function filterScatter() {
-    for (const dot of document.querySelectorAll("[data-scatter] circle")) dot.classList.toggle("out", !seen[dot.dataset.i]);
+    for (const dot of document.querySelectorAll("[data-scatter] [data-i]")) dot.classList.toggle("out", !seen[dot.dataset.i]);
     one("[data-front]").setAttribute("d", frontLine());
     mark();
   }
@@ -238,18 +248,34 @@
     let drawn = "";
     if (row && isNumber(row[x]) && isNumber(row[y])) {
       const { px, py } = toScreen, cx = px(row[x]), cy = py(row[y]);
-      const [ex, ey] = [x, y].map((c) => columns[c].error === null ? 0 : (row[columns[c].error] || 0) / 100 * row[c]);
-      if (ex) drawn += `<line class="error" x1="${px(row[x] - ex)}" x2="${px(row[x] + ex)}" y1="${cy}" y2="${cy}"/>`;
-      if (ey) drawn += `<line class="error" x1="${cx}" x2="${cx}" y1="${py(row[y] - ey)}" y2="${py(row[y] + ey)}"/>`;
-      drawn += `<circle class="ring" style="fill:none" cx="${cx}" cy="${cy}" r="8"/>`;
+      drawn = `${errorBars(i)}<circle class="ring" style="fill:none" cx="${cx}" cy="${cy}" r="8"/>`;
     }
     group.innerHTML = drawn;
     path.setAttribute("d", row ? laneAt.path(row) : "");
     markedRow?.classList.remove("shown");
     markedRow = i === null ? null : one(`[data-table] tr[data-i="${i}"]`);
     markedRow?.classList.add("shown");
+    showWeb(i);
     one("[data-detail]").innerHTML = row ? details(i, row) : '<div class="title">Point at the plots or at a row of the table to see all values of a point.</div>';
   }
+  let viewed = null;
+  async function showWeb(i) {
+    if (!viewer?.show || viewed === i) return;
+    viewed = i;
+    const missing = i !== null && !webs[i];
+    const why = missing && (about[i][1] === "done" ? "not in this page, which would be too large" : about[i][1]);
+    viewer.classList.toggle("missing", missing);
+    one("[data-web-of]").textContent = i === null ? "original web" : missing ? `no web: ${why}` : `web of ${about[i][0]}`;
+    if (await viewer.show(i === null ? null : webs[i])) viewer.dataset.web = i ?? "";
+  }
+  viewer?.addEventListener("ready", async () => {
+    mark();
+    for (const button of document.querySelectorAll("[data-pick]")) {
+      const web = webs[picks[button.dataset.pick][1]], picture = button.querySelector("img");
+      if (web) [picture.src, picture.hidden] = [await viewer.picture(web), false];
+    }
+    viewer.dataset.pictures = "";
+  });
   function details(i, row) {
     const [id, status, run, reason] = about[i];
     const change = (c) => isNumber(row[c]) && isNumber(original[c]) && original[c] && !columns[c].varied ? ` (${row[c] / original[c] >= 1 ? "+" : ""}${(100 * (row[c] / original[c] - 1)).toFixed(1)} %)` : "";
@@ -272,12 +298,33 @@
   one("[data-scatter]").addEventListener("pointermove", (event) => show(nearest(event)));
   one("[data-scatter]").addEventListener("pointerleave", () => show(null));
   one("[data-scatter]").addEventListener("click", (event) => { const i = nearest(event); if (i !== null) keep(i); });
+  // The next point that is seen along an axis of the scatter, from the one in view.
+  function step(axis, forward) {
+    const list = places.filter(({ i }) => seen[i]).sort((a, b) => a[axis] - b[axis] || a.i - b.i);
+    const at = list.findIndex(({ i }) => i === (state.shown ?? state.kept));
+    const next = list[at < 0 ? (forward ? 0 : list.length - 1) : at + (forward ? 1 : -1)];
+    if (next) show(next.i);
+  }
+  one("[data-scatter]").addEventListener("keydown", (event) => {
+    const keys = {
+      ArrowRight: () => step("cx", true), ArrowLeft: () => step("cx", false),
+      ArrowUp: () => step("cy", false), ArrowDown: () => step("cy", true),
+      Enter: () => { if (state.shown !== null) keep(state.shown); },
+      Escape: () => { state.kept = null; show(null); mark(); },
+    };
+    if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    keys[event.key]();
+  });
+  one("[data-scatter]").addEventListener("blur", () => show(null));
   const over = (event) => { const i = event.target.closest?.("[data-i]")?.dataset.i; return i === undefined ? null : Number(i); };
   for (const place of ["[data-table] tbody", "[data-parallel]"]) {
     one(place).addEventListener("pointerover", (event) => show(over(event)));
     one(place).addEventListener("pointerleave", () => show(null));
     one(place).addEventListener("click", (event) => { const i = over(event); if (i !== null) keep(i); });
   }
+  one("[data-table] tbody").addEventListener("focusin", (event) => show(over(event)));
+  one("[data-table] tbody").addEventListener("focusout", () => show(null));
   one("[data-table] tbody").addEventListener("keydown", (event) => { if (event.key === "Enter") keep(over(event)); });
   for (const button of document.querySelectorAll("[data-pick]")) {
     const [, i] = picks[button.dataset.pick];

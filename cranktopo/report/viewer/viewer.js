@@ -12,7 +12,7 @@
     in vec3 position; in vec3 normal; in float share;
     uniform mat3 turn; uniform vec3 low, size, flip, shift, target, colour0, colour1;
     uniform vec2 lens; uniform vec3 depth; uniform vec3 ramp[STOPS]; uniform bool ramped;
-    out vec3 shade;
+    out vec3 tint; out float light, height;
     const vec3 KEY = normalize(vec3(-0.45, 0.60, 0.65));
     const vec3 FRONT = normalize(vec3(0.10, 0.0, 1.0));
     const vec3 RIM = normalize(vec3(0.95, -0.10, 0.30));
@@ -23,19 +23,26 @@
       return mix(ramp[below], ramp[below + 1], place - float(below));
     }
     void main() {
-      vec3 p = turn * ((low + size * position) * flip + shift - target);
+      vec3 own = low + size * position;
+      vec3 p = turn * (own * flip + shift - target);
       vec3 n = turn * (normal * flip);
-      float light = 0.42 + 0.42 * max(dot(n, KEY), 0.0) + 0.26 * max(dot(n, FRONT), 0.0)
+      light = 0.42 + 0.42 * max(dot(n, KEY), 0.0) + 0.26 * max(dot(n, FRONT), 0.0)
         + 0.16 * max(dot(n, RIM), 0.0);
-      shade = min(colour() * light, 1.0);
+      tint = colour();
+      height = own.z;
       float w = depth.x - p.z;
       gl_Position = vec4(lens * p.xy, depth.y * w + depth.z, w);
     }`;
   const FRAGMENT = `#version 300 es
-    precision mediump float;
-    in vec3 shade; out vec4 pixel;
-    void main() { pixel = vec4(shade, 1.0); }`;
+    precision highp float;
+    uniform vec2 sides; uniform vec3 beyond;
+    in vec3 tint; in float light, height; out vec4 pixel;
+    void main() {
+      vec3 colour = height < sides.x || height > sides.y ? beyond : tint;
+      pixel = vec4(min(colour * light, 1.0), 1.0);
+    }`;
   const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5];
+  const EVERYWHERE = [-1e9, 1e9], SHARP = Math.cos(35 * Math.PI / 180);
   const FIELD_OF_VIEW = 0.5, START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
 
   const { header, arrays } = await unpack(packed.textContent);
@@ -44,20 +51,23 @@
   const at = (name) => gl.getUniformLocation(program, name);
   const uniforms = Object.fromEntries(
     ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "lens", "depth", "ramp",
-      "ramped"].map((n) => [n, at(n)]),
+      "ramped", "sides", "beyond"].map((n) => [n, at(n)]),
   );
-  const bodies = header.bodies.map(bodyBuffers);
+  const bodies = header.bodies.map((body) => bodyBuffers(body, arrays));
   const steps = header.steps;
   const state = { ...START, body: header.first, colour: -1,
     step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
-  let blocks = null, waiting = false;
+  let blocks = null, waiting = false, other = null, asked = 0;
 
   gl.enable(gl.DEPTH_TEST);
   controls();
   new ResizeObserver(redraw).observe(canvas);
   document.documentElement.classList.add("has-3d");
   redraw();
+  box.show = show;
+  box.picture = picture;
   box.dataset.ready = "yes";
+  box.dispatchEvent(new Event("ready"));
 
   async function unpack(text) {
     const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
@@ -110,7 +120,8 @@
     gl.deleteVertexArray(shape.vao);
   }
 
-  function bodyBuffers(body) {
+  function bodyBuffers(body, arrays) {
+    if (body.corners !== undefined) return smallBuffers(body, arrays);
     const journal = arrays[body.journal], faces = arrays[body.faces];
     const isJournal = (_, i) => journal[faces[i - (i % 3)]] > 0;
     const attributes = [
@@ -122,6 +133,58 @@
       web: buffers(attributes, faces.filter((v, i) => !isJournal(v, i))),
       journals: buffers(attributes, faces.filter(isJournal)),
     };
+  }
+
+  // A body that comes without normals: they are means over the faces at a corner that meet at no sharp edge.
+  function smallBuffers(body, arrays) {
+    const points = Float32Array.from(arrays[body.points], (step) => step / body.steps);
+    let named = 0;
+    const faces = Uint32Array.from(arrays[body.corners], (newer) => newer ? named - newer : named++);
+    const at = (v) => body.size_mm.map((size, axis) => size * points[3 * v + axis]);
+    const across = [], meeting = Array.from({ length: named }, () => []);
+    for (let f = 0; 3 * f < faces.length; f++) {
+      const corners = [...faces.subarray(3 * f, 3 * f + 3)], [a, b, c] = corners.map(at);
+      const [u, v] = [b, c].map((end) => end.map((x, axis) => x - a[axis]));
+      across.push([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]);
+      corners.forEach((corner) => meeting[corner].push(f));
+    }
+    const dot = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    const lengths = across.map((n) => Math.hypot(...n) || 1);
+    const positions = new Float32Array(3 * faces.length), normals = new Int8Array(3 * faces.length);
+    faces.forEach((v, corner) => {
+      const own = Math.floor(corner / 3), sum = [0, 0, 0];
+      for (const f of meeting[v])
+        if (dot(across[own], across[f]) > SHARP * lengths[own] * lengths[f])
+          across[f].forEach((part, axis) => (sum[axis] += part));
+      const length = Math.hypot(...sum) || 1;
+      positions.set(points.subarray(3 * v, 3 * v + 3), 3 * corner);
+      normals.set(sum.map((part) => Math.round(127 * part / length)), 3 * corner);
+    });
+    const attributes = [[positions, 3, gl.FLOAT, false], [normals, 3, gl.BYTE, true]];
+    const web = buffers(attributes, Uint32Array.from(faces.keys()));
+    return { ...body, web, journals: { ...web, count: 0 } };
+  }
+
+  // Shows a packed body in place of the page's own, or that again; false where another was asked for since.
+  async function show(text) {
+    const mine = ++asked, found = text && await unpack(text);
+    if (mine !== asked) return false;
+    if (other) discard(other.web);
+    other = found && bodyBuffers(found.header.bodies[0], found.arrays);
+    draw();
+    return true;
+  }
+
+  // A picture of a packed body as the address of an image; the view stays as it is.
+  async function picture(text) {
+    const found = await unpack(text), before = other;
+    other = bodyBuffers(found.header.bodies[0], found.arrays);
+    draw();
+    const address = canvas.toDataURL();
+    discard(other.web);
+    other = before;
+    draw();
+    return address;
   }
 
   // Gives the surfaces the stresses of a load case, or takes them away.
@@ -204,13 +267,13 @@
     const stressed = state.colour >= 0 && blocks === null;
     if (stress) gl.uniform3fv(uniforms.ramp, stress.ramp.flat());
     gl.uniform1i(uniforms.ramped, stressed ? 1 : 0);
-    const body = bodies[state.body];
-    aim(body, width / height);
+    const body = other ?? bodies[state.body];
+    aim(bodies[state.body], width / height);
     box.dataset.triangles = (body.journals.count + (blocks ?? body.web).count) / 3;
     for (const mirrored of state.whole ? [false, true] : [false]) {
       gl.uniform3f(uniforms.flip, 1, 1, mirrored ? -1 : 1);
       gl.uniform3f(uniforms.shift, 0, 0, mirrored ? 2 * body.half_pitch_mm : 0);
-      place(body.low_mm, body.size_mm);
+      place(body.low_mm, body.size_mm, body.sides_mm);
       paint(body.journals, JOURNAL, JOURNAL);
       if (blocks === null) paint(body.web, WEB, WEB);
       else {
@@ -246,9 +309,11 @@
     gl.uniform3f(uniforms.depth, distance, (far + near) / (far - near), (-2 * far * near) / (far - near));
   }
 
-  function place(low, size) {
+  function place(low, size, sides = EVERYWHERE) {
     gl.uniform3fv(uniforms.low, low);
     gl.uniform3fv(uniforms.size, size);
+    gl.uniform2fv(uniforms.sides, sides);
+    gl.uniform3fv(uniforms.beyond, JOURNAL);
   }
 
   function paint(shape, colour0, colour1) {
