@@ -57,6 +57,23 @@ def test_by_default_nothing_gets_worse(goal: str, expected: list[str]) -> None:
     assert limits(f"[goal]\n{goal}") == [f"{limit} assumed" for limit in expected]
 
 
+def test_a_counterweight_is_not_made_smaller_for_a_lighter_web() -> None:
+    light, balanced, free = (
+        with_goal(load_scene("car-diesel"), limits=limits, **asked)
+        for asked, limits in (
+            ({"minimise": "mass", "maximise": None}, ()),
+            ({"minimise": "unbalance", "maximise": None}, ()),
+            ({"minimise": "mass", "maximise": None}, ("unbalance none",)),
+        )
+    )
+    found = [
+        [str(limit) for limit in goal.limits if limit.quantity == "unbalance"]
+        for goal in map(wanted, (light, balanced, free))
+        if goal is not None
+    ]
+    assert found == [["unbalance <= 100 %"], ["unbalance >= 0 kg mm"], []]
+
+
 def test_a_given_limit_replaces_the_default_one_of_its_quantity() -> None:
     found = limits(with_limit('torsion = ">= 120 %"\nbending = "none"\nunbalance = "<= 0.04 kg m"'))
     assert found == ["unbalance <= 40 kg mm", "torsion >= 120 %", "fatigue_safety >= 100 % assumed"]

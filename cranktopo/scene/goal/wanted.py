@@ -16,9 +16,10 @@ def wanted(scene: Scene) -> Goal | None:
     """The goal of a scene with its limits: those that are given, then those that the goal brings.
 
     By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
-    of the original, but for the goal's own quantity; a stiffness per mass stands for that stiffness. The
-    unbalance is not driven below 0. The safety is left out where the scene cannot give one. A given limit
-    replaces the default one of its quantity.
+    of the original, but for the goal's own quantity; a stiffness per mass stands for that stiffness. With a
+    counterweight the unbalance stays at most as it is: a smaller one would only pass for a lighter web. A
+    goal does not drive the unbalance below 0. The safety is left out where the scene cannot give one. A given
+    limit replaces the default one of its quantity.
 
     Returns:
         None for a scene without a goal.
@@ -70,8 +71,10 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
         for name in _KEPT
         if name != goal.removesuffix("_per_mass") and not (name == "fatigue_safety" and no_safety(scene))
     )
-    floor = (Limit("unbalance", ">=", 0.0, assumed=True),) if goal == "unbalance" else ()
-    return (*kept, *floor)
+    if goal == "unbalance":
+        return (*kept, Limit("unbalance", ">=", 0.0, assumed=True))
+    balanced = (Limit("unbalance", "<=", 100.0, percent=True, assumed=True),)
+    return (*kept, *balanced) if scene.web.counterweight else kept
 
 
 def no_safety(scene: Scene) -> str:
