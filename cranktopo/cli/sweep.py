@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from cranktopo.cli.completion import designs, runs
-from cranktopo.cli.options import DEFAULT_DESIGN, refuse_beside_resume
+from cranktopo.cli.goal_options import goal_options
+from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
 from cranktopo.cli.parameters import CELL_MM, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.errors import ExitCode
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     type=Choice(["evaluate", "fatigue", "optimise", "remodel", "shape"]),
     help="How far each point goes.  [default: evaluate]",
 )
+@goal_options
 @click.option(
     "--sampling",
     type=Choice(["grid", "latin", "sobol"]),
@@ -39,6 +42,25 @@ if TYPE_CHECKING:
 )
 @click.option("--samples", type=click.IntRange(1, 100_000), help="Points of such a sampling.")
 @click.option("--element-size-mm", type=CELL_MM, help="Of evaluations; by default that of `evaluate`.")
+@click.option(
+    "--accuracy",
+    "accuracy_percent",
+    metavar="PERCENT",
+    callback=percent,
+    help="Wanted error of evaluations, such as 1%.",
+)
+@click.option(
+    "--refine",
+    type=Choice(["all", "front"]),
+    help="front: coarse first, full accuracy for what may be on the front alone.  [default: all]",
+)
+@click.option(
+    "--budget",
+    "budget_s",
+    metavar="TIME",
+    callback=seconds,
+    help="Time for points at full accuracy with --refine front, such as 10min; the picks come first.",
+)
 @click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes here; default: as cores and memory allow."
 )
@@ -70,12 +92,15 @@ def command(
     each point. After Ctrl-C or a crash --resume goes on; no finished point is computed twice.
 
     Example: cranktopo sweep mikron-iiic --vary "web.width_mm=46:56:6" --vary "throw.crankpin.fillet_mm=2,2.5"
+
+    Goals: cranktopo sweep --stage shape --minimise mass --limit "torsion >= 90:130:5 %"
     """
     if workers is not None and scheduler is not None:
         raise click.UsageError("--scheduler excludes --workers: the cluster has its own")
     if resume:
         refuse_beside_resume("workers", "scheduler")
-    from cranktopo.pipeline.sweep.run import Workplace, resume_sweep, run_sweep
+    from cranktopo.pipeline.sweep.computed import Workplace
+    from cranktopo.pipeline.sweep.run import resume_sweep, run_sweep
     from cranktopo.report.tables.sweep_tables import sweep_summary
 
     place = Workplace(workers, scheduler)
@@ -89,15 +114,27 @@ def command(
 
 
 def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
-    from cranktopo.pipeline.sweep.plan import is_plan, read_plan, sweep_plan
+    from cranktopo.pipeline.sweep.plan import sweep_plan
+    from cranktopo.pipeline.sweep.plan_file import is_plan, read_plan
     from cranktopo.pipeline.sweep.variation import read_option
 
-    given = {name: value for name, value in asked.items() if value is not None}
+    given = {name: value for name, value in asked.items() if value not in (None, ())}
     if is_plan(target):
         if vary or given:
-            first = "vary" if vary else next(iter(given))
-            raise click.UsageError(f"{target} says what varies: leave out --{first.replace('_', '-')}")
+            raise click.UsageError(f"{target} says all of it: leave out {_typed()}")
         return read_plan(Path(target))
-    if not vary:
+    if not vary and not given.get("limits"):
         raise click.UsageError('nothing varies: give --vary "web.width_mm=46:56:6" or the like, or a FILE')
     return sweep_plan([target], [read_option(text) for text in vary], **given)
+
+
+def _typed() -> str:
+    """The first option that says what a sweep is."""
+    context = click.get_current_context()
+    kept = ("target", "workers", "scheduler", "out", "as_json")
+    typed = (
+        p.opts[0]
+        for p in context.command.params
+        if p.name not in kept and context.get_parameter_source(str(p.name)) == ParameterSource.COMMANDLINE
+    )
+    return next(typed)

@@ -160,6 +160,30 @@ def test_a_sweep_of_evaluations(scheduler: str, tmp_path: Path, capfd: pytest.Ca
     assert "1 points: 1 done" in capfd.readouterr().out
 
 
+@pytest.mark.slow
+def test_only_what_may_be_on_the_front_is_refined(scheduler: str, tmp_path: Path) -> None:
+    """Softer steel is beaten, clearly or within the error bound; front and picks are those of full accuracy.
+
+    `python -m pytest -m slow tests/cli/test_sweep.py -n 0 -k refined`, some seconds.
+    """
+    size, vary = {"element_size_mm": 14.0}, {"material.E_GPa": [200, 209.9, 210]}
+    place = {"scheduler": scheduler, "vary": vary, **size}
+    whole = sweep(out=tmp_path / "all", **place)
+    out = tmp_path / "front"
+    frame = sweep(out=out, refine="front", **place)
+    full = frame["accuracy"] == "full"
+    assert full.tolist() == [False, True, True]
+    assert frame["on_front"].tolist() == [False, False, True]
+    assert frame.loc[full, "id"].tolist() == whole.loc[full, "id"].tolist()
+    assert frame.loc[full, "torsion_Nm_per_rad"].tolist() == whole.loc[full, "torsion_Nm_per_rad"].tolist()
+    assert (frame.attrs["front"], frame.attrs["picks"]) == (whole.attrs["front"], whole.attrs["picks"])
+    assert frame["torsion_Nm_per_rad"][0] > 1.001 * whole["torsion_Nm_per_rad"][0], "coarse is too stiff"
+    kept = {file: file.stat().st_mtime_ns for file in out.glob("points/*/point.json")}
+    again = sweep(resume=out, scheduler=scheduler)
+    assert {file: file.stat().st_mtime_ns for file in out.glob("points/*/point.json")} == kept
+    pd.testing.assert_frame_equal(frame, again)
+
+
 def script(folder: Path, body: str) -> list[str]:
     """A command line that sweeps with functions of the tests, on workers of its own."""
     file = folder / "script.py"

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.sweep.plan import is_plan, plan_from_json, read_plan, sweep_plan
+from cranktopo.pipeline.sweep.plan import plan_from_json, sweep_plan
+from cranktopo.pipeline.sweep.plan_file import is_plan, read_plan
 from cranktopo.pipeline.sweep.points import original_of, points_of
 from cranktopo.pipeline.sweep.variation import read_entry, read_option
 
@@ -22,6 +23,8 @@ WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
         ("engine.speed_rpm=1000:3000:3", (1000, 2000, 3000)),
         ("engine.speed_rpm=1000:2000:4", (1000.0, 1333.33333333, 1666.66666667, 2000.0)),
         ("goal.limits.torsion=>= 90 %,>= 100 %", (">= 90 %", ">= 100 %")),
+        ("goal.limits.torsion=>= 90:100:3 %", (">= 90 %", ">= 95 %", ">= 100 %")),
+        ("goal.limits.unbalance=<= -1.5:1.5:3 kg mm", ("<= -1.5 kg mm", "<= 0 kg mm", "<= 1.5 kg mm")),
         ("optimise.connected=true", (True,)),
     ],
 )
@@ -40,6 +43,7 @@ def test_values_of_an_option(text: str, values: tuple[object, ...]) -> None:
         f"{WIDTH}=1:2:1.5",
         f"{WIDTH}=2:1",
         f"{WIDTH}=50,inf",
+        "goal.limits.torsion=>= 90:80:1 %",
         "a..b=1",
         "a[x]=1",
     ],
@@ -68,6 +72,33 @@ def test_the_hash_is_that_of_the_scene_and_the_settings() -> None:
     usual = sweep_plan(["mikron-iiic"], [read_option("optimise.penalty=3")])
     assert points_of(usual)[0].sha256 == original_of(usual).sha256, "a default that is written out"
     assert len({first(), first(width="53"), first(stage="fatigue"), first(element_size_mm=9.0)}) == 4
+
+
+def test_a_limit_with_a_range_varies_and_one_without_stays() -> None:
+    limits = ["torsion >= 90:130:5 %", "bending >= 95 %"]
+    plan = sweep_plan(["mikron-iiic"], stage="shape", minimise="mass", limits=limits)
+    points = points_of(plan_from_json(plan.as_json()))
+    assert [p.varied for p in points] == [
+        {"goal.limits.torsion": f">= {n} %"} for n in (90, 100, 110, 120, 130)
+    ]
+    assert points[1].tables["goal"] == {
+        "minimise": "mass",
+        "limits": {"bending": ">= 95 %", "torsion": ">= 100 %"},
+    }
+    with pytest.raises(CranktopoError, match="stage evaluate has no goal"):
+        sweep_plan(["mikron-iiic"], minimise="mass", limits=limits)
+    with pytest.raises(CranktopoError, match="Did you mean 'torsion'"):
+        sweep_plan(["mikron-iiic"], stage="shape", minimise="mass", limits=["torsoin >= 90:130:5 %"])
+
+
+def test_a_first_look_has_hashes_of_its_own() -> None:
+    plan = sweep_plan(["mikron-iiic"], [read_option(f"{WIDTH}=50,52")], accuracy_percent=0.5, refine="front")
+    looks = points_of(plan, fineness=plan.fineness.first_look)
+    plain = sweep_plan(["mikron-iiic"], [read_option(f"{WIDTH}=50,52")])
+    assert len({p.id for p in (*points_of(plan), *looks, *points_of(plain))}) == 6
+    assert points_of(plain)[0].id == "766721081eaa", "points of earlier sweeps keep their names"
+    with pytest.raises(CranktopoError, match="--refine front"):
+        sweep_plan(["mikron-iiic"], [read_option(f"{WIDTH}=50,52")], budget_s=60.0)
 
 
 def test_impossible_webs_are_points_with_a_reason() -> None:
@@ -138,6 +169,8 @@ def test_a_file_may_list_scenes_beside_it(tmp_path: Path) -> None:
         ("design = 'mikron-iiic'\nsamples = 'x'\n", "samples = 'x': must be an integer"),
         ("design = 'mikron-iiic'\nsampling = 'sobol'\n", "needs a number of samples"),
         ("design = 'mikron-iiic'\nelement_size_mm = -1\n", "element_size_mm = -1: must be a number"),
+        ("design = 'mikron-iiic'\nlimits = 'mass'\n", "limits = 'mass': must be a list"),
+        ("design = 'mikron-iiic'\nrefine = 'frnt'\n", "Did you mean 'front'"),
     ],
 )
 def test_bad_files_say_what_is_wrong(tmp_path: Path, text: str, words: str) -> None:

@@ -15,7 +15,8 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Info
-from cranktopo.pipeline.sweep.job import FAILED, Job, do_job, row_of
+from cranktopo.pipeline.sweep.job import Job, do_job, row_of
+from cranktopo.pipeline.sweep.stages import FAILED
 from cranktopo.store import Json
 
 INSTALL = "pip install dask distributed bokeh pandas pyarrow"
@@ -64,8 +65,17 @@ class _SchedulerLostError(Exception):
     """The connection to the scheduler broke."""
 
 
-def compute(jobs: Sequence[Job], engine: Engine, done: Done, info: Info = lambda _: None) -> None:
+def compute(
+    jobs: Sequence[Job],
+    engine: Engine,
+    done: Done,
+    info: Info = lambda _: None,
+    enough: Callable[[], bool] = lambda: False,
+) -> None:
     """Compute jobs, telling the end of each as it comes; a lost scheduler is waited for.
+
+    Args:
+        enough: asked after each; once it is so, the rest is left.
 
     Raises:
         CranktopoError: Dask is missing, no scheduler, or an output that cannot be written.
@@ -78,17 +88,17 @@ def compute(jobs: Sequence[Job], engine: Engine, done: Done, info: Info = lambda
         del left[job.point.id]
         done(job, result)
 
-    while left:
+    while left and not enough():
         try:
             with _client(engine, patience, info) as client:
-                _submit(client, list(left.values()), told)
+                _submit(client, list(left.values()), told, enough)
         except _SchedulerLostError:
             patience = _RETURN_S
             info(f"the scheduler is lost; waiting up to {_RETURN_S:.0f} s for it to come back")
             time.sleep(1.0)
 
 
-def _submit(client: Any, jobs: Sequence[Job], told: Done) -> None:
+def _submit(client: Any, jobs: Sequence[Job], told: Done, enough: Callable[[], bool]) -> None:
     from distributed import KilledWorker, as_completed
 
     by_key = {f"cranktopo-{job.point.id}": job for job in jobs}
@@ -107,6 +117,9 @@ def _submit(client: Any, jobs: Sequence[Job], told: Done) -> None:
                 reason = f"its worker died more than {_DEATHS} times" if died else _told(error)
                 told(by_key[future.key], row_of(by_key[future.key], FAILED, reason))
             future.release()
+            if enough():
+                client.cancel(futures, force=True)
+                return
     except BaseException:
         with contextlib.suppress(Exception):
             client.cancel(futures, force=True)

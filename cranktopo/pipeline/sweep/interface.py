@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.evaluate.evaluation import Info
+from cranktopo.pipeline.sweep.computed import Workplace
 from cranktopo.pipeline.sweep.job import PointFunction
 from cranktopo.pipeline.sweep.plan import sweep_plan
-from cranktopo.pipeline.sweep.run import Workplace, resume_sweep, run_sweep
+from cranktopo.pipeline.sweep.run import resume_sweep, run_sweep
 from cranktopo.pipeline.sweep.variation import read_entry
 
 if TYPE_CHECKING:
@@ -23,6 +24,12 @@ def sweep(
     sampling: str = "grid",
     samples: int | None = None,
     element_size_mm: float | None = None,
+    accuracy_percent: float | None = None,
+    refine: str = "all",
+    budget_s: float | None = None,
+    minimise: str | None = None,
+    maximise: str | None = None,
+    limits: Sequence[str] = (),
     workers: int | None = None,
     scheduler: str | None = None,
     out: str | Path | None = None,
@@ -39,6 +46,10 @@ def sweep(
         vary: values by key of the scene: a list, or text as behind `--vary KEY=`.
         stage: how far each point goes: evaluate, fatigue, optimise, remodel or shape.
         sampling: grid for all combinations, latin or sobol for so many `samples`.
+        accuracy_percent: evaluations are refined until the bound of their error is no larger.
+        refine: `front` computes all points coarse first, and those alone at full accuracy that may be on the
+            front, within `budget_s` where it is given.
+        minimise, maximise, limits: goal of optimisations; `torsion >= 90:130:5 %` varies its limit.
         workers: processes on this machine; by default as many as cores and memory allow.
         scheduler: address of a Dask scheduler to use instead.
         out: run directory; by default a new one under runs/.
@@ -58,7 +69,20 @@ def sweep(
     else:
         designs = [design] if isinstance(design, str | Path) else list(design)
         varied = [read_entry(key, entry) for key, entry in (vary or {}).items()]
-        plan = sweep_plan([str(d) for d in designs], varied, sampling, samples, stage, element_size_mm)
+        plan = sweep_plan(
+            [str(d) for d in designs],
+            varied,
+            sampling,
+            samples,
+            stage,
+            element_size_mm,
+            accuracy_percent,
+            refine,
+            budget_s,
+            minimise,
+            maximise,
+            limits,
+        )
         done = run_sweep(
             plan, place, None if out is None else Path(out), ("cranktopo.sweep",), info, function
         )

@@ -14,14 +14,12 @@ from typing import Any
 
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.pipeline.sweep.points import Point
-from cranktopo.pipeline.sweep.stages import run_stage
+from cranktopo.pipeline.sweep.stages import DONE, FAILED, IMPOSSIBLE, run_stage
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.store import Json, UnwritableError, locked, read_json, write_json
 from cranktopo.store.files import unwritable
 
 POINTS, RESULT = "points", "point.json"
-DONE, IMPOSSIBLE, FAILED = "done", "impossible", "failed"
-"""How a point ended: with numbers, with a reason why there is no such web, by a failed solve or worker."""
 PointFunction = Callable[[Scene], Mapping[str, Any]]
 _WAIT_S = 1.0
 _TRY_AGAIN = (ExitCode.MISSING_TOOL, ExitCode.INTERRUPTED)
@@ -41,7 +39,6 @@ class Job:
 
     point: Point
     root: str
-    element_size_mm: float | None = None
     function: PointFunction | None = None
 
     @property
@@ -114,7 +111,7 @@ def _computed(job: Job, folder: Path) -> Json:
         if job.function is not None:
             found = {str(name): value for name, value in job.function(scene).items()}
         else:
-            found = run_stage(point.stage, scene, folder, job.element_size_mm)
+            found = run_stage(point.stage, scene, folder, point.fineness)
     except UnwritableError:
         raise
     except CranktopoError as error:

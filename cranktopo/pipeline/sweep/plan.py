@@ -4,18 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 from cranktopo.errors import CranktopoError, ExitCode, invalid, shown, suggest
-from cranktopo.pipeline.sweep.variation import (
-    MOST,
-    STAGE,
-    Variation,
-    as_json,
-    from_json,
-    read_entry,
-)
+from cranktopo.pipeline.evaluate import MeshRequest
+from cranktopo.pipeline.sweep.fineness import Fineness
+from cranktopo.pipeline.sweep.goal_sweep import varied_limits, with_goal_tables
+from cranktopo.pipeline.sweep.variation import MOST, STAGE, Variation, as_json, from_json
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import (
     design_text,
@@ -29,9 +24,11 @@ from cranktopo.store.manifest import SEED
 
 Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
 STAGES: tuple[Stage, ...] = get_args(Stage)
+_OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
 Sampling = Literal["grid", "latin", "sobol"]
 SAMPLINGS: tuple[Sampling, ...] = get_args(Sampling)
-_KEYS = ("schema_version", "design", "scenes", "stage", "sampling", "samples", "element_size_mm", "vary")
+Refine = Literal["all", "front"]
+REFINE: tuple[Refine, ...] = get_args(Refine)
 
 
 @dataclass(frozen=True)
@@ -45,6 +42,9 @@ class SweepPlan:
         sampling: all combinations, or as many samples of a Latin hypercube or a Sobol sequence.
         stage: how far a point goes where `stage` does not vary.
         element_size_mm: of evaluations; None leaves the default.
+        accuracy_percent: evaluations are refined until the bound of their error is no larger.
+        refine: every point at full accuracy, or those alone that a coarse first look does not rule out.
+        budget_s: time for points at full accuracy after the first look.
     """
 
     designs: tuple[str, ...]
@@ -54,7 +54,15 @@ class SweepPlan:
     samples: int | None = None
     stage: Stage = "evaluate"
     element_size_mm: float | None = None
+    accuracy_percent: float | None = None
+    refine: Refine = "all"
+    budget_s: float | None = None
     seed: int = SEED
+
+    @property
+    def fineness(self) -> Fineness:
+        """Of a point at full accuracy."""
+        return Fineness(self.element_size_mm, self.accuracy_percent)
 
     @property
     def original(self) -> Scene:
@@ -77,6 +85,9 @@ class SweepPlan:
             "samples": self.samples,
             "stage": self.stage,
             "element_size_mm": self.element_size_mm,
+            "accuracy_percent": self.accuracy_percent,
+            "refine": self.refine,
+            "budget_s": self.budget_s,
             "seed": self.seed,
         }
 
@@ -95,11 +106,18 @@ def sweep_plan(
     samples: int | None = None,
     stage: str = "evaluate",
     element_size_mm: float | None = None,
+    accuracy_percent: float | None = None,
+    refine: str = "all",
+    budget_s: float | None = None,
+    minimise: str | None = None,
+    maximise: str | None = None,
+    limits: Sequence[str] = (),
 ) -> SweepPlan:
     """A plan that was checked: every design is valid, every key exists.
 
     Args:
         designs: TOML paths or names of built-in designs; the first is the original.
+        limits: such as `torsion >= 90:130:5 %`, which varies, or `bending >= 95 %`, which stays.
 
     Raises:
         CranktopoError: no such design or an invalid one, an unknown key, or settings that do not fit.
@@ -108,93 +126,26 @@ def sweep_plan(
         raise invalid("scenes", list(designs), "at least one is needed", "Name a design.")
     for design in designs:
         load_scene(design)
+    fixed, varied = varied_limits(limits)
     plan = SweepPlan(
         tuple(designs),
-        tuple(_tables(design) for design in designs),
-        tuple(vary),
+        tuple(with_goal_tables(_tables(d), d, minimise, maximise, fixed) for d in designs),
+        (*vary, *varied),
         _one_of("sampling", sampling, SAMPLINGS),
         samples,
         _one_of("stage", stage, STAGES),
         element_size_mm,
+        accuracy_percent,
+        _one_of("refine", refine, REFINE),
+        budget_s,
     )
     _check(plan)
-    return plan
-
-
-def read_plan(file: Path) -> SweepPlan:
-    """The plan in a TOML file: `design` or `scenes`, `stage`, `sampling`, `samples`, `[vary]`.
-
-    Raises:
-        CranktopoError: an unknown key, or as `sweep_plan`.
-    """
-    data = parse_toml(design_text(str(file)), str(file))
-    unknown = [key for key in data if key not in _KEYS]
-    if unknown:
-        raise CranktopoError(f"{file}: unknown key {unknown[0]}.", hint=suggest(unknown[0], list(_KEYS)))
-    if data.get("schema_version", 1) != 1:
-        raise invalid(f"{file}: schema_version", data["schema_version"], "must be 1")
-    vary = _table(file, data, "vary")
-    return sweep_plan(
-        _designs(file, data),
-        [read_entry(key, entry) for key, entry in _flat(vary)],
-        str(data.get("sampling", "grid")),
-        _count(file, data),
-        str(data.get("stage", "evaluate")),
-        _size(file, data),
-    )
-
-
-def is_plan(text: str) -> bool:
-    """Whether what the user typed is the file of a sweep and no design."""
-    path = Path(text)
-    if path.suffix.lower() != ".toml" or not path.is_file():
-        return False
-    data = parse_toml(design_text(text), text)
-    return "throw" not in data and bool({"vary", "design", "scenes", "sampling"} & data.keys())
-
-
-def _designs(file: Path, data: Mapping[str, Any]) -> list[str]:
-    """Designs by name, or by their path from the folder of the file."""
-    given = data.get("scenes", [data["design"]] if "design" in data else [])
-    if ("design" in data) == ("scenes" in data) or not isinstance(given, list):
-        raise CranktopoError(
-            f"{file}: needs either design or scenes.",
-            hint='Write design = "mikron-iiic", or scenes = ["a.toml", "b.toml"].',
+    if (minimise or maximise or limits) and not set(plan.stages) & set(_OPTIMISED):
+        raise _misused(
+            f"stage {plan.stage} has no goal",
+            f"Add --stage {', '.join(_OPTIMISED[:-1])} or {_OPTIMISED[-1]}.",
         )
-    paths = [(str(name), file.resolve().parent / str(name)) for name in given]
-    return [str(path) if path.is_file() else name for name, path in paths]
-
-
-def _flat(table: Mapping[str, Any], head: str = "") -> list[tuple[str, Any]]:
-    """Entries by their whole key: `"web.width_mm"`, `web.width_mm` and `[vary.web] width_mm` are the same."""
-    found: list[tuple[str, Any]] = []
-    for key, value in table.items():
-        path = f"{head}{key}"
-        found += _flat(value, f"{path}.") if isinstance(value, dict) else [(path, value)]
-    return found
-
-
-def _table(file: Path, data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    value = data.get(key, {})
-    if not isinstance(value, dict):
-        raise invalid(f"{file}: {key}", value, "must be a table", f"Write [{key}].")
-    return value
-
-
-def _count(file: Path, data: Mapping[str, Any]) -> int | None:
-    value = data.get("samples")
-    if value is not None and (not isinstance(value, int) or isinstance(value, bool)):
-        raise invalid(f"{file}: samples", value, "must be an integer")
-    return value
-
-
-def _size(file: Path, data: Mapping[str, Any]) -> float | None:
-    value = data.get("element_size_mm")
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 1e-3 <= value <= 1000:
-        raise invalid(f"{file}: element_size_mm", value, "must be a number >= 0.001 and <= 1000")
-    return float(value)
+    return plan
 
 
 def _one_of(key: str, value: str, words: tuple[Any, ...]) -> Any:
@@ -210,6 +161,9 @@ def _tables(design: str) -> dict[str, Any]:
 
 
 def _check(plan: SweepPlan) -> None:
+    MeshRequest(plan.element_size_mm, plan.accuracy_percent)
+    if plan.budget_s is not None and plan.refine != "front":
+        raise _misused("--budget is time for what a first look does not rule out", "Add --refine front.")
     keys = [variation.key for variation in plan.vary]
     twice = next((key for key in keys if keys.count(key) > 1), None)
     if twice is not None:

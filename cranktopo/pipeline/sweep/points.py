@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from cranktopo.errors import CranktopoError
+from cranktopo.pipeline.sweep.fineness import Fineness
 from cranktopo.pipeline.sweep.plan import Stage, SweepPlan
 from cranktopo.pipeline.sweep.variation import STAGE, Value
 from cranktopo.scene import Scene, scene_from_dict
@@ -29,6 +30,7 @@ class Point:
         varied: value of every key that varies.
         design: the design that it is a variant of.
         tables: the tables of its scene as they would be written.
+        fineness: how exactly it is computed.
         reason: why no such web can be; empty where it can.
     """
 
@@ -38,19 +40,23 @@ class Point:
     varied: Mapping[str, Value]
     design: str
     tables: Mapping[str, Any]
+    fineness: Fineness
     reason: str = ""
 
 
-def points_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> tuple[Point, ...]:
+def points_of(
+    plan: SweepPlan, settings: Mapping[str, Any] | None = None, fineness: Fineness | None = None
+) -> tuple[Point, ...]:
     """The points of a plan in order, those that are the same only once.
 
     Args:
-        settings: what the result depends on beside scene, stage and element size.
+        settings: what the result depends on beside scene, stage and fineness.
+        fineness: another one than that of the plan.
     """
     found: dict[str, Point] = {}
     for design, tables in zip(plan.designs, plan.tables, strict=True):
         for varied in varied_values(plan):
-            point = _point(plan, design, tables, varied, settings or {})
+            point = _point(plan, design, tables, varied, settings or {}, fineness or plan.fineness)
             found.setdefault(point.sha256, point)
     return tuple(found.values())
 
@@ -58,7 +64,8 @@ def points_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> tup
 def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> Point:
     """The first design as it is, evaluated as far as the points are: what they are compared with."""
     stage: Stage = "fatigue" if {"fatigue", "shape"} & set(plan.stages) else "evaluate"
-    return _point(replace(plan, stage=stage), plan.designs[0], plan.tables[0], {}, settings or {})
+    original = replace(plan, stage=stage)
+    return _point(original, plan.designs[0], plan.tables[0], {}, settings or {}, plan.fineness)
 
 
 def varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
@@ -90,6 +97,7 @@ def _point(
     tables: dict[str, Any],
     varied: Mapping[str, Value],
     settings: Mapping[str, Any],
+    fineness: Fineness,
 ) -> Point:
     stage = cast(Stage, varied.get(STAGE, plan.stage))
     for key, value in varied.items():
@@ -97,9 +105,9 @@ def _point(
             tables = with_value(tables, key, value)
     scene, reason = _scene(tables, design)
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
-    known = {STAGE: stage, "element_size_mm": plan.element_size_mm, "files": files, **settings}
+    known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
     sha256 = settings_hash(tables if scene is None else _given(scene), known)
-    return Point(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, reason)
+    return Point(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
 
 
 def _given(scene: Scene) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import time
 from collections import Counter
 
 from cranktopo.evaluate.evaluation import Info
-from cranktopo.pipeline.sweep.job import DONE
+from cranktopo.pipeline.sweep.stages import DONE
 
 _EVERY_S = 5.0
 

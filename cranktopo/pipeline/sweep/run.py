@@ -4,33 +4,23 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, invalid
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.run_status import working_in
-from cranktopo.pipeline.sweep.engine import Engine, check_scheduler, compute
+from cranktopo.pipeline.sweep.computed import COARSE, Computed, Session, Workplace
+from cranktopo.pipeline.sweep.engine import check_scheduler
 from cranktopo.pipeline.sweep.front import OBJECTIVES, front_of, picks_of
-from cranktopo.pipeline.sweep.job import (
-    DONE,
-    FAILED,
-    IMPOSSIBLE,
-    Job,
-    PointFunction,
-    keep_result,
-    kept_result,
-    row_of,
-)
+from cranktopo.pipeline.sweep.job import PointFunction
 from cranktopo.pipeline.sweep.plan import SweepPlan, plan_from_json
 from cranktopo.pipeline.sweep.points import Point, original_of, points_of
-from cranktopo.pipeline.sweep.progress import Progress
+from cranktopo.pipeline.sweep.stages import DONE, FAILED
 from cranktopo.pipeline.sweep.table import frame_of, write_tables
-from cranktopo.pipeline.sweep.web_view import VIEW
-from cranktopo.pipeline.sweep.workers import cores, point_memory_MiB, workers_for
 from cranktopo.report.pages.report_file import REPORT
 from cranktopo.report.pages.sweep_page import sweep_html
 from cranktopo.scene.varying import value_at
@@ -71,14 +61,6 @@ class SweptRun:
         return sum(row["status"] == FAILED for row in self.data["points"])
 
 
-@dataclass(frozen=True)
-class Workplace:
-    """Where the points of a sweep are computed; without anything, on all cores of this machine."""
-
-    workers: int | None = None
-    scheduler: str | None = None
-
-
 def run_sweep(
     plan: SweepPlan,
     place: Workplace | None = None,
@@ -103,6 +85,8 @@ def run_sweep(
     points = points_of(plan, _settings(function))
     if all(point.reason for point in points):
         raise CranktopoError(f"no point of the sweep can be: {points[0].reason}", hint="Check the values.")
+    if function is not None and plan.refine == "front":
+        raise invalid("refine", plan.refine, "a function has one accuracy alone", "Leave it out.")
     check_scheduler(None if place is None else place.scheduler)
     run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **_settings(function)})
     return _worked(run, plan, points, place or Workplace(), info, function)
@@ -153,64 +137,29 @@ def _worked(
     function: PointFunction | None,
 ) -> SweptRun:
     began, original = time.perf_counter(), original_of(plan, _settings(function))
+    settings = _settings(function)
+    looks = points_of(plan, settings, plan.fineness.first_look) if plan.refine == "front" else ()
     with working_in(run, "finished points are kept") as check:
-        root = str(run.path.resolve())
-        jobs = [Job(point, root, plan.element_size_mm, function) for point in _once([*points, original])]
-        found = _results(jobs, _engine(plan, place, len(jobs)), info)
+        session = Session(str(run.path.resolve()), plan, place, info, function)
+        found = session.computed(points, looks, original)
         check()
-        data = _told(run, plan, points, original, found)
+        data = _told(run, plan, found)
         frame = frame_of(data["points"], data["front"])
         data["files"] = {**write_tables(frame, run.path, TABLE), "page": REPORT}
-        webs = {one: result[VIEW] for one, result in found.items() if VIEW in result}
-        write_text(run.path / REPORT, sweep_html(data, webs))
+        write_text(run.path / REPORT, sweep_html(data, found.webs))
         data["seconds"] = {"total": time.perf_counter() - began}
         write_json(run.path / RESULT_FILES[SWEEP], data)
     run.log(", ".join(f"{count} {status}" for status, count in data["ends"].items()))
     return SweptRun(run.path, data)
 
 
-def _once(points: Sequence[Point]) -> list[Point]:
-    return list({point.id: point for point in points}.values())
-
-
-def _results(jobs: Sequence[Job], engine: Engine, info: Info) -> dict[str, Json]:
-    """The result of every job by the id of its point: kept, impossible from the start, or computed now."""
-    found: dict[str, Json] = {}
-    for job in jobs:
-        kept = row_of(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
-        if kept is not None:
-            found[job.point.id] = kept
-    progress = Progress(len(jobs), len(found), info)
-
-    def done(job: Job, result: Json) -> None:
-        if result["status"] != FAILED or "seconds" in result:
-            keep_result(job, result)
-        found[job.point.id] = result
-        progress.add(result["status"])
-
-    left = [job for job in jobs if job.point.id not in found]
-    if left:
-        compute(left, engine, done, info)
-    return found
-
-
-def _engine(plan: SweepPlan, place: Workplace, points: int) -> Engine:
-    if place.scheduler is not None:
-        return Engine(scheduler=place.scheduler)
-    memory = max(point_memory_MiB(plan.original, stage, plan.element_size_mm) for stage in plan.stages)
-    workers = workers_for(points, memory, place.workers)
-    return Engine(workers, max(1, cores() // workers))
-
-
-def _told(
-    run: RunStore, plan: SweepPlan, points: Sequence[Point], original: Point, found: Mapping[str, Json]
-) -> Json:
-    """The content of sweep.json but for files and seconds."""
-    rows = [_row(point, found[point.id]) for point in points]
-    finished = [row for row in rows if row["status"] == DONE]
+def _told(run: RunStore, plan: SweepPlan, found: Computed) -> Json:
+    """The content of sweep.json but for files and seconds; coarse numbers have no say in front and picks."""
+    rows = list(found.rows)
+    finished = [row for row in rows if row["status"] == DONE and row.get("accuracy") != COARSE]
     own = plan.original.model_dump(mode="json")
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
-    reference = {**_row(original, found[original.id]), "varied": varied}
+    reference = {**found.original, "varied": varied}
     known = reference if reference["status"] == DONE else None
     front, objectives = front_of(finished)
     return {
@@ -224,11 +173,6 @@ def _told(
         "original": reference,
         "objectives": {name: "less" if OBJECTIVES[name] < 0 else "more" for name in objectives},
         "front": front,
-        "picks": picks_of(finished, known),
+        "picks": picks_of([row for row in finished if row["id"] in set(front)], known),
+        **({"undecided": list(found.undecided)} if plan.refine == "front" else {}),
     }
-
-
-def _row(point: Point, result: Json) -> Json:
-    """The result as of this point; `original` and a point of the same scene share one."""
-    told = {name: value for name, value in result.items() if name != VIEW}
-    return {**told, "varied": dict(point.varied), "design": point.design}

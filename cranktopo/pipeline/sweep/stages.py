@@ -9,21 +9,24 @@ from typing import Any
 from cranktopo.effects import planned_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.targets import Target, simulated
-from cranktopo.pipeline.evaluate import MeshRequest, evaluate_target
+from cranktopo.pipeline.sweep.fineness import Fineness
 from cranktopo.pipeline.sweep.plan import Stage
 from cranktopo.pipeline.sweep.web_view import VIEW, web_view
+from cranktopo.report.tables.goal_table import broken_limits
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.writing import toml_text
 from cranktopo.store import SHAPE, Json, RunKind, open_run, read_json, read_result, write_text
 
 DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
 """In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
+DONE, IMPOSSIBLE, FAILED = "done", "impossible", "failed"
+"""How a point ended: with numbers, with a reason why there is no such web, by a failed solve or worker."""
 COMMAND = ("cranktopo", "sweep")
 """In the manifests of the runs below a sweep; the sweep's own manifest has the whole line."""
-StageFunction = Callable[[Scene, Path, float | None], Json]
+StageFunction = Callable[[Scene, Path, Fineness], Json]
 
 
-def run_stage(stage: Stage, scene: Scene, folder: Path, element_size_mm: float | None) -> Json:
+def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> Json:
     """What a stage tells of a scene: quantities with units in their names, `target` for `compare`, `view`.
 
     Args:
@@ -32,8 +35,9 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, element_size_mm: float |
     Raises:
         CranktopoError: a web that cannot be, a failed solve, or an optimisation without a body.
     """
+    scene = fineness.scene(scene)
     write_text(folder / DESIGN, toml_text(scene, f"Point of a sweep: {stage} of this design"))
-    return _STAGES[stage](scene, folder, element_size_mm)
+    return _STAGES[stage](scene, folder, fineness)
 
 
 def columns_of(entry: Mapping[str, Any]) -> Json:
@@ -56,24 +60,24 @@ def columns_of(entry: Mapping[str, Any]) -> Json:
     }
 
 
-def _evaluated(scene: Scene, folder: Path, size: float | None) -> Json:
+def _evaluated(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     web = Target(scene.name, simulated(scene))
-    return {**_judged(web, size), "target": DESIGN, VIEW: web_view(web)}
+    return {**_judged(web, fineness), "target": DESIGN, VIEW: web_view(web)}
 
 
-def _fatigue(scene: Scene, folder: Path, size: float | None) -> Json:
+def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.pipeline.fatigue import assess_fatigue
 
     web = Target(scene.name, simulated(scene, fillets=True))
     safety = assess_fatigue([web]).fields[0].critical.safety
-    judged = _judged(Target(scene.name, simulated(scene)), size)
+    judged = _judged(Target(scene.name, simulated(scene)), fineness)
     return {**judged, "fatigue_safety": safety, "target": DESIGN, VIEW: web_view(web)}
 
 
-def _optimised(scene: Scene, folder: Path, size: float | None) -> Json:
+def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
     surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics["files"]["stl"], folder / RUN)
-    judged = _judged(surface, size)
+    judged = _judged(surface, fineness)
     return {**judged, **_limits(metrics), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
 
 
@@ -94,7 +98,7 @@ def _densities(scene: Scene, folder: Path) -> Json:
     return metrics
 
 
-def _remodelled(scene: Scene, folder: Path, size: float | None) -> Json:
+def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.pipeline.remodel import remodel_run
 
     metrics = _densities(scene, folder)
@@ -104,18 +108,20 @@ def _remodelled(scene: Scene, folder: Path, size: float | None) -> Json:
     data = read_json(done)
     file = f"{REMODEL}/{data['files']['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
-    return {**_judged(web, size), **_told(metrics), "target": file, VIEW: web_view(web)}
+    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
 
 
-def _shaped(scene: Scene, folder: Path, size: float | None) -> Json:
-    from cranktopo.pipeline.shape import resume_shape, shape_design
+def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    from cranktopo.pipeline.shape import resume_shape, shape_design, shape_settings
     from cranktopo.scene.goal.changing import with_goal
 
     run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
     data = _finished(run, SHAPE)
     if data is None:
+        settings = fineness.shape_settings(shape_settings(wanted), wanted)
         begun = _begun(run)
-        data = (resume_shape(str(run)) if begun else shape_design(wanted, out=run, command=COMMAND)).data
+        done = resume_shape(str(run)) if begun else shape_design(wanted, settings, run, command=COMMAND)
+        data = done.data
     safety = data["values"]["result"].get("fatigue_safety")
     file = f"{RUN}/{data['files']['design']}"
     shaped = load_scene(str(folder / file))
@@ -139,8 +145,8 @@ _STAGES: Mapping[Stage, StageFunction] = {
 }
 
 
-def _judged(target: Target, size: float | None) -> Json:
-    return columns_of(evaluate_target(target, MeshRequest(size)).as_json())
+def _judged(target: Target, fineness: Fineness) -> Json:
+    return columns_of(fineness.evaluation(target).as_json())
 
 
 def _begun(run: Path) -> bool:
@@ -161,9 +167,13 @@ def _told(data: Mapping[str, Any]) -> Json:
 
 
 def _limits(data: Mapping[str, Any]) -> Json:
-    """Whether every limit of the goal holds, where there is one."""
-    limits = (data.get("goal") or {}).get("limits")
-    return {} if limits is None else {"limits_hold": all(limit["holds"] is not False for limit in limits)}
+    """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
+    goal = data.get("goal")
+    if not goal:
+        return {}
+    broken = broken_limits(goal)
+    told = {"status": IMPOSSIBLE, "reason": f"no web found that holds {'; '.join(broken)}"} if broken else {}
+    return {"limits_hold": not broken, **told}
 
 
 def _bound(data: Mapping[str, Any]) -> Json:

@@ -13,7 +13,7 @@ from cranktopo.store import replacing, write_text
 if TYPE_CHECKING:
     import pandas
 
-_FIRST = ("id", "status", "design", "stage")
+_FIRST = ("id", "status", "design", "stage", "accuracy")
 _LAST = ("optimiser_status", "iterations", "limits_hold", "seconds", "reason", "run", "sha256", "version")
 _LEFT_OUT = ("varied", "target")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ Value = str | float | int | bool
 STAGE = "stage"
 """Beside the keys of a scene, how far a point goes may vary."""
 _FORM = "must be KEY=A:B:N, KEY=A:B with samples, or KEY=a,b,c"
+_LIMIT = re.compile(r"(?P<sign>[<>]=)\s*(?P<numbers>[^\s:,]+:[^\s:,]+:[^\s:,]+)\s*(?P<unit>[^:,\d]*)")
+"""A limit of a goal with a range in place of its number: `>= 90:130:5 %`."""
 MOST = 100_000
 """Points of a sweep; whoever asks for more has a slip in a count."""
 
@@ -54,8 +57,16 @@ def read_option(text: str) -> Variation:
 
 
 def read_text(key: str, text: str) -> Variation:
-    """A variation from what stands behind its key."""
+    """A variation from what stands behind its key.
+
+    Raises:
+        CranktopoError: no key path, or a range whose numbers make no sense.
+    """
     key_parts(key)
+    limit = _LIMIT.fullmatch(text.strip())
+    if limit is not None:
+        numbers = _range(key, limit["numbers"].split(":")).values
+        return Variation(key, tuple(f"{limit['sign']} {n:g} {limit['unit']}".rstrip() for n in numbers))
     parts = text.split(":")
     if len(parts) in (2, 3) and all(_number(part) is not None for part in parts):
         return _range(key, parts)

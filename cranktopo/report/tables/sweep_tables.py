@@ -17,7 +17,7 @@ def sweep_summary(data: Mapping[str, Any], folder: Path) -> str:
     """A finished sweep; `data` as sweep.json holds it."""
     by_id = {row["id"]: row for row in data["points"]}
     ends = ", ".join(f"{count} {end}" for end, count in data["ends"].items())
-    lines = [f"{len(data['points'])} points: {ends}", *_reasons(data), ""]
+    lines = [f"{len(data['points'])} points: {ends}", *_reasons(data), *_accuracy(data), ""]
     if data["front"]:
         objectives = ", ".join(data["objectives"])
         lines += [f"Pareto front of {objectives}: {len(data['front'])} points", terminal(front_table(data))]
@@ -64,3 +64,12 @@ def _reasons(data: Mapping[str, Any]) -> list[str]:
     )
     more = [f"  and {len(found) - _MOST_REASONS} other reasons"] * (len(found) > _MOST_REASONS)
     return [f"  {line}" for line in found[:_MOST_REASONS]] + more
+
+
+def _accuracy(data: Mapping[str, Any]) -> list[str]:
+    """How many points stand at full accuracy where not all do, and whether that is enough for the front."""
+    coarse = sum(row.get("accuracy") == "coarse" for row in data["points"])
+    left = len(data.get("undecided", []))
+    told = f"{len(data['points']) - coarse} points at full accuracy, {coarse} coarse"
+    may = f"{left} coarse points may be on the front: the budget is used" if left else ""
+    return [line for line in (may, told) if line] if coarse else []

@@ -37,7 +37,7 @@ def with_goal(
         return scene
     if not table and scene.goal is not None:
         table = scene.goal.model_dump(exclude_none=True)
-    table["limits"] = {**table.get("limits", {}), **_by_quantity(limits)}
+    table["limits"] = {**table.get("limits", {}), **limits_by_quantity(limits)}
     try:
         goal = GoalTable.model_validate(table)
     except ValidationError as error:
@@ -47,8 +47,12 @@ def with_goal(
     return scene
 
 
-def _by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]:
-    """Limits as the scene's table has them."""
+def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]:
+    """Limits as the scene's table has them.
+
+    Raises:
+        CranktopoError: an unknown quantity.
+    """
     found: dict[str, tuple[str, ...]] = {}
     for text in texts:
         match = _LIMIT.fullmatch(text)
