@@ -185,7 +185,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
             "files": {**files, "report": REPORT},
         }
         write_json(run.path / RESULT_FILES[SHAPE], data)
-        write_report(shape_page(data, run.manifest(), _bodies(run, scene, optimum)), run.path / REPORT)
+        page = shape_page(data, run.manifest(), scene, _bodies(run, scene, optimum))
+        write_report(page, run.path / REPORT)
     run.log(f"{data['status']}: {data['stop_reason']}")
     return ShapedRun(run.path, data)
 

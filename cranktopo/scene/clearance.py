@@ -8,6 +8,7 @@ the web; whatever lies beyond the first radius that meets it counts as in its wa
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -66,9 +67,17 @@ def clearance_limit(scene: Scene) -> ClearanceLimit | None:
 def rooms_mm(scene: Scene) -> dict[str, float]:
     """Least radial room of web and counterweight to the piston skirt and to the crankcase, mm."""
     x, y = np.concatenate([np.stack(points) for _, _, points in _edges(scene)], axis=1)
-    return {
-        name: float(-limit.outside_mm(x, y).max()) for name, limit in _limits(scene, with_gap=False).items()
-    }
+    return rooms_of_points_mm(scene, x, y)
+
+
+def rooms_of_points_mm(scene: Scene, x_mm: Array, y_mm: Array) -> dict[str, float]:
+    """Least radial room of points of a body that turns in the scene, mm, by what is in the way."""
+    return {name: float(-limit.outside_mm(x_mm, y_mm).max()) for name, limit in obstacles(scene).items()}
+
+
+def obstacles(scene: Scene) -> dict[str, ClearanceLimit]:
+    """What piston skirt and crankcase leave, without a gap."""
+    return _limits(scene, with_gap=False)
 
 
 def clearance_text(scene: Scene) -> str:
@@ -76,8 +85,13 @@ def clearance_text(scene: Scene) -> str:
     clearance = scene.envelope.clearance if scene.envelope else None
     if clearance is None:
         return ""
-    rooms = ", ".join(f"{room:.2f} mm to the {name}" for name, room in rooms_mm(scene).items())
-    return f"{rooms or 'nothing is in the way'}; at least {clearance.least_gap_mm:g} mm stay"
+    return f"{rooms_text(rooms_mm(scene))}; at least {clearance.least_gap_mm:g} mm stay"
+
+
+def rooms_text(rooms_mm: Mapping[str, float]) -> str:
+    """Rooms by what is in the way in words."""
+    rooms = ", ".join(f"{room:.2f} mm to the {name}" for name, room in rooms_mm.items())
+    return rooms or "nothing is in the way"
 
 
 def check_clearance(scene: Scene) -> None:

@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cranktopo.cad.solid_files import surface_of
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.summary import loads_json
+from cranktopo.report.pages.clearance_section import clearance_sections
 from cranktopo.report.tables.loads_text import loads_text
+from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.clearance import CRANKCASE, PISTON, clearance_limit, rooms_mm
 from cranktopo.surface.density_grid import DensityGrid
@@ -83,6 +86,27 @@ def test_rooms_are_told(clear: Scene) -> None:
     assert loads["clearance"]["room_mm"] == rooms
     told = "counterweight: 4.00 mm to the piston skirt, 3.00 mm to the crankcase; at least 1.5 mm stay"
     assert told in loads_text(loads)
+
+
+def test_the_page_tells_the_room(clear: Scene) -> None:
+    """Silhouettes of surfaces against the closed form of outline and counterweight."""
+    smaller = weighted(clear, {**PLAIN, "outer_radius_mm": 55.0})
+    bodies = tuple(
+        ShownBody(name, surface_of(scene, "half"), scene.web_z_mm, scene.pitch_mm / 2)
+        for name, scene in (("result", smaller), ("original web", clear))
+    )
+    (section,) = clearance_sections(clear, bodies)
+    ((_, table),) = section.tables
+    for row, scene in zip(table.rows, (smaller, clear), strict=True):
+        rooms = rooms_mm(scene)
+        assert row["to_the_piston_skirt_mm"] == pytest.approx(rooms[PISTON], abs=0.05)
+        assert row["to_the_crankcase_mm"] == pytest.approx(rooms[CRANKCASE], abs=0.05)
+    assert "at least 1.5 mm stay" in section.text
+    bolted = weighted(clear, {**PLAIN, "density_kg_m3": 9000.0})
+    ((_, table),) = clearance_sections(bolted, bodies[:1])[0].tables
+    assert table.rows[0]["to_the_piston_skirt_mm"] == pytest.approx(rooms_mm(clear)[PISTON], abs=0.05)
+    assert section.text.startswith("The result leaves ")
+    assert not clearance_sections(roomy_scene(clear).model_copy(update={"envelope": None}), bodies)
 
 
 def test_the_design_space_ends_there(clear: Scene) -> None:

@@ -12,6 +12,7 @@ from cranktopo.report.figures.plot import Picture, picture
 from cranktopo.report.figures.scatter import LABELS, Point
 from cranktopo.report.pages.accuracy_section import accuracy_section
 from cranktopo.report.pages.bound_section import bound_sections
+from cranktopo.report.pages.clearance_section import clearance_sections
 from cranktopo.report.pages.page import Page, Section
 from cranktopo.report.pages.remodel_page import remodel_section
 from cranktopo.report.pages.sections import (
@@ -59,6 +60,7 @@ def run_page(record: RunRecord) -> Page:
             *bound_sections(metrics, "the optimiser's own cells"),
             _variants(metrics),
             _convergence(record),
+            *clearance_sections(record.scene, scene3d.bodies if scene3d else ()),
             loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
             stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
             accuracy_section(metrics, record.accuracy, record.folder),

@@ -9,6 +9,7 @@ from cranktopo.evaluate.error_bound import difference_bound_percent
 from cranktopo.report.figures.plot import picture
 from cranktopo.report.figures.rounds_plot import draw_goal, draw_worst_limit
 from cranktopo.report.pages.bound_section import bound_sections
+from cranktopo.report.pages.clearance_section import clearance_sections
 from cranktopo.report.pages.page import Fact, FactStatus, Page, Section
 from cranktopo.report.pages.sections import (
     assumed_tables,
@@ -30,12 +31,16 @@ from cranktopo.report.tables.shape_tables import (
 )
 from cranktopo.report.tables.worth_tables import dimensions_table, held_table, worst_case_table
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.scene import Scene
 
 
-def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
+def shape_page(
+    data: Mapping[str, Any], manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
+) -> Page:
     """The report of a finished shape optimisation.
 
     Args:
+        scene: of the original.
         bodies: half throw of the result, then of the original.
     """
     return Page(
@@ -47,6 +52,7 @@ def shape_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: tup
             _wanted(data),
             *bound_sections(data, "the body-fitted evaluation"),
             _dimensions(data),
+            *clearance_sections(scene, bodies),
             _search(data),
             _provenance(data, manifest),
             versions_section(manifest["versions"]),
