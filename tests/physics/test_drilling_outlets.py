@@ -13,6 +13,7 @@ from cranktopo.loads.histories import load_history
 from tests.physics.cross_hole import DIAMETER_MM, outlet_peaks, peterson_bending, peterson_torsion
 from tests.physics.stepped_shaft import AXIAL, BENDING, TORSION
 from tests.physics.test_drillings import STRAIGHT, drilling, mikron
+from tests.studies.outlet_throws import OUTLETS, by_elements, without_bore
 
 ALL = frozenset({"bending", "torsion", "tangential", "reciprocating_inertia", "rotating_rod_mass"})
 
@@ -105,3 +106,19 @@ def test_factors_beside_elements(ratio: float) -> None:
     assert bending == pytest.approx(peaks[BENDING][1], rel=0.1)
     assert torsion == pytest.approx(peaks[TORSION][1], rel=0.1)
     assert 3.0 < peaks[AXIAL][1] < 3.7
+
+
+@pytest.mark.slow
+def test_an_outlet_in_a_throw() -> None:
+    """Elements with the bore and a plate's stresses without it agree, and tell why the rule does not.
+
+    A minute: `pytest -m slow` of this file. `python -m tests.benchmarks.outlet_factors` has three throws.
+    """
+    outlet = OUTLETS[0]
+    local, by_plate = without_bore(outlet)
+    found = by_elements(outlet, 0.5)
+    assert found == pytest.approx(by_plate, rel=0.1)
+    assert local[0] < 0.85  # the outer side of a short pin carries less than a beam's
+    bending, _ = outlet_factors(5.0, 60.0)
+    assert bending * local[0] == pytest.approx(found[0], rel=0.12)
+    assert bending > 1.1 * found[0]
