@@ -19,6 +19,7 @@ from cranktopo.loads.forces import (
 )
 from cranktopo.loads.gas import PressureCurve, pressure_curve
 from cranktopo.loads.kinematics import Array, exact_motion, series_motion
+from cranktopo.loads.rods_on_pin import RodsOnPin, rods_on_pins
 from cranktopo.loads.vibrating_torque import vibrating_torque, worst_speed_rpm
 from cranktopo.scene import Scene
 from cranktopo.scene.engine import Engine
@@ -31,10 +32,12 @@ class Extreme:
 
     Attributes:
         deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
+        place: throw or web, where they are not alike.
     """
 
     value: float
     deg: float | None
+    place: str = ""
 
     def as_json(self) -> dict[str, float | None]:
         """The value and its angle."""
@@ -45,21 +48,46 @@ class Extreme:
 class Cycle:
     """Curves over one working cycle at one speed.
 
+    Angles of a throw count from firing of its cylinder, in a V of that in the first bank.
+
     Attributes:
+        pins: the rods on the pins, and the forces that they make; all the same object where all are alike.
         indicated_work_J: work of the gas in one cylinder per cycle, J.
         series_difference_percent: largest difference of the textbook series from the exact motion, in
             percent of the largest exact value: displacement, velocity, acceleration.
     """
 
     pressure: PressureCurve
-    forces: ThrowForces
+    pins: tuple[tuple[RodsOnPin, ThrowForces], ...]
     torque: ShaftTorque
     indicated_work_J: float
     series_difference_percent: dict[str, float]
 
+    @property
+    def forces(self) -> ThrowForces:
+        """Forces of the throw, or of the web, with the largest radial force; of equal ones the first."""
+        return max((forces for _, forces in self._unlike), key=lambda f: _size(np.abs(f.web_force_N).max()))
+
+    @property
+    def _unlike(self) -> tuple[tuple[str, ThrowForces], ...]:
+        """Names and forces of throws or webs that differ; one without a name where all are alike."""
+        if all(forces is self.pins[0][1] for _, forces in self.pins):
+            return (("", self.pins[0][1]),)
+        return tuple((rods.name, forces) for rods, forces in self.pins)
+
+    def extreme(self, name: str) -> tuple[Extreme, Extreme]:
+        """Largest and smallest value of a curve of all throws."""
+        pairs = [_extremes(f.angle_deg, getattr(f, name), place) for place, f in self._unlike]
+        highs, lows = zip(*pairs, strict=True)
+        return max(highs, key=lambda e: _size(e.value)), min(lows, key=lambda e: _size(e.value))
+
+    def largest(self, name: str) -> Extreme:
+        """The value of a curve of all throws that is largest in magnitude, with its sign."""
+        return max(self.extreme(name), key=lambda extreme: abs(extreme.value))
+
     def extremes(self) -> dict[str, tuple[Extreme, Extreme]]:
-        """Largest and smallest value of every curve of the throw."""
-        return {name: _extremes(self.forces.angle_deg, curve) for name, curve in self.forces.curves().items()}
+        """Largest and smallest value of every curve of the throws."""
+        return {name: self.extreme(name) for name in self.forces.curves()}
 
     def engine_torque(self) -> tuple[float, Extreme, Extreme]:
         """Mean, largest and smallest torque of the engine, N m (no friction)."""
@@ -106,19 +134,12 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
             shaft at the engine's speed.
 
     Raises:
-        CranktopoError: no engine, two rods on a pin, or gas data that cannot be used.
+        CranktopoError: no engine, or gas data that cannot be used.
     """
     engine, radius = engine_of(scene), scene.throw.radius_mm
-    if engine.rods_per_pin > 1:
-        raise invalid(
-            "engine.arrangement.layout",
-            engine.arranged.layout,
-            "loads of a throw are those of one rod, a V has two on each pin",
-            "Only `cranktopo balance` knows both; for the loads of one rod leave layout out.",
-        )
     balance = throw_balance(scene)
     curve = pressure_curve(scene)
-    cycle = None if curve is None else _cycle(engine, radius, curve, balance, enabled)
+    cycle = None if curve is None else _cycle(scene, engine, curve, balance, enabled)
     if cycle is not None and "torsional_vibration" in enabled:
         cycle = replace(cycle, torque=vibrating_torque(scene, enabled))
     rotating = rotating_forces(engine, balance, radius, engine.speed_rpm)
@@ -133,13 +154,14 @@ def engine_of(scene: Scene) -> Engine:
 
 
 def _cycle(
+    scene: Scene,
     engine: Engine,
-    radius: float,
     curve: PressureCurve,
     balance: ThrowBalance,
     enabled: frozenset[str],
 ) -> Cycle:
-    forces = throw_forces(
+    radius = scene.throw.radius_mm
+    rod = throw_forces(
         engine,
         radius,
         curve,
@@ -148,9 +170,12 @@ def _cycle(
         reciprocating="reciprocating_inertia" in enabled,
         rotating_rod="rotating_rod_mass" in enabled,
     )
-    torque = shaft_torque(curve.angle_deg, forces.torque_Nm, engine.firing_angles_deg, engine.cycle_deg)
+    throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
+    pins = tuple((rods, rods.forces(rod, throw_N, engine.cycle_deg)) for rods in rods_on_pins(scene, engine))
+    fires = engine.firing_angles_deg
+    torque = shaft_torque(curve.angle_deg, rod.torque_Nm, fires, engine.throws, engine.cycle_deg)
     work = indicated_work_J(curve, engine, radius)
-    return Cycle(curve, forces, torque, work, series_difference_percent(radius, engine.rod_length_mm))
+    return Cycle(curve, pins, torque, work, series_difference_percent(radius, engine.rod_length_mm))
 
 
 def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:
@@ -188,10 +213,15 @@ def series_difference_percent(radius_mm: float, rod_length_mm: float) -> dict[st
     }
 
 
-def _extremes(angle_deg: Array, curve: Array) -> tuple[Extreme, Extreme]:
+def _size(value: float) -> float:
+    """A value without its last digits, so that of equal throws the first counts."""
+    return round(float(value), 6)
+
+
+def _extremes(angle_deg: Array, curve: Array, place: str = "") -> tuple[Extreme, Extreme]:
     """Largest and smallest value of a curve with their angles."""
     high, low = int(curve.argmax()), int(curve.argmin())
     return (
-        Extreme(float(curve[high]), float(angle_deg[high])),
-        Extreme(float(curve[low]), float(angle_deg[low])),
+        Extreme(float(curve[high]), float(angle_deg[high]), place),
+        Extreme(float(curve[low]), float(angle_deg[low]), place),
     )

@@ -53,11 +53,9 @@ def engine_layout(scene: Scene) -> EngineLayout:
     pitch = arranged.cylinder_pitch_mm or scene.pitch_mm
     throw_z = (np.arange(throws, dtype=np.float64) - (throws - 1) / 2) * pitch
     web_mm = (scene.throw.crankpin.length_mm + scene.web.thickness_mm) / 2
-    offset = arranged.rod_offset_mm
-    offset = scene.throw.crankpin.length_mm / 2 if offset is None else offset
     throw_of = tuple(engine.throw_of(number) for number in numbers)
     axis = np.array([engine.axis_deg(number) for number in numbers]) - engine.bank_angle_deg / 2
-    side = np.array([1.0 if number > throws else -1.0 for number in numbers]) * (engine.rods_per_pin - 1)
+    side = np.array([1.0 if number > throws else -1.0 for number in numbers])
     first, angle = engine.order[0], np.array(engine.throw_angles_deg)
     return EngineLayout(
         throw_of=throw_of,
@@ -66,7 +64,7 @@ def engine_layout(scene: Scene) -> EngineLayout:
         throw_z_mm=throw_z,
         axis_deg=axis,
         firing_deg=np.array(engine.firing_angles_deg),
-        cylinder_z_mm=throw_z[list(throw_of)] + side * offset / 2,
+        cylinder_z_mm=throw_z[list(throw_of)] + side * scene.rod_offset_mm / 2,
         web_z_mm=(throw_z[:, None] + web_mm * np.array([-1.0, 1.0])).ravel(),
         bearing_z_mm=(np.arange(throws + 1, dtype=np.float64) - throws / 2) * pitch,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.loads.kinematics import Array
+from cranktopo.loads.kinematics import Array, later
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class ShaftTorque:
 
     Attributes:
         angle_deg: crank angles from firing top dead centre of the cylinder that fires first, deg.
-        passed_on_Nm: torque behind each throw, from the free end to the takeoff, (cylinders, angles), N m.
+        passed_on_Nm: torque behind each throw, from the free end to the takeoff, (throws, angles), N m.
         ahead_Nm: of a vibrating shaft, torque ahead of each throw; else what is passed on less its own.
     """
 
@@ -30,16 +30,15 @@ class ShaftTorque:
 
 
 def shaft_torque(
-    angle_deg: Array, throw_torque_Nm: Array, firing_deg: tuple[float, ...], cycle_deg: float
+    angle_deg: Array, rod_torque_Nm: Array, firing_deg: tuple[float, ...], throws: int, cycle_deg: float
 ) -> ShaftTorque:
-    """Torque behind each throw of a shaft with one cylinder per throw.
+    """Torque behind each throw of a shaft; where a pin has two rods, they are a bank apart.
 
     Args:
         angle_deg: evenly spaced crank angles over one cycle, deg.
-        throw_torque_Nm: torque of one throw at these angles after its own firing dead centre, N m.
+        rod_torque_Nm: torque of one rod at these angles after its own firing dead centre, N m.
         firing_deg: crank angle at which each cylinder fires, deg; cylinder 1, at the free end, first.
     """
-    single = [
-        np.interp(angle_deg - fires, angle_deg, throw_torque_Nm, period=cycle_deg) for fires in firing_deg
-    ]
-    return ShaftTorque(angle_deg, np.cumsum(single, axis=0))
+    single = np.array([later(rod_torque_Nm, angle_deg, fires, cycle_deg) for fires in firing_deg])
+    by_throw = single.reshape(-1, throws, len(angle_deg)).sum(axis=0)
+    return ShaftTorque(angle_deg, np.cumsum(by_throw, axis=0))

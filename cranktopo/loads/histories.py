@@ -9,6 +9,7 @@ import numpy as np
 
 from cranktopo.errors import CranktopoError
 from cranktopo.loads.analysis import Cycle, analyse, at_worst_speed, engine_of
+from cranktopo.loads.forces import ThrowForces
 from cranktopo.loads.kinematics import Array
 from cranktopo.loads.states import extreme_states
 from cranktopo.scene import Scene
@@ -70,7 +71,7 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
             )
     analysis = analyse(scene, enabled)
     given = analysis.engine.max_gas_force_N is not None or analysis.cycle is None
-    low_radial = 0.0 if given or analysis.cycle is None else float(analysis.cycle.forces.web_force_N.min())
+    low_radial = 0.0 if given or analysis.cycle is None else analysis.cycle.extreme("web_force_N")[1].value
     low_torque = states["min_torque"].case.torque_Nm if "min_torque" in states else 0.0
     speed = angular_speed_rad_s(analysis.engine.speed_rpm)
     forces = {"largest": radial.case.radial_N, "smallest": min(low_radial, 0.0)}
@@ -113,23 +114,24 @@ def _one_cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHis
     angle = cycle.forces.angle_deg[
         :: max(1, round(_STEP_DEG / float(np.diff(cycle.forces.angle_deg[:2])[0])))
     ]
-    parts = [_throw(engine, cycle, angle, cylinder) for cylinder in sorted(engine.order)]
+    parts = [_throw(engine, cycle, angle, rods.throw, forces) for rods, forces in cycle.pins]
     radial, tangential, torque = (np.concatenate([part[i] for part in parts]) for i in range(3))
-    labels = tuple(f"throw {c}, {a:g} deg" for c in sorted(engine.order) for a in angle)
+    labels = tuple(f"{rods.name}, {a:g} deg" for rods, _ in cycle.pins for a in angle)
     speed = np.full(len(radial), angular_speed_rad_s(engine.speed_rpm))
     return LoadHistory(radial, tangential, torque, speed, labels)
 
 
-def _throw(engine: Engine, cycle: Cycle, angle: Array, cylinder: int) -> tuple[Array, Array, Array]:
+def _throw(
+    engine: Engine, cycle: Cycle, angle: Array, throw: int, forces: ThrowForces
+) -> tuple[Array, Array, Array]:
     """Radial and tangential force and mean torque of a throw, at angles after its own firing dead centre."""
-    shaft = angle + engine.firing_angles_deg[cylinder - 1]
-    forces = cycle.forces
+    shaft = angle + engine.firing_angles_deg[throw]
 
     def at(curve: Array, where: Array) -> Array:
         return np.interp(where, forces.angle_deg, curve, period=engine.cycle_deg)
 
-    behind, ahead = at(cycle.torque.passed_on_Nm[cylinder - 1], shaft), cycle.torque.ahead_Nm
-    own = at(forces.torque_Nm, angle) if ahead is None else behind - at(ahead[cylinder - 1], shaft)
+    behind, ahead = at(cycle.torque.passed_on_Nm[throw], shaft), cycle.torque.ahead_Nm
+    own = at(forces.torque_Nm, angle) if ahead is None else behind - at(ahead[throw], shaft)
     mean = behind - own / 2
     return at(forces.web_force_N, angle), at(forces.tangential_force_N, angle), mean
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from cranktopo.errors import invalid
 
 Array = NDArray[np.float64]
+Curve = TypeVar("Curve", Array, NDArray[np.complex128])
+"""Values at evenly spaced crank angles of a cycle."""
 _HARMONIC_POINTS = 4096
 
 
@@ -80,6 +83,11 @@ def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Seque
     angle = 2.0 * np.pi * np.arange(_HARMONIC_POINTS) / _HARMONIC_POINTS
     acceleration = exact_motion(angle, radius_mm, rod_length_mm).acceleration_ratio
     return np.array([2.0 * np.mean(acceleration * np.cos(order * angle)) for order in orders])
+
+
+def later(curve: Curve, angle_deg: Array, by_deg: float, cycle_deg: float) -> Curve:
+    """A curve over the cycle, later by a crank angle."""
+    return np.asarray(np.interp(angle_deg - by_deg, angle_deg, curve, period=cycle_deg))
 
 
 def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:

@@ -12,7 +12,7 @@ from cranktopo.loads.engine_balance import Complex, TurningMasses
 from cranktopo.loads.engine_layout import unit_vectors
 from cranktopo.loads.forces import throw_forces
 from cranktopo.loads.gas import STEP_DEG, PressureCurve, pressure_curve
-from cranktopo.loads.kinematics import Array
+from cranktopo.loads.kinematics import Array, later
 from cranktopo.scene import Scene
 from cranktopo.scene.engine import Engine, Gas
 from cranktopo.units import MM_PER_M
@@ -61,7 +61,8 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     load = np.zeros((len(layout.bearing_z_mm), len(angle)), dtype=np.complex128)
     directions = unit_vectors(layout.throw_deg)
     for throw, z, fires in zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True):
-        _share(load, layout.bearing_z_mm, throw, z, directions[throw] * _later(rod, angle, fires, engine))
+        fired = later(rod, angle, fires, engine.cycle_deg)
+        _share(load, layout.bearing_z_mm, throw, z, directions[throw] * fired)
     spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     for throw, z in enumerate(layout.throw_z_mm):
         _share(load, layout.bearing_z_mm, throw, z, directions[throw] * spinning * masses.w2 / MM_PER_M)
@@ -84,11 +85,6 @@ def _rod_force(scene: Scene, engine: Engine) -> tuple[Array, Complex, bool]:
         known = curve
     forces = throw_forces(engine, scene.throw.radius_mm, known, throw_balance(scene), engine.speed_rpm)
     return known.angle_deg, -forces.radial_force_N + 1j * forces.tangential_force_N, curve is not None
-
-
-def _later(curve: Complex, angle_deg: Array, by_deg: float, engine: Engine) -> Complex:
-    """A curve over the cycle, later by a crank angle."""
-    return np.asarray(np.interp(angle_deg - by_deg, angle_deg, curve, period=engine.cycle_deg))
 
 
 def _share(load: Complex, bearing_z_mm: Array, throw: int, z_mm: float, force: Complex | complex) -> None:

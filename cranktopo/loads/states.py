@@ -14,9 +14,12 @@ import numpy as np
 
 from cranktopo.loads.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_worst_speed
 from cranktopo.loads.forces import rotating_forces
-from cranktopo.loads.kinematics import Array
+from cranktopo.loads.gas import STEP_DEG
+from cranktopo.loads.kinematics import exact_motion, force_ratios
 from cranktopo.loads.load_case import LoadCase, LoadKind
+from cranktopo.loads.rods_on_pin import near_share, rods_on_pins
 from cranktopo.scene import Scene
+from cranktopo.scene.engine import Engine
 from cranktopo.units import NMM_PER_NM
 
 UNIT_FORCE_N = 1000.0
@@ -63,11 +66,11 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     analysis = analyse(scene, enabled)
     twisting = _twisting(scene, analysis, enabled)
     torques = _torques(twisting)
-    states = [_radial(analysis), _torque_state(twisting, "max_torque", torques[0])]
+    states = [_radial(scene, analysis), _torque_state(twisting, "max_torque", torques[0])]
     states.append(_tangential(analysis))
     if torques[1] is not None:
         states.append(_torque_state(twisting, "min_torque", torques[1]))
-    overspeed = _overspeed(analysis, enabled)
+    overspeed = _overspeed(scene, analysis, enabled)
     if _load(overspeed) or overspeed.case.speed_rpm:
         states.append(overspeed)
     return _mark_redundant(tuple(states), enabled)
@@ -91,15 +94,17 @@ def _unit_states(why: str) -> tuple[ExtremeState, ...]:
     )
 
 
-def _radial(analysis: LoadAnalysis) -> ExtremeState:
+def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
     given, cycle = analysis.engine.max_gas_force_N, analysis.cycle
     if given is not None:
-        case = LoadCase("bending", "bending", radial_N=given, source="engine.max_gas_force_N")
+        share, source = near_share(scene), "engine.max_gas_force_N"
+        source += f", times {share:.3g} for the web nearer to its rod" if share != 1 else ""
+        case = LoadCase("bending", "bending", radial_N=given * share, source=source)
         return ExtremeState("max_radial", case)
     if cycle is None:
         why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"
         return _unit_states(why)[0]
-    worst = _largest(cycle.forces.angle_deg, cycle.forces.web_force_N)
+    worst = cycle.largest("web_force_N")
     source = f"largest radial force on the web, at {_where(analysis, worst)}"
     return ExtremeState(
         "max_radial", LoadCase("bending", "bending", radial_N=worst.value, source=source), worst.deg
@@ -146,7 +151,7 @@ def _vibrates(analysis: LoadAnalysis) -> bool:
 def _tangential(analysis: LoadAnalysis) -> ExtremeState:
     cycle, given = analysis.cycle, analysis.engine.max_torque_Nm
     if cycle is not None:
-        worst = _largest(cycle.forces.angle_deg, cycle.forces.tangential_force_N)
+        worst = cycle.largest("tangential_force_N")
         source = f"largest tangential force, at {_where(analysis, worst)}"
     elif given is not None:
         worst = Extreme(given * NMM_PER_NM / analysis.radius_mm, None)
@@ -157,24 +162,34 @@ def _tangential(analysis: LoadAnalysis) -> ExtremeState:
     return ExtremeState("max_tangential", case, worst.deg)
 
 
-def _overspeed(analysis: LoadAnalysis, enabled: frozenset[str]) -> ExtremeState:
-    """Inertia alone at top dead centre of the highest speed: the rod pulls the pin outward."""
+def _overspeed(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> ExtremeState:
+    """Inertia alone at the highest speed: the rods pull the pin outward, one alone at top dead centre."""
     engine = analysis.engine
     speed = max(engine.overspeed_rpm or 0.0, engine.speed_rpm)
     rotating = rotating_forces(engine, analysis.balance, analysis.radius_mm, speed)
-    kg = 0.0
-    if "reciprocating_inertia" in enabled:
-        at_dead_centre = 1 + analysis.radius_mm / engine.rod_length_mm
-        kg += engine.reciprocating_kg * at_dead_centre
-    if "rotating_rod_mass" in enabled:
-        kg += engine.rod_rotating_kg
+    kg, deg = _pulling_kg(scene, engine, enabled)
     source = f"inertia of piston and rod at top dead centre without gas force, {speed:g} rpm"
+    if engine.rods_per_pin > 1:
+        source = f"inertia of both pistons and rods of a pin without gas force, {speed:g} rpm"
     pull = -kg * rotating.r_w2_m_s2 + 0.0
     case = LoadCase("bending", "bending", radial_N=pull, source=source)
     if "centrifugal" in enabled:
         source += f", with {rotating.throw_N:.0f} N of the throw itself"
         case = LoadCase("centrifugal", "centrifugal", radial_N=pull, speed_rpm=speed, source=source)
-    return ExtremeState("overspeed_inertia", case, 360.0 if engine.strokes == 4 else 0.0)
+    return ExtremeState("overspeed_inertia", case, deg % 360.0 + (360.0 if engine.strokes == 4 else 0.0))
+
+
+def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[float, float]:
+    """Mass on the pin that would pull as much as rods and pistons at their worst, and the crank angle."""
+    angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)
+    radius, length = scene.throw.radius_mm, engine.rod_length_mm
+    one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled))
+    if "reciprocating_inertia" in enabled:
+        moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
+        one += engine.reciprocating_kg * moving * force_ratios(np.radians(angle), radius, length).radial
+    curves = [rods.together(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
+    curve = max(curves, key=lambda kg: float(kg.max()))
+    return float(curve.max()), float(angle[int(curve.argmax())])
 
 
 def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
@@ -203,11 +218,8 @@ def _size(state: ExtremeState) -> float:
     return abs(_load(state))
 
 
-def _largest(angle_deg: Array, curve: Array) -> Extreme:
-    """The value that is largest in magnitude, with its sign."""
-    index = int(np.abs(curve).argmax())
-    return Extreme(float(curve[index]), float(angle_deg[index]))
-
-
 def _where(analysis: LoadAnalysis, extreme: Extreme) -> str:
-    return f"{extreme.deg:g} deg, {analysis.engine.speed_rpm:g} rpm" if extreme.deg is not None else ""
+    if extreme.deg is None:
+        return ""
+    place = f", {extreme.place}" if extreme.place else ""
+    return f"{extreme.deg:g} deg, {analysis.engine.speed_rpm:g} rpm{place}"

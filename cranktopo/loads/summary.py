@@ -46,6 +46,7 @@ def loads_json(scene: Scene, enabled: frozenset[str]) -> dict[str, Any]:
         "design": scene.name,
         "speed_rpm": scene.engine.speed_rpm if scene.engine else None,
         "cycle_deg": scene.engine.cycle_deg if scene.engine else None,
+        "rods_per_pin": scene.engine.rods_per_pin if scene.engine else None,
         "points": len(cycle.forces.angle_deg) if cycle else 0,
         "pressure_source": cycle.pressure.source if cycle else None,
         "extremes": _extremes(analysis),

@@ -64,6 +64,14 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
             found += _limits(scene)
         elif isinstance(value, SceneTable):
             found += _left_out(value, table)
+        if (
+            table == LOADS
+            and scene.engine
+            and scene.engine.arranged.rod_offset_mm is None
+            and scene.rod_offset_mm
+        ):
+            key, meaning = "engine.arrangement.rod_offset_mm", "half the pin's length"
+            found.append(Assumption(key, scene.rod_offset_mm, meaning))
     return tuple(found)
 
 

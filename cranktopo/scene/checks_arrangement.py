@@ -77,7 +77,7 @@ def _check_even_firing(engine: Engine) -> None:
                 "engine.firing_order",
                 list(engine.order),
                 f"cannot be even: cylinders {first} and {cylinder} on one pin would need throws "
-                f"{abs(gap):g} deg apart",
+                f"{abs(gap):g} deg apart, and split pins (two pins with a web between them) are not modelled",
                 f"Give {_PATH}.throw_angles_deg, or another order or bank angle.",
             )
 

@@ -252,6 +252,14 @@ class Scene(SceneTable):
         return self.throw.main_journal.length_mm + self.throw.crankpin.length_mm + 2 * self.web.thickness_mm
 
     @property
+    def rod_offset_mm(self) -> float:
+        """Distance along the shaft of the two rods on a pin, mm; 0 for one rod, by default half the pin."""
+        if self.engine is None or self.engine.rods_per_pin == 1:
+            return 0.0
+        given = self.engine.arranged.rod_offset_mm
+        return self.throw.crankpin.length_mm / 2 if given is None else given
+
+    @property
     def web_z_mm(self) -> tuple[float, float]:
         """Axial range (journal face, pin face) of the web of the half throw, mm."""
         start = self.throw.main_journal.length_mm / 2

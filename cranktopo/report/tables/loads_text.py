@@ -12,7 +12,7 @@ def loads_text(loads: dict[str, Any]) -> str:
     """Tables of one speed: extremes, engine torque, balance, load cases."""
     parts = [_heading(loads)]
     if loads["points"]:
-        parts += [_extremes(loads["extremes"]), _torque(loads)]
+        parts += [_extremes(loads["extremes"]), _two_rods(loads["rods_per_pin"]), _torque(loads)]
     clearance = loads["clearance"]["told"]
     parts += [_balance(loads["balance"]), clearance and f"room of web and counterweight: {clearance}"]
     parts += [_cases(loads["load_cases"]), _redundant(loads["extreme_states"])]
@@ -54,6 +54,16 @@ def _extremes(extremes: dict[str, Any]) -> str:
             cells += [_number(end["value"]), f"{end['deg']:g}"]
         rows.append([label.replace("_", " "), {"Nm": "N m"}.get(unit, unit), *cells])
     return text_table("llrrrr", ("extremes of one throw", "unit", "max", "at deg", "min", "at deg"), rows)
+
+
+def _two_rods(rods: int) -> str:
+    if rods == 1:
+        return ""
+    return (
+        "Two rods on each pin: the torque is that of both; radial, tangential, web and main journal force\n"
+        "are those of both on the web that carries most, by the lever rule; the rest is of one cylinder.\n"
+        "Degrees count from firing of the cylinder in the first bank."
+    )
 
 
 def _torque(loads: dict[str, Any]) -> str:
