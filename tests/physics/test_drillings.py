@@ -122,12 +122,12 @@ def test_solid_has_the_closed_form() -> None:
 
 
 def test_leaning_solid() -> None:
-    """The kernel integrates over the drilling's faces to some 1e-6 of the throw; the body itself is exact."""
+    """The kernel errs in integration and in its rounding, a spline; `tests/cad_check` tells how much."""
     scene = mikron(LEANING)
     with cad_session("drilled") as gmsh:
         found = solid_properties(gmsh.model.occ, add_half_throw(gmsh.model.occ, scene))
     mass = 2 * density_kg_per_mm3(scene.material.density_kg_m3) * found.volume_mm3
-    assert throw_balance(scene).mass_kg == pytest.approx(mass, rel=6e-6)
+    assert throw_balance(scene).mass_kg == pytest.approx(mass, rel=3e-6)
 
 
 def test_cells_and_surface_have_it() -> None:
