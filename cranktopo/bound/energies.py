@@ -64,7 +64,7 @@ def energies(model: ThrowModel, webs: Webs, u: jax.Array) -> Energies:
 
 
 def _spring_energies(model: ThrowModel, u: jax.Array) -> Array:
-    at = np.asarray(section_coordinates(model.supports, u))
+    at = np.asarray(_at_sections(model.supports, u))
     return np.asarray(np.einsum("bm,bmn,bn->b", at, np.asarray(model.supports.springs), at))
 
 
@@ -82,3 +82,6 @@ def _sizes(blocks: jax.Array, u: jax.Array) -> jax.Array:
 
     sizes: jax.Array = jax.lax.map(of_case, u)
     return sizes
+
+
+_at_sections = jax.jit(section_coordinates)

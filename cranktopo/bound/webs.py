@@ -122,24 +122,26 @@ def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> Webs:
     design = np.asarray(designable(scene, domain))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     sums = {name: known[name] for name in LINEAR}
-    solid = jnp.asarray(domain.fixed)
+    values, slopes = _values_and_slopes(tuple(sums.values()), domain.fixed)
     return Webs(
         fixed=domain.fixed,
         design=design,
         layers=layers,
-        amounts={name: _by_solid(of, solid)[:, :, layers] * design for name, of in sums.items()},
-        fixed_amounts={name: float(of.value(_without_loads(solid))) for name, of in sums.items()},
+        amounts={name: by[:, :, layers] * design for name, by in zip(sums, slopes, strict=True)},
+        fixed_amounts=dict(zip(sums, values.tolist(), strict=True)),
         die=_die(scene, domain),
     )
 
 
-def _by_solid(response: Response, solid: jax.Array) -> Array:
-    return np.asarray(jax.grad(lambda s: response.value(_without_loads(s)))(solid))
+def _values_and_slopes(sums: tuple[Response, ...], solid: Array) -> tuple[Array, Array]:
+    """Values (k,) of sums over the cells and their derivatives (k, nx, ny, nz) by the solid fraction."""
 
+    def values(solid: jax.Array) -> jax.Array:
+        none = jnp.zeros(0)
+        return jnp.stack([of.value(Design(solid, solid, none, none, none)) for of in sums])
 
-def _without_loads(solid: jax.Array) -> Design:
-    none = jnp.zeros(0)
-    return Design(solid, solid, none, none, none)
+    found = jax.jit(lambda solid: (values(solid), jax.jacrev(values)(solid)))(solid)
+    return np.asarray(found[0]), np.asarray(found[1])
 
 
 def _die(scene: Scene, domain: Domain) -> Die | None:

@@ -1,4 +1,4 @@
-"""Two solves at once: SciPy leaves the interpreter while it works on sparse matrices.
+"""Two works at once: SciPy and JAX leave the interpreter while they compute.
 
 Each computes what it computes alone, so that the numbers do not depend on it.
 """

@@ -88,13 +88,13 @@ def build_supports(
     # One size for all supports of a throw, so that another support needs no new compilation.
     size = max(len(MOTIONS), *(len(case.motions) for case in cases))
     parts = [_case_arrays(lattice, origin_mm, levels, case, size) for case in cases]
-    basis, coarse, springs, loads = (jnp.asarray(np.stack(items)) for items in zip(*parts, strict=True))
+    basis, coarse, springs, loads = (np.stack(items) for items in zip(*parts, strict=True))
     supports = BoundaryConditions(
         free_x0=jnp.asarray([[0.0 if c in case.fixed_at_x0 else 1.0 for c in range(3)] for case in cases]),
         free_z_end=jnp.asarray([_free_at_z_end(case) for case in cases]),
-        basis=basis,
-        coarse_basis=coarse,
-        springs=springs,
+        basis=jnp.asarray(basis),
+        coarse_basis=jnp.asarray(coarse),
+        springs=jnp.asarray(springs),
     )
     forces = np.zeros((len(cases), *lattice.field_shape))
     forces[..., 0] = np.einsum("bm,bmcxy->bcxy", loads, basis[:, :, 0])

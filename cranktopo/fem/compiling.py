@@ -11,7 +11,6 @@ import jax.numpy as jnp
 
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
 from cranktopo.fem.multigrid import GridTables, Precision, build_hierarchy
-from cranktopo.fem.precision import sized_for
 
 
 def compile_multigrid(tables: GridTables, system: System, precision: Precision) -> None:
@@ -30,14 +29,5 @@ def _compile(structure: Hashable, shapes: tuple[jax.ShapeDtypeStruct, ...], prec
     limits = jnp.asarray(2), system.forces, jnp.asarray(1e-2), jnp.asarray(1)
     iterating = multigrid_cg.lower(system, building.out_info, *limits)
     with ThreadPoolExecutor(2) as pool:
-        jobs = [
-            pool.submit(_compile_sized, program, system.moduli.size, core)
-            for core, program in enumerate((iterating, building))
-        ]
-        for job in jobs:
+        for job in [pool.submit(program.compile) for program in (iterating, building)]:
             job.result()
-
-
-def _compile_sized(program: jax.stages.Lowered, cells: int, core: int) -> None:
-    with sized_for(cells, core):
-        program.compile()

@@ -17,7 +17,6 @@ from cranktopo.fem.compiling import compile_multigrid
 from cranktopo.fem.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
 from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
 from cranktopo.fem.multigrid import GridTables, Precision, build_hierarchy
-from cranktopo.fem.precision import sized_for
 
 # An answer of which void decides more than this share is refused.
 _VOID_SHARE = 0.5
@@ -104,9 +103,8 @@ def run_method(
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
     compile_multigrid(tables, system, method.precision)
-    with sized_for(system.moduli.size):
-        hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
-        return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
+    hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
+    return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
 
 
 def _worst(result: CgResult) -> float:

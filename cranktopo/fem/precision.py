@@ -1,4 +1,4 @@
-"""The one place that touches JAX settings for a `with` block: 64-bit numbers, stored programs, cores."""
+"""The one place that touches JAX settings for a `with` block: 64-bit numbers and stored programs."""
 
 from __future__ import annotations
 
@@ -15,10 +15,6 @@ from weakref import WeakSet
 from cranktopo.errors import CranktopoError, ExitCode, shown
 from cranktopo.store import user_cache
 
-# Compilations that take less are not worth a file.
-_WORTH_STORING_S = 0.2
-# Below so many cells the cores wait for each other longer than they compute.
-_CELLS_WORTH_DIVIDING = 150_000
 _FOLDER_SETTING = "jax_compilation_cache_dir"
 
 
@@ -53,33 +49,6 @@ def check_device() -> None:
             hint="Unset JAX_PLATFORMS, or install JAX for that device: see `cranktopo doctor`.",
             code=ExitCode.MISSING_TOOL,
         ) from None
-
-
-@contextmanager
-def sized_for(cells: int, core: int = 0) -> Iterator[None]:
-    """Context in which programs for small grids are compiled to run their loops on one core.
-
-    XLA divides every loop among the cores that the compiling thread may use. Threads that exist already, and
-    the programs of large grids, keep all of them. `core` is the one that compiles, counted round.
-    """
-    if cells >= _CELLS_WORTH_DIVIDING or not hasattr(os, "sched_setaffinity"):
-        yield
-        return
-    _start_threads()
-    allowed = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {sorted(allowed)[core % len(allowed)]})
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, allowed)
-
-
-@cache
-def _start_threads() -> None:
-    """Let JAX start its threads, which would inherit the single core of their parent."""
-    import jax
-
-    jax.block_until_ready(jax.numpy.zeros(1) + 1)
 
 
 def cache_folder() -> Path:
@@ -140,7 +109,7 @@ def _stored_compilations() -> Iterator[None]:
         return
     settings = {
         _FOLDER_SETTING: str(folder),
-        "jax_persistent_cache_min_compile_time_secs": _WORTH_STORING_S,
+        "jax_persistent_cache_min_compile_time_secs": 0.0,  # tiny programs are many: half of all compiling
     }
     before = {name: getattr(jax.config, name) for name in settings}
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.assessment import Assessment, CaseResult
 from cranktopo.optimise.material import relative_moduli
 from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.responses import Design, quantities
+from cranktopo.optimise.responses import Design, quantities, values_of
 from cranktopo.scene.schema import Scene
 from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.units import density_kg_per_mm3
@@ -30,7 +31,7 @@ def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array
     first, last = domain.web_layers
     solid = domain.fixed.copy()
     solid[:, :, first:last] += domain.design[:, :, first:last] * density
-    moduli = np.asarray(relative_moduli(problem.chain, jnp.asarray(density)))
+    moduli = np.asarray(_moduli(problem.chain, density))
     return _assess(problem.model, scene, domain, moduli, solid)
 
 
@@ -66,7 +67,11 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     first, last = domain.web_layers
     design = Design(jnp.asarray(moduli), jnp.asarray(solid), works, works, solution.displacements)
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
-    values = {name: float(response.value(design)) for name, response in known.items()}
+    values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume
     web_kg = float(kg[:, :, first:last].sum()) / 2
-    return Assessment(cases, float(kg.sum()) + 2 * bolted, web_kg + bolted, values)
+    told = dict(zip(known, values.tolist(), strict=True))
+    return Assessment(cases, float(kg.sum()) + 2 * bolted, web_kg + bolted, told)
+
+
+_moduli = jax.jit(relative_moduli)

@@ -35,7 +35,7 @@ class Timing:
 
     Attributes:
         total_s: from the start to the last file; the report, written then, is added afterwards.
-        outputs_s: assessment, surface and files.
+        outputs_s: assessment and bound, and surface and files beside them.
     """
 
     total_s: float

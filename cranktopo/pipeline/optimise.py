@@ -13,17 +13,15 @@ from cranktopo.accuracy.level import OPTIMISER
 from cranktopo.accuracy.stored_studies import load_study
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Info
+from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise import loop
-from cranktopo.optimise.assess import assess, assess_original
-from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.continuation import with_limit
 from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
-from cranktopo.pipeline.bound_beside import bounds_beside
 from cranktopo.pipeline.evaluated_limits import EvaluatedGoal
 from cranktopo.pipeline.goal_by_evaluation import (
     evaluated_goal,
@@ -31,6 +29,7 @@ from cranktopo.pipeline.goal_by_evaluation import (
     met_by_evaluation,
     told_by_evaluation,
 )
+from cranktopo.pipeline.judgement import judge
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original
@@ -58,7 +57,6 @@ from cranktopo.scene.goal.sentence import goal_text
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.scene.of_run import scene_of_run
 from cranktopo.store import (
-    Json,
     KeptWork,
     RunStore,
     Work,
@@ -70,6 +68,7 @@ from cranktopo.store import (
     save_iteration,
 )
 from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
@@ -234,16 +233,15 @@ def _finish(
     case: EvaluatedGoal | None,
     failure: str,
 ) -> dict[str, Any]:
-    """Assess the final design in the optimiser's model at a tight tolerance and write every file."""
+    """Judge the final design, make its surface meanwhile, and write every file."""
     optimised = time.perf_counter()
     scene, domain = prepared.scene, prepared.domain
     design = loop.final_design(problem, state)
     rows = history_rows(problem, state.history)
-    surface, refusal = _surface(prepared, design)
-    mesh = None if surface is None else surface.surface.half_throw
-    files = write_run_files(run, scene, domain, design, rows, mesh)
-    result = assess(problem, scene, domain, design.physical)
-    original = problem.original or assess_original(problem.model, scene, domain)
+    (surface, mesh, files), judged = side_by_side(
+        lambda: _shown(run, prepared, design, rows),
+        lambda: judge(run, prepared, problem, state, design.physical),
+    )
     now = time.perf_counter()
     assumed = run.manifest().get("assumed", ())
     timing = Timing(now - began, now - optimised, clock.compile_s)
@@ -253,19 +251,17 @@ def _finish(
         problem,
         state,
         design.physical,
-        result,
-        original,
-        surface or refusal,
+        judged.result,
+        judged.original,
+        surface,
         timing,
         assumed,
     )
     if case is not None:
         metrics["goal"] = told_by_evaluation(metrics["goal"], case, state, failure)
         metrics["seconds"]["evaluation"] = evaluation_seconds(case)
-    if prepared.plan["bound"].state == "on":
-        metrics["bound"] = _bound(run, scene, metrics, result, original)
-        now, before = time.perf_counter(), now
-        metrics["seconds"]["bound"] = now - before
+    if judged.bound is not None:
+        metrics["bound"], metrics["seconds"]["bound"] = judged.bound, judged.bound_s
     metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)
     designs = snapshots(run, domain, problem.chain)
@@ -278,25 +274,20 @@ def _finish(
     return metrics
 
 
-def _bound(
-    run: RunStore, scene: Scene, metrics: Mapping[str, Any], result: Assessment, original: Assessment
-) -> Json:
-    """What no web of the envelope can beat, beside the result in percent of the original."""
-    if metrics["status"] != "converged":
-        return {"none": "the run has not converged"}
-    own = original.quantities
-    reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
-    goal = wanted(scene)
-    if goal is not None and metrics["goal"]["reached_percent"] is not None:
-        reached[goal.quantity] = metrics["goal"]["reached_percent"]
-    return bounds_beside(scene, reached, goal, run.log)
+def _shown(
+    run: RunStore, prepared: Prepared, design: loop.WebDensities, rows: Sequence[Mapping[str, Any]]
+) -> tuple[CheckedSurface | str, SurfaceMesh | None, dict[str, str]]:
+    """The surface, or why there is none, its half throw, and the files that show the design."""
+    surface = _surface(prepared, design)
+    mesh = None if isinstance(surface, str) else surface.surface.half_throw
+    return surface, mesh, write_run_files(run, prepared.scene, prepared.domain, design, rows, mesh)
 
 
-def _surface(prepared: Prepared, design: loop.WebDensities) -> tuple[CheckedSurface | None, str]:
+def _surface(prepared: Prepared, design: loop.WebDensities) -> CheckedSurface | str:
     """The surface, or why there is none, as of the first designs, which are grey."""
     try:
-        return checked_surface(prepared.scene, prepared.domain, design), ""
+        return checked_surface(prepared.scene, prepared.domain, design)
     except CranktopoError as error:
         if error.code != ExitCode.CRITERION_NOT_MET:
             raise
-        return None, str(error)
+        return str(error)

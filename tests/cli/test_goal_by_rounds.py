@@ -77,7 +77,7 @@ def bounds() -> Iterator[list[dict[str, float]]]:
         return {"none": "not proven"}
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cranktopo.pipeline.optimise.bounds_beside", beside)
+        patch.setattr("cranktopo.pipeline.judgement.bounds_beside", beside)
         yield asked
 
 

@@ -1,0 +1,61 @@
+"""What a final density is worth in the optimiser's own model: beside the original, and beside the bound."""
+
+from __future__ import annotations
+
+import time
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.fem.precision import double_precision
+from cranktopo.optimise.assess import assess, assess_original
+from cranktopo.optimise.assessment import Assessment
+from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.stage import Prepared
+from cranktopo.optimise.state import State
+from cranktopo.pipeline.bound_beside import bounds_beside
+from cranktopo.scene import Scene
+from cranktopo.scene.goal.wanted import wanted
+from cranktopo.store import Json, RunStore
+
+
+class Judgement(NamedTuple):
+    """The final design and the scene's own web, solved at a tight tolerance.
+
+    Attributes:
+        bound: what no web of the envelope can beat; None where the plan leaves it out.
+        bound_s: wall time of the bound.
+    """
+
+    result: Assessment
+    original: Assessment
+    bound: Json | None
+    bound_s: float
+
+
+def judge(
+    run: RunStore, prepared: Prepared, problem: DensityProblem, state: State, density: NDArray[np.float64]
+) -> Judgement:
+    """Judge the physical density (nx, ny, nw) that a state ended with, in any thread.
+
+    Raises:
+        CranktopoError: a solve failed.
+    """
+    scene, domain = prepared.scene, prepared.domain
+    with double_precision():
+        result = assess(problem, scene, domain, density)
+        original = problem.original or assess_original(problem.model, scene, domain)
+    began, bound = time.perf_counter(), None
+    if prepared.plan["bound"].state == "on":
+        bound = _bound(run, scene, state, result, original)
+    return Judgement(result, original, bound, time.perf_counter() - began)
+
+
+def _bound(run: RunStore, scene: Scene, state: State, result: Assessment, original: Assessment) -> Json:
+    """What no web of the envelope can beat, beside the result in percent of the original."""
+    if state.status != "converged":
+        return {"none": "the run has not converged"}
+    own = original.quantities
+    reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
+    return bounds_beside(scene, reached, wanted(scene), run.log)
