@@ -52,7 +52,7 @@ def main() -> None:
     grids = options.grids or (FINE_GRIDS if options.fine_grids else GRIDS)
     rows = []
     _print_header()
-    for device, grid in product(_devices(), grids):
+    for device, grid in product(devices(), grids):
         rows.append({"device": device, **_in_own_process(grid, options.iterations, device)})
         _print_row(rows[-1])
     report: Row = {
@@ -78,15 +78,15 @@ def measure(grid: str, iterations: int) -> Row:
     """All figures of one grid, in this process."""
     clock = CompileClock()
     with double_precision():
-        one, design, model = _optimisation(grid, 1, iterations)
-        compile_s, memory = clock.compile_s, _peak_MiB()
+        one, design, model = optimisation(grid, 1, iterations)
+        compile_s, memory = clock.compile_s, peak_MiB()
         row = {"grid": grid, "cells": design.size, "unknowns": model.forces[0].size, **one}
         row |= {"compile_s": compile_s, "peak_MiB": memory, "stream_GB_s": stream_GB_s()}
         row |= {f"{p}_product_ns": product_ns(model, design, p) for p in ("float32", "float64")}
-        row["float32_of_bandwidth"] = _ideal_ns(model, 4, row["stream_GB_s"]) / row["float32_product_ns"]
-        row["float64_of_bandwidth"] = _ideal_ns(model, 8, row["stream_GB_s"]) / row["float64_product_ns"]
+        row["float32_of_bandwidth"] = ideal_ns(model, 4, row["stream_GB_s"]) / row["float32_product_ns"]
+        row["float64_of_bandwidth"] = ideal_ns(model, 8, row["stream_GB_s"]) / row["float64_product_ns"]
         row |= {f"{p}_solve_s": solve_s(model, design, p) for p in ("float32", "float64")}
-        two, _, _ = _optimisation(grid, 2, iterations)
+        two, _, _ = optimisation(grid, 2, iterations)
         row["two_cases_ratio"] = two["iteration_s"] / one["iteration_s"]
     return row
 
@@ -124,7 +124,8 @@ def stream_GB_s() -> float:
     return 2 * numbers.nbytes / _median_s(lambda: shifted(numbers)) / 1e9
 
 
-def _optimisation(grid: str, load_cases: int, iterations: int) -> tuple[Row, jax.Array, ThrowModel]:
+def optimisation(grid: str, load_cases: int, iterations: int) -> tuple[Row, jax.Array, ThrowModel]:
+    """Medians of an optimisation of the cantilever, its last moduli, and its model."""
     nx, ny, nz = (int(n) for n in grid.split("x"))
     model, chain = cantilever((nx, ny, nz), load_cases)
     rows, x = optimise(model, chain, iterations)
@@ -138,7 +139,7 @@ def _optimisation(grid: str, load_cases: int, iterations: int) -> tuple[Row, jax
     return figures, moduli(chain, x), model
 
 
-def _ideal_ns(model: ThrowModel, item_bytes: int, bandwidth_GB_s: float) -> float:
+def ideal_ns(model: ThrowModel, item_bytes: int, bandwidth_GB_s: float) -> float:
     """Nanoseconds per unknown if displacements, forces and moduli crossed the memory bus once."""
     unknowns, cells = model.forces[0].size, int(np.prod(model.lattice.cells))
     return item_bytes * (2 + cells / unknowns) / bandwidth_GB_s
@@ -165,13 +166,13 @@ def _products(blocks: jax.Array, cells: jax.Array, field: jax.Array) -> jax.Arra
     return jax.lax.fori_loop(0, PRODUCTS, step, field)
 
 
-def _devices() -> list[str]:
+def devices() -> list[str]:
     """JAX platforms of this machine to measure."""
     names = {device.platform for device in jax.devices()}
     return ["cpu", *sorted({"gpu": "cuda"}.get(name, name) for name in names - {"cpu"})]
 
 
-def _peak_MiB() -> float:
+def peak_MiB() -> float:
     """Most memory of the process, or of the accelerator it computes on."""
     used = jax.devices()[0].memory_stats()
     if used:
