@@ -8,5 +8,5 @@ SurfaceFormat = Literal["stl", "3mf", "glb"]
 SURFACES: tuple[SurfaceFormat, ...] = get_args(SurfaceFormat)
 PLOTS = (".png", ".svg", ".pdf")
 SOLIDS = (".step", ".stp", ".stl")
-SolidPart = Literal["throw", "half", "web", "crankshaft"]
+SolidPart = Literal["throw", "half", "web", "second_web", "crankshaft"]
 PARTS: tuple[SolidPart, ...] = get_args(SolidPart)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from cranktopo.accuracy.level import BENDING, EVALUATION, TORSION, Level, PlannedLevel
 from cranktopo.accuracy.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.evaluate.elasticity import Order
-from cranktopo.evaluate.evaluation import RATIO, MeshResult, default_element_size_mm, evaluate_on_mesh
+from cranktopo.evaluate.evaluation import RATIO, MeshResult, evaluate_on_mesh
 from cranktopo.evaluate.targets import Target
+from cranktopo.scene.scale import default_element_size_mm
 
 COST_GROWTH = 1.9
 """Cost of a mesh over that of one 1.5 times coarser (`python -m tests.benchmarks.evaluation_meshes`)."""

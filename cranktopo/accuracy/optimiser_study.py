@@ -17,7 +17,7 @@ from cranktopo.accuracy.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.domain.resolution import WALL_CELLS, thinnest_wall_mm
 from cranktopo.effects import effort
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate
+from cranktopo.evaluate.evaluation import RATIO, evaluate
 from cranktopo.evaluate.targets import Target
 from cranktopo.fem.precision import CompileClock, double_precision
 from cranktopo.optimise import loop, stage
@@ -25,6 +25,7 @@ from cranktopo.optimise.assess import assess
 from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.problem import SolverSettings
 from cranktopo.scene import Scene
+from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.surface.checked_surface import checked_surface
 from cranktopo.triangles.surface_files import write_stl
 

@@ -20,10 +20,14 @@ _ROOM = 2.5
 _ON_EDGE_MM = 1e-3
 
 
-def add_drillings(occ: Any, scene: Scene) -> DimTags:
-    """The tools that drill the half throw, as gmsh (dimension, tag) pairs; none for most throws."""
+def add_drillings(occ: Any, scene: Scene, *, alone: bool = False) -> DimTags:
+    """The tools that drill the half throw, as gmsh (dimension, tag) pairs; none for most throws.
+
+    Args:
+        alone: only those of drillings that the other half has no mirror image of.
+    """
     tools: DimTags = []
-    for channel in channels(scene):
+    for channel in (found for found in channels(scene) if found.alone or not alone):
         tools.append(_cylinder(occ, channel))
         rounded = (mouth for mouth in channel.mouths if mouth.rounding_mm)
         tools += [pair for mouth in rounded for pair in _rounded_outlet(occ, channel, mouth)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,9 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.formats import SOLIDS, SolidPart
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
+from cranktopo.scene.halves import halves
 from cranktopo.scene.scale import usual_scale
+from cranktopo.scene.symmetry import mirror_image
 from cranktopo.store import check_file, replacing
 from cranktopo.store.dates import time_of_writing
 from cranktopo.store.manifest import versions
@@ -97,14 +100,22 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> 
 
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
-    if part == "web":
-        check_solid(scene)
-        body = drill(occ, add_web(occ, scene), add_drillings(occ, scene))
-        check_body(occ, body, web_volume_mm3(scene), "web")
+    if part in ("web", "second_web"):
+        near, far = halves(scene)
+        body = _web(occ, near if part == "web" else mirror_image(far))
+        if part == "second_web":
+            occ.rotate(body, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     else:
         add = {"half": add_half_throw, "throw": add_full_throw, "crankshaft": add_crankshaft}[part]
         body = add(occ, scene)
     _remove_loose(occ)
+    return body
+
+
+def _web(occ: Any, half: Scene) -> DimTags:
+    check_solid(half)
+    body = drill(occ, add_web(occ, half), add_drillings(occ, half))
+    check_body(occ, body, web_volume_mm3(half), "web")
     return body
 
 
@@ -117,7 +128,7 @@ def _remove_loose(occ: Any) -> int:
 
 
 def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
-    names = {"half": "half throw"}
+    names = {"half": "half throw", "second_web": "second web"}
     version = versions()["cranktopo"] or "unknown version"
     return StepLabel(
         f"{scene.name} {names.get(part, part)}",

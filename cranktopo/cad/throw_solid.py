@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.cad.drilling_solid import add_drillings, drill
-from cranktopo.cad.volume import half_throw_volume_mm3
+from cranktopo.cad.volume import half_throw_volume_mm3, throw_volume_mm3
 from cranktopo.cad.web_solid import DimTags, add_solid, add_web
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.frames import about_z_deg
@@ -18,6 +18,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.checks_web import check_solid
 from cranktopo.scene.features import web_bodies
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.halves import drilled_alike, halves, require_equal_halves
 from cranktopo.scene.symmetry import mirror_image
 
 VOLUME_TOLERANCE = 2e-5
@@ -50,6 +51,11 @@ def add_half_throw(occ: Any, scene: Scene) -> DimTags:
     Raises:
         CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
+    require_equal_halves(scene)
+    return _add_half(occ, scene)
+
+
+def _add_half(occ: Any, scene: Scene) -> DimTags:
     check_solid(scene)
     expected = half_throw_volume_mm3(scene)
     throw, (start, end) = scene.throw, scene.web_z_mm
@@ -65,16 +71,20 @@ def add_half_throw(occ: Any, scene: Scene) -> DimTags:
 def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     """The throw between its two mid-main-journal planes as one checked body.
 
-    The far half is the half throw mirrored in x and turned half a revolution about the throw direction:
-    gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume.
+    The far half is a half throw mirrored in x and turned half a revolution about the throw direction:
+    gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. What one half alone is
+    drilled with may reach into the other, and comes last.
 
     Raises:
-        CranktopoError: as `add_half_throw`.
+        CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
-    half, other = add_half_throw(occ, scene), add_half_throw(occ, mirror_image(scene))
-    occ.rotate(other, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
+    near, far = halves(scene)
+    half, other = _add_half(occ, drilled_alike(near)), _add_half(occ, mirror_image(drilled_alike(far)))
+    tools, more = add_drillings(occ, near, alone=True), add_drillings(occ, mirror_image(far), alone=True)
+    occ.rotate([*other, *more], 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     body, _ = occ.fuse(half, other)
-    check_body(occ, body, 2 * half_throw_volume_mm3(scene), "full throw")
+    body = drill(occ, body, [*tools, *more])
+    check_body(occ, body, throw_volume_mm3(scene), "full throw")
     return list(body)
 
 
@@ -98,7 +108,7 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     occ.remove(throw, recursive=True)
     if len(bodies) > 1:
         bodies, _ = occ.fuse(bodies[:1], bodies[1:])
-    check_body(occ, bodies, 2 * len(angles) * half_throw_volume_mm3(scene), "crankshaft")
+    check_body(occ, bodies, len(angles) * throw_volume_mm3(scene), "crankshaft")
     return bodies
 
 

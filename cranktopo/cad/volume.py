@@ -10,6 +10,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.drilling_moments import drilled
 from cranktopo.scene.features import web_bodies
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.halves import halves
 from cranktopo.scene.web_moments import web_moments
 
 
@@ -23,6 +24,12 @@ def half_throw_volume_mm3(scene: Scene) -> float:
     start, end = scene.web_z_mm
     total += _fillet_volume(scene, throw.main_journal, 0.0, start)
     return total + _fillet_volume(scene, throw.crankpin, throw.radius_mm, end)
+
+
+def throw_volume_mm3(scene: Scene) -> float:
+    """Volume of the throw between its two mid-main-journal planes, mm3."""
+    near, far = halves(scene)
+    return half_throw_volume_mm3(near) + half_throw_volume_mm3(far)
 
 
 def web_volume_mm3(scene: Scene) -> float:

@@ -50,7 +50,7 @@ def command(
 
     wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
     worth = _worth(texts, element_size_mm) if sensitivities else []
-    resolved = resolve_targets([w.file for w in worth] or texts, design, align=align)
+    resolved = resolve_targets([w.file for w in worth] or texts, design, align=align, whole=True)
     found = evaluate_targets(resolved, wanted, info)
     for evaluation in found.evaluations:
         fine = evaluation.fine

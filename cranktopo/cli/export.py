@@ -34,7 +34,7 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, fo
     from cranktopo.store import check_file
 
     check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
-    scene = load_scene(design)
+    scene = load_scene(design, whole=True)
     assumed = assumptions(scene, (THROW,))
     if assumed:
         click.echo(assumed_text(assumed), err=True)

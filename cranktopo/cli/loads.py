@@ -31,7 +31,7 @@ def command(
     from cranktopo.pipeline.loads import loads_at_speeds, plot_load_curves, write_load_curves
     from cranktopo.scene import load_scene
 
-    scene = load_scene(design)
+    scene = load_scene(design, whole=True)
     results = loads_at_speeds(scene, speeds)
     if plot_path is not None:
         plot_load_curves(scene, plot_path, None if speeds is None else speeds[-1])

@@ -43,7 +43,7 @@ def command(
     from cranktopo.scene.goal.sentence import goal_text
     from cranktopo.scene.goal.wanted import wanted
 
-    scene = with_goal_options(load_scene(design), minimise, maximise, limits)
+    scene = with_goal_options(load_scene(design, whole=True), minimise, maximise, limits)
     goal = wanted(scene)
     effects = plan(scene, goal=goal)
     todo = effort(scene)

@@ -33,6 +33,7 @@ from cranktopo.scene.checks_web import check_counterweight_inside
 from cranktopo.scene.clearance import clearance_limit
 from cranktopo.scene.features import Body, counterweight_bodies, web_bodies, web_contains
 from cranktopo.scene.geometry import Envelope, Journal
+from cranktopo.scene.halves import require_equal_halves
 from cranktopo.scene.polygons import Coordinates, Shape, polygons
 from cranktopo.scene.schema import Scene
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
@@ -130,8 +131,9 @@ def build_domain(
         grid: a grid to fill instead of planning one, e.g. the envelope's for the original web.
 
     Raises:
-        CranktopoError: no envelope, or an envelope that does not touch a journal.
+        CranktopoError: no envelope, one that does not touch a journal, or halves of the throw that differ.
     """
+    require_equal_halves(scene)
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = _layers(scene, target)

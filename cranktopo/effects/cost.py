@@ -11,7 +11,7 @@ from cranktopo.domain.resolution import estimated_cells
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.goal.wanted import judged_by_evaluation
-from cranktopo.scene.scale import usual_scale
+from cranktopo.scene.scale import default_element_size_mm, usual_scale
 
 _BOUND_CELL_MM = 4.0
 
@@ -140,6 +140,15 @@ class Costing:
         throw = self._scene.throw
         cells = _fillet_elements(throw.main_journal) + _fillet_elements(throw.crankpin)
         return Cost(2.0, cells, 1.2 * cells * self._rates.seconds_per_element)
+
+    def whole_throw(self, volume_mm3: float) -> Cost:
+        """Elements of the evaluation without those that half of the volume needs, and their part of its time.
+
+        Regular tetrahedra of the default size fill the throw, with nothing refined.
+        """
+        edge = default_element_size_mm(self._scene)
+        cells = round(volume_mm3 / 2 / (edge**3 / (6 * math.sqrt(2))))
+        return Cost(0.0, cells, cells * self._rates.seconds_per_element)
 
     def bound(self) -> Cost:
         """Searches on cells of their own, once for both load cases."""

@@ -59,6 +59,7 @@ def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None)
         vibration if name == _VIBRATION else _decide(scene.effects, name, rule(facts))
         for name, rule in _RULES.items()
     )
+    decided += structure_rules.whole_throw(facts)
     cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_CASES]
     if goal is None:
         _check_cases(scene, cases)

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import math
 
+from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.effects.beam import throw_compliance, web_section_modulus_mm3
+from cranktopo.effects.effect import Effect
 from cranktopo.effects.estimate import Estimate
 from cranktopo.effects.facts import Facts
 from cranktopo.effects.goal_rules import wants_safety
@@ -15,6 +17,7 @@ from cranktopo.effects.simulated import without
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.loads.torsional_stiffness import journal_torsion_modulus_mm3, web_lever_mm
+from cranktopo.scene.halves import difference, halves
 from cranktopo.units import NMM_PER_NM
 
 
@@ -86,6 +89,22 @@ def lateral_symmetry(facts: Facts) -> Estimate:
     return Estimate(0.0, because, "nothing but time", cost, needed=because)
 
 
+def whole_throw(facts: Facts) -> tuple[Effect, ...]:
+    """Both halves in one model, which nobody can switch: no row where they are alike and half is enough."""
+    key = difference(facts.scene)
+    if not key:
+        return ()
+    near, far = halves(facts.scene)
+    volume = half_throw_volume_mm3(near) + half_throw_volume_mm3(far)
+    share = 100 * half_throw_volume_mm3(far) / volume
+    because = (
+        f"{key} makes the halves differ, so that the mid-pin plane is no mirror; "
+        f"{share:.3g} % of the volume lies beyond it"
+    )
+    changes = "nothing would be right: half of the throw says nothing of the other"
+    return (Effect("whole_throw", "on", because, None, facts.costing.whole_throw(volume), changes),)
+
+
 def manufacturing_constraint(facts: Facts) -> Estimate:
     """A die, a mould or a mill; what it costs is the difference between two optimisations."""
     settings = facts.scene.optimise
@@ -114,7 +133,8 @@ def fatigue(facts: Facts) -> Estimate:
         impossible = "" if possible else absent
         return Estimate(None, "", changes, facts.costing.fatigue(), absent=absent, impossible=impossible)
     force, torque = _amplitudes(facts)
-    bend = force / 2 * web_lever_mm(facts.scene) / web_section_modulus_mm3(facts.scene)
+    webs = halves(facts.scene)
+    bend = force / 2 * max(web_lever_mm(half) / web_section_modulus_mm3(half) for half in webs)
     shear = torque * NMM_PER_NM / journal_torsion_modulus_mm3(facts.scene.throw.crankpin)
     stress = math.hypot(bend, math.sqrt(3) * shear)
     strength = facts.scene.material.fatigue_bending_MPa or math.inf

@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.equivalent import von_mises
-from cranktopo.evaluate.evaluation import Info, default_element_size_mm, mesh_target
+from cranktopo.evaluate.evaluation import Info, mesh_target
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, unit_fields
 from cranktopo.loads.load_case import LoadCase
+from cranktopo.scene.halves import require_equal_halves
+from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s
 
 Array = NDArray[np.float64]
@@ -80,6 +82,7 @@ def case_stress(
     Raises:
         CranktopoError: impossible geometry or a failed solve.
     """
+    require_equal_halves(target.scene)
     size = element_size_mm or default_element_size_mm(target.scene)
     progress(f"{target.name}: stresses, element size {size:.3g} mm")
     meshed = mesh_target(target, size)

@@ -31,16 +31,20 @@ _CORNER_SLOPES = np.vstack([-np.ones(3), np.eye(3)])
 
 
 def energy_surplus(
-    model: Elasticity, blocks: Sequence[Condensed], youngs_MPa: float, poisson: float, pin_from_mm: float
+    model: Elasticity,
+    blocks: Sequence[Condensed],
+    youngs_MPa: float,
+    poisson: float,
+    pin_mm: tuple[float, float],
 ) -> list[Array]:
     """Energy that the fields of condensed blocks miss, as a quadratic form over their amplitudes.
 
-    Twice the energy of the half throw that motions q and a mean pin load f on the model miss is
+    Twice the energy of the half or whole throw that motions q and a mean pin load f on the model miss is
     (q, f) G (q, f).
 
     Args:
         blocks: condensed from this model.
-        pin_from_mm: start of the material that carries the pin load.
+        pin_mm: heights between which the material carries the pin load.
 
     Returns:
         G per block, shape (m, m), or (m + 1, m + 1) where the block has a load field.
@@ -53,7 +57,7 @@ def energy_surplus(
         own = residual[:, :, start:end]
         if end - start > len(block.motions):
             own = own.copy()
-            own[:, 1, -1] -= _mean_weights(model, pin_from_mm)
+            own[:, 1, -1] -= _mean_weights(model, pin_mm)
         forms.append(block.parts * _answered(own, stiffness, _held(model, block)))
     return forms
 
@@ -160,9 +164,9 @@ def _reference_slopes(points: Array) -> Array:
     return np.stack(slopes)
 
 
-def _mean_weights(model: Elasticity, z_from_mm: float) -> Array:
-    """Mean of each cubic function over the material beyond z, shape (functions,)."""
-    basis, inside = beyond(model, z_from_mm)
+def _mean_weights(model: Elasticity, z_mm: tuple[float, float]) -> Array:
+    """Mean of each cubic function over the material between two heights, shape (functions,)."""
+    basis, inside = beyond(model, *z_mm)
     numbers, signs = _functions(model, basis)
     weights = np.zeros(model.mesh.nedges + model.mesh.nfacets)
     np.add.at(weights, numbers, signs * (_reference_values(basis.X) @ inside.T))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -93,7 +94,7 @@ def _element(order: Order) -> Any:
     return ElementTetP2() if order == 2 else ElementTetP1()
 
 
-def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
+def mean_displacement(model: Elasticity, axis: int, z_from_mm: float, z_to_mm: float = math.inf) -> Array:
     """Vector m with m.u = mean of one displacement component over the material beyond z, shape (unknowns,).
 
     The same vector, times a force, is the load of that force spread evenly over that material. Elements that
@@ -101,23 +102,24 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float) -> Array:
 
     Args:
         axis: 0, 1, 2 for x, y, z.
-        z_from_mm: start of the material.
+        z_from_mm, z_to_mm: start and end of the material.
     """
-    basis, inside = beyond(model, z_from_mm)
+    basis, inside = beyond(model, z_from_mm, z_to_mm)
     weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
     np.add.at(mean, 3 * basis.element_dofs + axis, weights)
     return np.asarray(mean / inside.sum(), dtype=np.float64)
 
 
-def beyond(model: Elasticity, z_from_mm: float) -> tuple[Any, Array]:
+def beyond(model: Elasticity, z_from_mm: float, z_to_mm: float = math.inf) -> tuple[Any, Array]:
     """Basis of the elements that reach beyond z, and the weights of its quadrature points there, mm3."""
     from skfem import Basis
 
     heights = model.mesh.p[2][model.mesh.t]
-    elements = np.nonzero(heights.max(axis=0) > z_from_mm + _PLANE_MM)[0]
-    basis = Basis(model.mesh, _element(model.order), intorder=LOAD_ORDER, elements=elements)
-    return basis, basis.dx * (np.asarray(basis.global_coordinates())[2] > z_from_mm - _PLANE_MM)
+    reach = (heights.max(axis=0) > z_from_mm + _PLANE_MM) & (heights.min(axis=0) < z_to_mm - _PLANE_MM)
+    basis = Basis(model.mesh, _element(model.order), intorder=LOAD_ORDER, elements=np.nonzero(reach)[0])
+    z = np.asarray(basis.global_coordinates())[2]
+    return basis, basis.dx * ((z > z_from_mm - _PLANE_MM) & (z < z_to_mm + _PLANE_MM))
 
 
 def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:

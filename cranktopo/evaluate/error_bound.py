@@ -10,12 +10,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import RZ, Condensed
+from cranktopo.evaluate.condense import Condensed
 from cranktopo.evaluate.missed_energy import MissedEnergy
 from cranktopo.evaluate.support_stiffness import (
     BendingSupport,
     TorsionSupport,
     bending_motion,
+    torque_ends,
     torsion_motion,
 )
 
@@ -78,9 +79,9 @@ def torsion_shares(
     block: Condensed, forms: Sequence[Array], support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> list[float]:
     """Shares of the twist under a torque that energies over the fields of a block would add."""
-    motion = torsion_motion(block, support, spring_N_per_mm)
-    twist = float(motion[block.motions.index(RZ)])
-    return [float(motion @ form @ motion) / twist for form in forms]
+    motion, count = torsion_motion(block, support, spring_N_per_mm), len(block.motions)
+    twist = float(torque_ends(block) @ motion)
+    return [float(motion @ form[:count, :count] @ motion) / twist for form in forms]
 
 
 def bending_shares(

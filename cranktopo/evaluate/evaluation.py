@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypeVar
 
+from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.condense import condense
-from cranktopo.evaluate.elasticity import Order, assemble
+from cranktopo.evaluate.condense import Condensed, condense
+from cranktopo.evaluate.elasticity import Elasticity, Order, assemble
 from cranktopo.evaluate.error_bound import (
     bending_bound_percent,
     change_bound_percent,
@@ -30,7 +31,9 @@ from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import EVALUATED, Assumption, among, assumed_json
-from cranktopo.scene.web_moments import bolted_mass
+from cranktopo.scene.halves import halves
+from cranktopo.scene.scale import default_element_size_mm
+from cranktopo.scene.web_moments import Moments, bolted_mass
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
 
 SCHEMA_VERSION = 1
@@ -74,6 +77,7 @@ class Evaluation:
 
     Attributes:
         throw_kg, web_kg: mass of the throw, and of one web between its faces.
+        second_web_kg: mass of the second web where the halves of the throw differ, else None.
         unbalance_kg_mm: mass times y of the centre of mass.
         torsion_support, bending_support: the supports that the scene asks for.
         torsion_error_percent, bending_error_percent: bound of the discretisation error with these supports.
@@ -94,6 +98,7 @@ class Evaluation:
     total_seconds: float
     assumed: tuple[Assumption, ...] = ()
     triangles: bool = False
+    second_web_kg: float | None = None
 
     @property
     def torsion_Nm_per_rad(self) -> float:
@@ -115,7 +120,7 @@ class Evaluation:
         fine = self.fine
         return {
             "target": self.target,
-            "mass_kg": {"throw": self.throw_kg, "web": self.web_kg},
+            "mass_kg": {"throw": self.throw_kg, "web": self.web_kg, **self._second_web()},
             "inertia_kg_mm2": self.inertia_kg_mm2,
             "unbalance_kg_mm": self.unbalance_kg_mm,
             "torsion": {f"{name}_Nm_per_rad": value for name, value in fine.torsion.items()},
@@ -147,12 +152,8 @@ class Evaluation:
             "assumed": assumed_json(self.assumed),
         }
 
-
-def default_element_size_mm(scene: Scene) -> float:
-    """General element size by default: a tenth of the thinner journal, at most a third of the web, mm."""
-    throw = scene.throw
-    journal = min(throw.main_journal.outer_diameter_mm, throw.crankpin.outer_diameter_mm)
-    return min(journal / 10, scene.web.thickness_mm / 3)
+    def _second_web(self) -> dict[str, float]:
+        return {} if self.second_web_kg is None else {"second_web": self.second_web_kg}
 
 
 @dataclass(frozen=True)
@@ -218,7 +219,7 @@ def evaluate_on_mesh(
 def condensed_stiffness(
     meshed: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
 ) -> Stiffness:
-    """Stiffnesses of a meshed half throw for every support: two condensations.
+    """Stiffnesses of a meshed half or whole throw for every support: two condensations, or one.
 
     Raises:
         CranktopoError: a mesh that does not fill the solid, or a failed solve.
@@ -226,12 +227,8 @@ def condensed_stiffness(
     start = time.perf_counter()
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
     model = assemble(meshed.mesh, youngs, poisson, order)
-    mirrored = meshed.mesh.mirrored
     _check_volume(meshed, volume_error(model, meshed))
-    twist, bend = side_by_side(
-        lambda: condense(model, scene, "antisymmetric", "odd" if mirrored else "none"),
-        lambda: condense(model, scene, "symmetric", "even" if mirrored else "none"),
-    )
+    twist, bend = _blocks(model, meshed, scene)
     torsion = _by_support(partial(torsional_stiffness_Nm_per_rad, twist), _TORSION, scene)
     bending = _by_support(partial(bending_stiffness_N_per_mm, bend), _BENDING, scene)
     nodes = model.nodes_mm.shape[1]
@@ -246,6 +243,18 @@ def condensed_stiffness(
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds, *errors)
 
 
+def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Condensed, Condensed]:
+    """What torsion and what bending is read off."""
+    mirrored = meshed.mesh.mirrored
+    if meshed.whole and not mirrored:
+        both = condense(model, scene, "whole", "none")
+        return both, both
+    return side_by_side(
+        lambda: condense(model, scene, meshed.span("antisymmetric"), "odd" if mirrored else "none"),
+        lambda: condense(model, scene, meshed.span("symmetric"), "even" if mirrored else "none"),
+    )
+
+
 def _by_support(
     found: Callable[[Support, float], float], supports: Sequence[Support], scene: Scene
 ) -> ByName:
@@ -257,17 +266,17 @@ def _by_support(
 
 
 def _check_volume(meshed: MeshedThrow, error: float) -> None:
-    volume = meshed.half.volume_mm3
+    volume = meshed.body.volume_mm3
     if abs(error) > _VOLUME_TOLERANCE:
         raise CranktopoError(
-            f"mesh: holds {(1 + error) * volume:.1f} mm3, the half throw {volume:.1f} mm3.",
+            f"mesh: holds {(1 + error) * volume:.1f} mm3, the body {volume:.1f} mm3.",
             hint="Choose another element size.",
             code=ExitCode.SOLVER,
         )
 
 
 def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> MeshedThrow:
-    """Mesh of a target's half throw.
+    """Mesh of a target's half throw, or of its whole one where the halves differ.
 
     Raises:
         CranktopoError: impossible geometry, or no valid mesh.
@@ -287,16 +296,17 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
     """
     target, meshed = fine.target, fine.meshed
     scene = target.scene
-    supports = scene.supports
+    (near, far), supports = halves(scene), scene.supports
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     torsion, bending = _error_percent(fine.stiffness, coarse.stiffness if coarse else None, scene)
     return Evaluation(
         target=target.name,
         throw_kg=meshed_throw_kg(meshed, scene),
-        web_kg=density * meshed.web_volume_mm3 + bolted_mass(scene).volume,
+        web_kg=density * meshed.web_volume_mm3 + bolted_mass(near).volume,
+        second_web_kg=None if far is near else density * web_volume_mm3(far) + bolted_mass(far).volume,
         inertia_kg_mm2=throw_inertia_kg_mm2(meshed, scene),
-        unbalance_kg_mm=2
-        * (density * meshed.half.volume_mm3 * meshed.half.centre_mm[1] + bolted_mass(scene).first_y),
+        unbalance_kg_mm=meshed.copies * density * meshed.body.volume_mm3 * meshed.body.centre_mm[1]
+        + _bolted(scene).first_y,
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,
@@ -321,15 +331,20 @@ def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> t
 
 
 def meshed_throw_kg(meshed: MeshedThrow, scene: Scene) -> float:
-    """Mass of the whole throw, from the exact volume of its half, bolted counterweights counted."""
+    """Mass of the whole throw, from the exact volume of what is meshed, bolted counterweights counted."""
     density = density_kg_per_mm3(scene.material.density_kg_m3)
-    return 2 * (density * meshed.half.volume_mm3 + bolted_mass(scene).volume)
+    return meshed.copies * density * meshed.body.volume_mm3 + _bolted(scene).volume
 
 
 def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
     """Inertia of the whole throw about the crank axis."""
     density = density_kg_per_mm3(scene.material.density_kg_m3)
-    return 2 * (density * meshed.half.inertia_z_mm5 + bolted_mass(scene).polar)
+    return meshed.copies * density * meshed.body.inertia_z_mm5 + _bolted(scene).polar
+
+
+def _bolted(scene: Scene) -> Moments:
+    near, far = halves(scene)
+    return bolted_mass(near) + bolted_mass(far)
 
 
 def _known(value: float | None) -> float:

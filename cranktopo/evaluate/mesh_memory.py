@@ -8,6 +8,7 @@ from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.domain.resolution import available_memory_MiB
 from cranktopo.errors import invalid
 from cranktopo.scene import Scene
+from cranktopo.scene.halves import halves
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
 # Measured from 4.2 to 1.9 mm: 16.0 to 14.9 KiB per node over 120 MiB; 25 to 12 nodes per cubed element size.
@@ -18,7 +19,7 @@ LEAST_NODES = 10.0
 
 
 def check_element_size(scene: Scene, element_size_mm: float) -> None:
-    """Check that a mesh of a half throw can fit into the memory.
+    """Check that the mesh of a throw can fit into the memory.
 
     The estimate leaves out what is refined at fillets, so that nothing is refused which would fit.
 
@@ -39,11 +40,17 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
 
 
 def evaluation_memory_MiB(scene: Scene, element_size_mm: float) -> float:
-    """Least peak memory of an evaluation, MiB: of the quarter throw where the web is symmetric in x."""
-    journals = (scene.throw.main_journal, scene.throw.crankpin)
-    volume = web_volume_mm3(scene) + sum(
-        math.pi * (j.radius_mm**2 - j.bore_radius_mm**2) * j.length_mm / 2 for j in journals
-    )
+    """Least peak memory of an evaluation, MiB: of half of it where the throw is symmetric in x."""
+    near, far = halves(scene)
+    volume = _half_volume_mm3(near) + (0.0 if far is near else _half_volume_mm3(far))
     share = 0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0
     nodes = LEAST_NODES * share * volume / element_size_mm**3
     return BASE_MIB + PER_NODE_KIB * nodes / 1024
+
+
+def _half_volume_mm3(scene: Scene) -> float:
+    """Volume of a half throw without its fillets."""
+    return web_volume_mm3(scene) + sum(
+        math.pi * (journal.radius_mm**2 - journal.bore_radius_mm**2) * journal.length_mm / 2
+        for journal, _ in scene.throw.journals
+    )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import Condensed
+from cranktopo.evaluate.condense import Condensed, loaded_mm
 from cranktopo.evaluate.cubic_surplus import energy_surplus
 from cranktopo.evaluate.elasticity import Elasticity
 from cranktopo.evaluate.straightened import straightened
@@ -35,8 +35,8 @@ class MissedEnergy:
 
 
 def volume_error(model: Elasticity, meshed: MeshedThrow) -> float:
-    """Volume of a model of the half throw over that of the body, less one."""
-    return model.volume_mm3 * (2 if meshed.mesh.mirrored else 1) / meshed.half.volume_mm3 - 1
+    """Volume of a model of the half or whole throw over that of the body, less one."""
+    return model.volume_mm3 * (2 if meshed.mesh.mirrored else 1) / meshed.body.volume_mm3 - 1
 
 
 def missed_energies(
@@ -44,7 +44,7 @@ def missed_energies(
 ) -> list[MissedEnergy]:
     """What a mesh misses by the fields of each block that was condensed from it."""
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
-    surplus = energy_surplus(model, blocks, youngs, poisson, scene.web_z_mm[1])
+    surplus = energy_surplus(model, blocks, youngs, poisson, loaded_mm(scene, meshed.whole))
     straight, added_mm3 = straightened(model, meshed.mesh, blocks, youngs, poisson)
     left = volume_error(model, meshed) - added_mm3 / model.volume_mm3
     return [MissedEnergy(*forms, left) for forms in zip(surplus, straight, strict=True)]

@@ -50,17 +50,18 @@ def work_slopes(
     return total
 
 
-def section_slopes(model: Elasticity, forces: Array, field: Array) -> Array:
-    """Derivative of forces' field by the nodes of the rigid section z = 0, which move with their place.
+def section_slopes(model: Elasticity, forces: Array, field: Array, z_mm: float = 0.0) -> Array:
+    """Derivative of forces' field by the nodes of a rigid section, which move with their place.
 
     Args:
         forces: (unknowns,) N, held.
         field: displacements with a rigid section, (unknowns,), mm.
+        z_mm: place of the section.
 
     Returns:
         (3, nodes); 0 off the section.
     """
-    section = plane_nodes(model.nodes_mm, 2, 0.0)
+    section = plane_nodes(model.nodes_mm, 2, z_mm)
     unknowns = (3 * section[:, None] + np.arange(3)).ravel()
     rigid = section_motions(model.nodes_mm, section)[unknowns]
     turn = np.linalg.lstsq(rigid, field[unknowns], rcond=None)[0][[RX, RY, RZ]]

@@ -15,7 +15,6 @@ from cranktopo.evaluate.evaluation import (
     RATIO,
     SCHEMA_VERSION,
     Info,
-    default_element_size_mm,
     mesh_target,
     meshed_throw_kg,
     throw_inertia_kg_mm2,
@@ -38,6 +37,8 @@ from cranktopo.loads.disk_chain import DiskChain
 from cranktopo.meshing.solid_mesh import MeshedThrow
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import LOADS, SHAFT, Assumption, among, assumed_json
+from cranktopo.scene.halves import require_equal_halves
+from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.units import MPA_PER_GPA
 
 Array = NDArray[np.float64]
@@ -93,6 +94,7 @@ def evaluate_shaft(
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
     """
     scene = target.scene
+    require_equal_halves(scene)
     angles = scene.shaft_angles_deg
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)

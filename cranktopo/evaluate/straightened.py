@@ -49,14 +49,17 @@ def _added(
 ) -> Array:
     """What twice the energy of a block's fields gains, to first order, where the nodes go all the way.
 
-    The section moves rigidly as before; where the pin load acts is held.
+    Sections move rigidly as before; where the pin load acts is held.
     """
     fields = block.fields.T
     forces = (model.stiffness @ block.fields).T
     form = np.zeros((len(fields),) * 2)
+    ends = (0.0,) if block.copies == 2 else (0.0, float(model.nodes_mm[2].max()))
     for i, j in zip(*np.triu_indices(len(fields)), strict=True):
         slopes = work_slopes(model, youngs_MPa, poisson, fields[i], fields[j], moved)
-        slopes += section_slopes(model, forces[i], fields[j]) + section_slopes(model, forces[j], fields[i])
+        for z in ends:
+            slopes += section_slopes(model, forces[i], fields[j], z)
+            slopes += section_slopes(model, forces[j], fields[i], z)
         form[i, j] = form[j, i] = (slopes * away).sum()
     return form
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
-from cranktopo.evaluate.evaluation import default_element_size_mm, meshed_throw_kg
+from cranktopo.evaluate.evaluation import meshed_throw_kg
 from cranktopo.evaluate.fillets import fillet_nodes
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
@@ -21,6 +21,8 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
+from cranktopo.scene.halves import require_equal_halves
+from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.units import MPA_PER_GPA
 
 Array = NDArray[np.float64]
@@ -204,6 +206,7 @@ def _step_of(target: Target) -> Path:
 def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]:
     """Mesh of a target for stresses, and its scene with the fillets that the mesh has."""
     scene = target.scene
+    require_equal_halves(scene)
     size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
     if target.file is None:
         check_fillets(target)

@@ -27,7 +27,7 @@ _BENDING: dict[BendingSupport, frozenset[int]] = {
     "clamped": frozenset({UZ}),
     "spring": _ALL,
 }
-"""Motions that each support leaves to the section."""
+"""Motions that each support leaves to each section."""
 
 
 def torsional_stiffness_Nm_per_rad(
@@ -36,11 +36,20 @@ def torsional_stiffness_Nm_per_rad(
     """Torsional stiffness of the full throw: torque over relative rotation of its sections, T / (2 phi).
 
     Args:
-        block: antisymmetric block holding ux, ry, rz (and more).
+        block: antisymmetric or whole block holding ux, ry, rz (and more).
         support: "free" to translate and tilt, "held" against both, "spring" radial springs.
     """
-    twist = torsion_motion(block, support, spring_N_per_mm)[block.motions.index(RZ)]
-    return 1.0 / (2.0 * float(twist)) / NMM_PER_NM
+    twist = torque_ends(block) @ torsion_motion(block, support, spring_N_per_mm)
+    return 1.0 / (block.copies * float(twist)) / NMM_PER_NM
+
+
+def torque_ends(block: Condensed) -> Array:
+    """A torque of 1 N mm on the section of the half throw, opposite ones on both of the whole, shape (m,).
+
+    Times a motion it is the rotation of the section, or that of the far section relative to the near one.
+    """
+    near = 1.0 if block.copies == 2 else -1.0
+    return np.array([{RZ: near, 6 + RZ: 1.0}.get(m, 0.0) for m in block.motions])
 
 
 def bending_stiffness_N_per_mm(
@@ -49,11 +58,11 @@ def bending_stiffness_N_per_mm(
     """Bending stiffness of the full throw: pin force over mean radial displacement of the pin material.
 
     Args:
-        block: symmetric block holding uy, uz, rx (and more).
+        block: symmetric or whole block holding uy, uz, rx (and more).
         support: "pinned" section centre, "clamped" (no tilt either), or "spring" radial springs.
     """
     motion = bending_motion(block, block.load, support, spring_N_per_mm)
-    return 2.0 / (block.load_compliance + float(block.load @ motion))
+    return block.copies / (block.load_compliance + float(block.load @ motion))
 
 
 def torsion_motion(
@@ -62,10 +71,9 @@ def torsion_motion(
     """Section motion under section forces, shape (m,), mm and rad.
 
     Args:
-        force: on the section of the half throw, shape (m,), N and N mm; by default a torque of 1 N mm.
+        force: on the section of the half throw, shape (m,), N and N mm; by default `torque_ends`.
     """
-    torque = np.array([1.0 if m == RZ else 0.0 for m in block.motions])
-    force = torque if force is None else force
+    force = torque_ends(block) if force is None else force
     return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), force)
 
 
@@ -93,9 +101,10 @@ def _springs(support: str, spring_N_per_mm: float) -> dict[int, float]:
 
 def _response(block: Condensed, released: Set[int], springs: dict[int, float], force: Array) -> Array:
     """Section motion under a section force, held motions at zero; rigid motions of the whole stay at zero."""
-    index = [i for i, m in enumerate(block.motions) if m in released]
-    stiffness = block.stiffness + np.diag([springs.get(m, 0.0) for m in block.motions])
-    length = np.array([1.0 if m < RX else 1.0 / 50.0 for m in block.motions])[index]
+    kinds = [m % 6 for m in block.motions]
+    index = [i for i, m in enumerate(kinds) if m in released]
+    stiffness = block.stiffness + np.diag([springs.get(m, 0.0) for m in kinds])
+    length = np.array([1.0 if m < RX else 1.0 / 50.0 for m in kinds])[index]
     scaled = stiffness[np.ix_(index, index)] * np.outer(length, length)
     motion = np.zeros(len(block.motions))
     motion[index] = length * (np.linalg.pinv(scaled, rcond=1e-7, hermitian=True) @ (length * force[index]))

@@ -58,14 +58,19 @@ class Target:
 
 
 def resolve_targets(
-    texts: Sequence[str], design: str | None = None, fillets: bool = False, align: bool = False
+    texts: Sequence[str],
+    design: str | None = None,
+    fillets: bool = False,
+    align: bool = False,
+    *,
+    whole: bool = False,
 ) -> list[Target]:
     """Targets from what the user typed, each with a name of its own.
 
     Raises:
         CranktopoError: as `resolve_target`.
     """
-    found = [resolve_target(text, design, fillets, align) for text in texts]
+    found = [resolve_target(text, design, fillets, align, whole=whole) for text in texts]
     for name in (lambda text: Path(text).stem, str):
         taken = Counter(target.name for target in found)
         found = [
@@ -76,13 +81,14 @@ def resolve_targets(
 
 
 def resolve_target(
-    text: str, design: str | None = None, fillets: bool = False, align: bool = False
+    text: str, design: str | None = None, fillets: bool = False, align: bool = False, *, whole: bool = False
 ) -> Target:
     """A target from what the user typed.
 
     Args:
         text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
         align: moves a body from CAD that lies elsewhere to where the journals are.
+        whole: the halves of a design's throw may differ.
 
     Raises:
         CranktopoError: nothing of that name, no finished run of `optimise`, or a geometry file without a
@@ -93,7 +99,7 @@ def resolve_target(
     if path.is_dir() or named:
         return _run(open_run(text))
     if path.suffix.lower() not in _GEOMETRY:
-        scene = load_scene(text)
+        scene = load_scene(text, whole=whole)
         return Target(scene.name, simulated(scene, fillets), assumed=assumptions(scene, USED))
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")

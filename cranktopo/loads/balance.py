@@ -14,6 +14,7 @@ import numpy as np
 from cranktopo.scene import Scene
 from cranktopo.scene.drilling_moments import drilled
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.halves import halves
 from cranktopo.scene.web_moments import Moments, bolted_mass, counterweight_mass, web_moments
 from cranktopo.units import density_kg_per_mm3
 
@@ -24,7 +25,7 @@ class ThrowBalance:
 
     Attributes:
         mass_kg: mass of the throw, kg.
-        web_kg: mass of one web with its counterweight, kg.
+        web_kg, second_web_kg: mass of each web with its counterweight, kg.
         journal_kg: mass of the main journal (both halves), kg.
         crankpin_kg: mass of the crankpin between the web faces, kg.
         throw_unbalance_kg_mm: mass times y of the throw's centre of mass, kg mm.
@@ -32,12 +33,13 @@ class ThrowBalance:
         rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin, kg mm.
         inertia_kg_mm2: inertia of the throw about the crank axis, kg mm2.
         rod_inertia_kg_mm2: what the rotating mass of the rod adds to it, kg mm2.
-        own_counterweight_kg: mass that the counterweight adds to one web, kg.
+        own_counterweight_kg: mass that the counterweight adds to one web, of two webs the first, kg.
         own_counterweight_kg_mm: unbalance that the counterweights of both webs take away, kg mm.
     """
 
     mass_kg: float
     web_kg: float
+    second_web_kg: float
     journal_kg: float
     crankpin_kg: float
     throw_unbalance_kg_mm: float
@@ -69,6 +71,7 @@ class ThrowBalance:
             "rod_inertia_kg_mm2": self.rod_inertia_kg_mm2,
             "throw_mass_kg": self.mass_kg,
             "web_mass_kg": self.web_kg,
+            "second_web_mass_kg": self.second_web_kg,
             "journal_mass_kg": self.journal_kg,
             "crankpin_mass_kg": self.crankpin_kg,
         }
@@ -77,20 +80,18 @@ class ThrowBalance:
 def throw_balance(scene: Scene) -> ThrowBalance:
     """Mass properties of the scene's throw with its own web; the rod counts when the scene has an engine.
 
-    U = m_pin r + 2 m_web e_web + m_rod,rot r, with the fillets among them.
+    U = m_pin r + m_web,1 e_web,1 + m_web,2 e_web,2 + m_rod,rot r, with the fillets among them.
     """
-    throw, radius = scene.throw, scene.throw.radius_mm
-    density = density_kg_per_mm3(scene.material.density_kg_m3)
-    web = (web_moments(scene) - drilled(scene, "web")).times(density) + bolted_mass(scene)
-    journal = (_cylinder(throw.main_journal, 0.0) - drilled(scene, "main_journal").times(2)).times(density)
-    crankpin = (_cylinder(throw.crankpin, radius) - drilled(scene, "crankpin").times(2)).times(density)
-    fillets = (_fillets(throw.main_journal, 0.0) + _fillets(throw.crankpin, radius)).times(density)
-    total = journal + crankpin + fillets + web + web
-    own = counterweight_mass(scene)
+    radius, (near, far) = scene.throw.radius_mm, map(_half, halves(scene))
+    journal, crankpin = near.journal + far.journal, near.crankpin + far.crankpin
+    fillets = near.fillets + far.fillets
+    total = journal + crankpin + fillets + near.web + far.web
     rod_kg = scene.engine.rod_rotating_kg * scene.engine.rods_per_pin if scene.engine else 0.0
+    own = near.counterweight + far.counterweight
     return ThrowBalance(
         mass_kg=total.volume,
-        web_kg=web.volume,
+        web_kg=near.web.volume,
+        second_web_kg=far.web.volume,
         journal_kg=journal.volume,
         crankpin_kg=crankpin.volume,
         throw_unbalance_kg_mm=total.first_y,
@@ -98,8 +99,34 @@ def throw_balance(scene: Scene) -> ThrowBalance:
         rotating_unbalance_kg_mm=total.first_y + rod_kg * radius,
         inertia_kg_mm2=total.polar,
         rod_inertia_kg_mm2=rod_kg * radius**2,
-        own_counterweight_kg=own.volume,
-        own_counterweight_kg_mm=0.0 - 2 * own.first_y,
+        own_counterweight_kg=near.counterweight.volume,
+        own_counterweight_kg_mm=0.0 - own.first_y,
+    )
+
+
+@dataclass(frozen=True)
+class _Half:
+    """Mass moments of the parts of a half throw, kg and mm; its counterweight is part of the web."""
+
+    web: Moments
+    journal: Moments
+    crankpin: Moments
+    fillets: Moments
+    counterweight: Moments
+
+
+def _half(scene: Scene) -> _Half:
+    throw, radius = scene.throw, scene.throw.radius_mm
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    journal = _cylinder(throw.main_journal, 0.0).times(0.5) - drilled(scene, "main_journal")
+    crankpin = _cylinder(throw.crankpin, radius).times(0.5) - drilled(scene, "crankpin")
+    fillets = _fillets(throw.main_journal, 0.0) + _fillets(throw.crankpin, radius)
+    return _Half(
+        web=(web_moments(scene) - drilled(scene, "web")).times(density) + bolted_mass(scene),
+        journal=journal.times(density),
+        crankpin=crankpin.times(density),
+        fillets=fillets.times(density / 2),
+        counterweight=counterweight_mass(scene),
     )
 
 

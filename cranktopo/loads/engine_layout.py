@@ -14,6 +14,7 @@ import numpy as np
 from cranktopo.loads.analysis import engine_of
 from cranktopo.loads.kinematics import Array
 from cranktopo.scene import Scene
+from cranktopo.scene.halves import require_equal_halves
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,8 @@ class EngineLayout:
 
 
 def engine_layout(scene: Scene) -> EngineLayout:
-    """The layout of a scene's engine; raises CranktopoError where there is none."""
+    """The layout of a scene's engine; raises CranktopoError where there is none, or halves differ."""
+    require_equal_halves(scene)
     engine = engine_of(scene)
     arranged, throws, numbers = engine.arranged, engine.throws, range(1, engine.cylinders + 1)
     pitch = arranged.cylinder_pitch_mm or scene.pitch_mm

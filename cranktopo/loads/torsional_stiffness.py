@@ -13,6 +13,7 @@ import numpy as np
 
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.halves import halves
 from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
 
 
@@ -39,7 +40,15 @@ class WebBar:
 
 
 def throw_torsion_rad_per_Nmm(scene: Scene) -> float:
-    """Rotation between the mid-journal planes of a throw per torque, its ends free to move laterally."""
+    """Rotation between the mid-journal planes of a throw per torque, its ends free to move laterally.
+
+    Halves that differ are in series, each half as soft as a throw of two such halves.
+    """
+    near, far = halves(scene)
+    return _half_torsion(near) if far is near else (_half_torsion(near) + _half_torsion(far)) / 2
+
+
+def _half_torsion(scene: Scene) -> float:
     main, pin = (shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
     g = scene.material.E_GPa * MPA_PER_GPA / (2 * (1 + scene.material.poisson))
     return _torsion_sum(main, pin, web_bar(scene)) * 32 / (math.pi * g)

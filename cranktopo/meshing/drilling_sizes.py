@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cranktopo.scene import Scene
 from cranktopo.scene.drilling import Channel, Mouth, channels
+from cranktopo.scene.halves import halves
 
 Array = NDArray[np.float64]
 _GROWTH = 0.5
@@ -24,8 +25,9 @@ def drilling_size_terms(scene: Scene, size: float, fraction: float | None, full:
         full: of the full throw, both of its halves.
     """
     terms = []
-    for z in ("z", f"({scene.pitch_mm!r}-z)")[: 1 + full]:
-        for channel in channels(scene):
+    heights = ("z", f"({scene.pitch_mm!r}-z)")[: 1 + full]
+    for z, half in zip(heights, halves(scene), strict=False):
+        for channel in channels(half):
             terms.append(_along(channel, size, z))
             terms += [_at(mouth, channel, size, fraction, z) for mouth in channel.mouths]
     return terms

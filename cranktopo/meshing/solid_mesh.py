@@ -19,10 +19,12 @@ from cranktopo.cad.throw_solid import (
 from cranktopo.cad.volume import web_volume_mm3
 from cranktopo.cad.web_solid import DimTags
 from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.frames import Parity, Span
 from cranktopo.meshing.curving import straighten_folded
 from cranktopo.meshing.drilling_sizes import drilling_size_mm, drilling_size_terms
 from cranktopo.scene import Scene
 from cranktopo.scene.fillet_section import FilletSection
+from cranktopo.scene.halves import difference, halves
 from cranktopo.scene.scale import usual_scale
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
 
@@ -62,14 +64,26 @@ class MeshedThrow:
     """A meshed part and its exact mass properties.
 
     Attributes:
-        half: properties of the half throw (both signs of x).
+        body: properties of the half throw (both signs of x), or of the whole one.
+        web_volume_mm3: of one web; of a whole throw of the first.
         note: what was done to a body from CAD before it was meshed.
+        whole: the whole throw is meshed, not half of it.
     """
 
     mesh: TetMesh
-    half: SolidProperties
+    body: SolidProperties
     web_volume_mm3: float
     note: str = ""
+    whole: bool = False
+
+    @property
+    def copies(self) -> int:
+        """How many of the body make the throw."""
+        return 1 if self.whole else 2
+
+    def span(self, parity: Parity) -> Span:
+        """What a motion of a parity is condensed from: a whole throw has no parity."""
+        return "whole" if self.whole else parity
 
 
 class _NoMeshError(CranktopoError):
@@ -85,17 +99,20 @@ def mesh_throw(
     graded: bool = True,
     fillet_fraction: float | None = None,
 ) -> MeshedThrow:
-    """Mesh of the half throw of a scene, as a quarter model where the throw is symmetric in x.
+    """Mesh of the half throw of a scene, of the whole one where its halves differ.
+
+    Where the throw is symmetric in x only its half x >= 0 is meshed.
 
     Args:
         element_size_mm: general element size; fillets and sharp rings get a fixed fraction of it.
-        full: mesh the full throw instead (no symmetry; to check the condensation).
+        full: mesh the whole throw although its halves are alike (to check the condensation).
         fillet_fraction: element size on a fillet over its least radius; by default what stiffness needs.
 
     Raises:
         CranktopoError: impossible dimensions, or no valid mesh.
     """
-    make = partial(_mesh_throw, scene, element_size_mm, full, quarter, graded, fillet_fraction)
+    whole = full or bool(difference(scene))
+    make = partial(_mesh_throw, scene, element_size_mm, whole, quarter, graded, fillet_fraction)
     try:
         return make(adapt=False)
     except _NoMeshError:
@@ -105,7 +122,7 @@ def mesh_throw(
 def _mesh_throw(
     scene: Scene,
     element_size_mm: float,
-    full: bool,
+    whole: bool,
     quarter: bool,
     graded: bool,
     fillet_fraction: float | None,
@@ -113,18 +130,15 @@ def _mesh_throw(
 ) -> MeshedThrow:
     with cad_session(f"solid of {scene.name}") as gmsh:
         occ = gmsh.model.occ
-        body = add_half_throw(occ, scene)
-        half = solid_properties(occ, body)
-        if full:
-            occ.remove(body, recursive=True)
-            body = add_full_throw(occ, scene)
-        mirrored = quarter and not full and may_mirror(scene, web_asymmetry(scene))
+        solid = add_full_throw(occ, scene) if whole else add_half_throw(occ, scene)
+        body = solid_properties(occ, solid)
+        mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
         if mirrored:
-            body = positive_x(occ, body, scene.pitch_mm)
-        _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=full, fillet_fraction=fillet_fraction)
+            solid = positive_x(occ, solid, scene.pitch_mm)
+        _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction)
         smooth = fillet_fraction is not None
         mesh = _generate(gmsh, element_size_mm, mirrored, smooth=smooth, adapt=adapt)
-    return MeshedThrow(mesh, half, web_volume_mm3(scene))
+    return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
 
 
 def mesh_body(
@@ -204,13 +218,18 @@ def _set_sizes(
 
 def _rings(scene: Scene, full: bool) -> list[tuple[float, float, float, FilletSection]]:
     """Per web face: y of the axis, radius and z of the fillet's centre circle, mm; its section."""
+    near, far = halves(scene)
+    beyond = [(y, r, scene.pitch_mm - z, f) for y, r, z, f in _half_rings(far)] if full else []
+    return _half_rings(near) + beyond
+
+
+def _half_rings(scene: Scene) -> list[tuple[float, float, float, FilletSection]]:
     throw, (start, end) = scene.throw, scene.web_z_mm
     main, pin = throw.main_journal, throw.crankpin
-    rings = [
+    return [
         (0.0, main.radius_mm + main.fillet_mm, start - main.fillet.axial_mm, main.fillet),
         (throw.radius_mm, pin.radius_mm + pin.fillet_mm, end + pin.fillet.axial_mm, pin.fillet),
     ]
-    return rings + [(y, r, scene.pitch_mm - z, f) for y, r, z, f in rings] if full else rings
 
 
 def _ring_size(finest: float, y: float, radius: float, z: float, fillet: FilletSection) -> str:

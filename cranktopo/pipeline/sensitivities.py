@@ -9,7 +9,7 @@ from typing import Any
 from cranktopo.effects import planned_scene
 from cranktopo.effects.simulated import Feature
 from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import Info, default_element_size_mm
+from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.mesh_memory import check_element_size
 from cranktopo.evaluate.safety_field import check_inputs
 from cranktopo.evaluate.targets import Target
@@ -21,6 +21,7 @@ from cranktopo.remodel.read_web import WebRead
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.free_dimensions import own_dimension_mm
+from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.shape.holding import held_by
 from cranktopo.shape.meshed_webs import MeshedWebs
 from cranktopo.shape.rules import rules_at

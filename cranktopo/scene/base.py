@@ -85,6 +85,8 @@ SHOWN: dict[str, JsonValue] = {"shown": True}
 """An optional key that the template has switched on, with its example."""
 UNLESS_IN_LIBRARY: dict[str, JsonValue] = {"unless": "the library has the name"}
 """A required key that a library fills in."""
+LIKE_WEB: dict[str, JsonValue] = {"like": "web"}
+"""A table whose inner tables are those of another one, where they are explained."""
 
 
 class SceneTable(BaseModel):

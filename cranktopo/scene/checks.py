@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cranktopo.errors import invalid
-from cranktopo.scene.checks_drilling import check_drilling_ends
+from cranktopo.errors import CranktopoError, invalid
+from cranktopo.scene.checks_drilling import check_drilling_ends, check_drillings_across
 from cranktopo.scene.checks_engine import check_engine, check_supports
 from cranktopo.scene.checks_free import check_free_dimensions
 from cranktopo.scene.checks_goal import check_goal
@@ -14,15 +14,27 @@ from cranktopo.scene.clearance import check_clearance
 from cranktopo.scene.features.body import ROUNDING_MM
 from cranktopo.scene.fillet_section import ASPECT
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.halves import halves, of_second
 from cranktopo.scene.schema import Scene
 
 
 def check_scene(scene: Scene) -> None:
-    """Check that the parts of a scene fit together.
+    """Check that the parts of a scene fit together, in each half of its throw.
 
     Raises:
         CranktopoError: first inconsistency found.
     """
+    near, far = halves(scene)
+    _check_half(near)
+    if far is not near:
+        try:
+            _check_half(far)
+        except CranktopoError as error:
+            raise of_second(error, scene) from None
+        check_drillings_across(scene)
+
+
+def _check_half(scene: Scene) -> None:
     _check_journal("throw.main_journal", scene.throw.main_journal)
     _check_journal("throw.crankpin", scene.throw.crankpin)
     check_proportions(scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -12,6 +13,7 @@ from cranktopo.scene.drilling import Channel, Drilling, Mouth, channels
 from cranktopo.scene.features import Body, web_bodies
 from cranktopo.scene.features.body import least_shoulder_mm
 from cranktopo.scene.geometry import Journal
+from cranktopo.scene.halves import halves
 from cranktopo.scene.outlet_ring import ring_points
 from cranktopo.scene.schema import Scene
 
@@ -51,6 +53,44 @@ def check_drillings(scene: Scene) -> None:
         _check_bores(scene, channel)
     for one, other in combinations(found, 2):
         _check_apart(scene, one, other)
+
+
+def check_drillings_across(scene: Scene) -> None:
+    """Check drillings that one half of the throw has against the pin beyond its middle and what is there.
+
+    Raises:
+        CranktopoError: first inconsistency found.
+    """
+    near, far = halves(scene)
+    here, there = (_named(scene, half, other) for half, other in ((near, "second"), (far, "first")))
+    for own, other, found, facing in ((near, far, here, there), (far, near, there, here)):
+        beyond = [channel.in_far_half(scene.pitch_mm) for channel in facing]
+        for channel in (one for one in found if one.alone):
+            _check_crossing(own, other, channel)
+            for one in beyond:
+                _check_apart(own, channel, one)
+
+
+def _named(scene: Scene, half: Scene, other: str) -> list[Channel]:
+    """The drillings of a half by their keys in the whole scene."""
+    own = (index for index, drilling in enumerate(scene.throw.drilling) if drilling.web != other)
+    return [
+        replace(channel, key=f"throw.drilling[{index}]")
+        for index, channel in zip(own, channels(half), strict=True)
+    ]
+
+
+def _check_crossing(own: Scene, other: Scene, channel: Channel) -> None:
+    """What of an outlet reaches across the middle of the pin stays on its straight part there."""
+    pin = other.throw.crankpin
+    room = pin.length_mm / 2 - pin.fillet.axial_mm - least_shoulder_mm(own.throw)
+    over = float(channel.surface_mm(channel.reach_mm)[:, 2].max()) - own.pitch_mm / 2
+    if over > room:
+        raise CranktopoError(
+            f"{channel.key}: reaches {over:.4g} mm beyond the crankpin's middle, where {room:.4g} mm are "
+            "free before its fillet.",
+            hint="Move its end toward its own web (place_mm), or reduce diameter_mm or outlet_radius_mm.",
+        )
 
 
 def _check_ends(scene: Scene, key: str, drilling: Drilling) -> None:

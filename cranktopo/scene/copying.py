@@ -22,7 +22,7 @@ def copy_of(design: str, file: Path) -> str:
     """
     import tomlkit
 
-    load_scene(design)
+    load_scene(design, whole=True)
     document = tomlkit.parse(design_text(design))
     document["name"] = design_name(file)
     document.pop("published", None)

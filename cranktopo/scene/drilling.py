@@ -1,12 +1,13 @@
 """Oil drillings of a throw: straight holes between the surfaces of its journals, their outlets rounded.
 
-A drilling is described in the half throw and is in both halves: the far one is the mirror image.
+A drilling is described in the half throw of its web and is in both halves, the far one the mirror image, or
+in one of them alone: then its outlet may reach across the middle of the crankpin.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, Self, cast, get_args
 
@@ -61,7 +62,7 @@ class DrillingFarEnd(DrillingEnd):
 
 
 class Drilling(SceneTable):
-    """A straight oil drilling through the half throw; the other half has its mirror image.
+    """A straight oil drilling through one web and its journals, or through either web alike.
 
     It joins two surfaces of the journals. No optimiser fills it, and a wall as thick as half its diameter
     stays around it.
@@ -79,6 +80,8 @@ class Drilling(SceneTable):
     """Its diameter."""
     outlet_radius_mm: LengthOrZero = 0.0
     """Radius of the rounding of its outlets on the journals; 0 = sharp. Ends in a bore stay sharp."""
+    web: Literal["both", "first", "second"] = "both"
+    """The web that it runs through; `both`: the half throw beyond the crankpin has its mirror image."""
 
     def mirrored(self) -> Self:
         """Its mirror image in x = 0."""
@@ -125,6 +128,11 @@ class Mouth:
         """Angle between the drilling and the normal of the surface; above 90 it lies outside the material."""
         return math.degrees(math.acos(float(np.clip(self.normal @ np.array(self.outward), -1, 1))))
 
+    def in_far_half(self, pitch_mm: float) -> Mouth:
+        """A mouth of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
+        (x, y, z), (dx, dy, dz) = self.point_mm, self.outward
+        return replace(self, point_mm=(x, y, pitch_mm - z), outward=(dx, dy, -dz))
+
     def height_mm(self, offsets_mm: Array, radius_mm: float) -> Array:
         """How far along the axis beyond `point_mm` lines parallel to it pass a cylinder about the journal.
 
@@ -146,11 +154,13 @@ class Channel:
 
     Attributes:
         key: key path in the scene, for messages.
+        alone: the other half has no mirror image of it, so that it does not end at the mid-pin plane.
     """
 
     key: str
     radius_mm: float
     mouths: tuple[Mouth, Mouth]
+    alone: bool = False
 
     @property
     def direction(self) -> Array:
@@ -185,6 +195,11 @@ class Channel:
             return 0.0
         heights = mouth.height_mm(self.radius_mm * self.around, mouth.surface_mm)
         return float(heights.max()) + _BEYOND * self.radius_mm
+
+    def in_far_half(self, pitch_mm: float) -> Channel:
+        """A channel of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
+        one, other = (mouth.in_far_half(pitch_mm) for mouth in self.mouths)
+        return replace(self, mouths=(one, other))
 
     def surface_mm(self, radius_mm: float, steps: int = 200) -> Array:
         """Points (n, 3) on a cylinder about its axis, over the whole tool."""
@@ -231,7 +246,7 @@ def _channel(throw: Throw, pitch_mm: float, drilling: Drilling, key: str) -> Cha
         _mouth(throw, end, point, sign * along, drilling.outlet_radius_mm)
         for end, point, sign in zip(ends, (first, second), (-1, 1), strict=True)
     )
-    return Channel(key, drilling.diameter_mm / 2, (mouths[0], mouths[1]))
+    return Channel(key, drilling.diameter_mm / 2, (mouths[0], mouths[1]), drilling.web != "both")
 
 
 def _point(throw: Throw, pitch_mm: float, end: DrillingEnd) -> tuple[float, float, float]:

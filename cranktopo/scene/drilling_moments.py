@@ -8,6 +8,7 @@ the material.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Literal, cast
@@ -34,7 +35,10 @@ _TOLERANCE = 1e-8
 
 
 def drilled(scene: Scene, part: Part | None = None) -> Moments:
-    """Moments of what the drillings take out of the half throw, or of one part of it."""
+    """Moments of what the drillings take out of the half throw, or of one part of it.
+
+    One that only this half has counts as a whole where it reaches across the middle of the crankpin.
+    """
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for channel in channels(scene):
         for name in PARTS if part is None else (part,):
@@ -71,7 +75,7 @@ class _Slices:
         self._ends = channel.extent_mm
         throw, (low, high) = scene.throw, scene.web_z_mm
         (main, _), (pin, radius) = throw.journals
-        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, scene.pitch_mm / 2)}[
+        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, _end(scene, channel))}[
             part
         ]
         bores = {"main_journal": (main, 0.0), "crankpin": (pin, radius)}
@@ -156,8 +160,13 @@ def _rounded(scene: ThrowView, channel: Channel, part: Part) -> Moments:
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for mouth in channel.mouths:
         if mouth.rounding_mm and mouth.journal == part:
-            total = total + Moments(*_ring(channel.radius_mm, mouth, (0.0, scene.pitch_mm / 2)))
+            total = total + Moments(*_ring(channel.radius_mm, mouth, (0.0, _end(scene, channel))))
     return total
+
+
+def _end(scene: ThrowView, channel: Channel) -> float:
+    """Height at which what a drilling takes out of its half throw ends, mm."""
+    return math.inf if channel.alone else scene.pitch_mm / 2
 
 
 @lru_cache(maxsize=64)

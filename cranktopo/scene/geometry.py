@@ -58,6 +58,12 @@ class Throw(SceneTable):
     """The main journal, centred on the crank axis."""
     crankpin: Journal
     """The crankpin, centred on the throw radius."""
+    second_main_journal_length_mm: Length | None = Field(default=None, examples=[44.0])
+    """Full length of the main journal beyond the second web, half of which is this throw's; by default that
+    of `main_journal`."""
+    second_crankpin_length_mm: Length | None = Field(default=None, examples=[38.0])
+    """Twice the length of the crankpin from the cylinder's axis to the second web; by default the axis is in
+    its middle, and it is `crankpin.length_mm`."""
     drilling: tuple[Drilling, ...] = Field(default=(), max_length=8)
 
     @property

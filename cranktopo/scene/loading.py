@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from cranktopo.errors import CranktopoError, shown, suggest
 from cranktopo.inputs import read_text
 from cranktopo.scene.checks import check_scene
+from cranktopo.scene.halves import require_equal_halves
 from cranktopo.scene.messages import explain
 from cranktopo.scene.schema import Scene
 from cranktopo.store import runs_named
@@ -89,18 +90,22 @@ def design_text(design: str) -> str:
     return text
 
 
-def parse_scene(text: str, source: str = "scene", folder: Path | None = None) -> Scene:
+def parse_scene(
+    text: str, source: str = "scene", folder: Path | None = None, *, whole: bool = False
+) -> Scene:
     """A validated scene from TOML text.
 
     Args:
         text: the TOML document.
         source: name shown in messages.
         folder: folder that relative file names in the scene refer to; the current one by default.
+        whole: as `scene_from_dict`.
 
     Raises:
         CranktopoError: malformed TOML, unknown key, value outside its range, inconsistent geometry.
     """
-    return scene_from_dict(with_resolved_files(parse_toml(text, source), folder or Path.cwd()), source)
+    data = with_resolved_files(parse_toml(text, source), folder or Path.cwd())
+    return scene_from_dict(data, source, whole=whole)
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
@@ -148,25 +153,35 @@ def input_files(scene: Scene) -> dict[str, Path]:
     return found
 
 
-def scene_from_dict(data: dict[str, Any], source: str = "scene") -> Scene:
+def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool = False) -> Scene:
     """A validated scene from plain data.
 
     Args:
         data: the tables of the scene, file names absolute.
         source: name shown in messages.
+        whole: the halves of the throw may differ; else, what models half of it is safe with the scene.
 
     Raises:
-        CranktopoError: unknown key, value outside its range, inconsistent geometry.
+        CranktopoError: unknown key, value outside its range, inconsistent geometry, halves that differ.
     """
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
         raise explain(error, source) from None
     check_scene(scene)
+    if not whole:
+        require_equal_halves(scene)
     return scene
 
 
-def load_scene(design: str) -> Scene:
-    """A validated scene from a TOML path or the name of a built-in design; raises CranktopoError."""
+def load_scene(design: str, *, whole: bool = False) -> Scene:
+    """A validated scene from a TOML path or the name of a built-in design.
+
+    Args:
+        whole: as `scene_from_dict`.
+
+    Raises:
+        CranktopoError: as `parse_scene`, or no such design.
+    """
     path = resolve_design(design)
-    return parse_scene(design_text(design), str(path), path.resolve().parent)
+    return parse_scene(design_text(design), str(path), path.resolve().parent, whole=whole)

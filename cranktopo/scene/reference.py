@@ -108,7 +108,7 @@ def _tables(
         own[choice] = {**own[choice], "description": variant["description"].split("\n\n")[0]}
         keys = _keys(defs, own, set(variant.get("required", ())))
         yield TableReference(path, variant["description"], choice, required, False, repeated, keys)
-    for name, part in tables.items():
+    for name, part in tables.items() if "like" not in node else ():
         inner, many = _table(defs, part) or ({}, False)
         below = f"{path}.{name}" if path else name
         yield from _tables(defs, below, inner, required=required and name in needed, repeated=many)

@@ -1,7 +1,8 @@
-"""How far a throw is from the usual size, for which lengths that nobody gave are chosen."""
+"""Lengths that nobody gave: how far a throw is from the usual size, and its usual elements."""
 
 from __future__ import annotations
 
+from cranktopo.scene.halves import halves
 from cranktopo.scene.schema import Scene
 
 _USUAL_MM = (42.0, 84.0)
@@ -13,3 +14,10 @@ def usual_scale(scene: Scene) -> float:
     thinner = min(journal.outer_diameter_mm for journal, _ in scene.throw.journals)
     low, high = _USUAL_MM
     return min(max(thinner, low), high) / thinner
+
+
+def default_element_size_mm(scene: Scene) -> float:
+    """General element size by default: a tenth of the thinner journal, at most a third of a web, mm."""
+    throw = scene.throw
+    journal = min(throw.main_journal.outer_diameter_mm, throw.crankpin.outer_diameter_mm)
+    return min(journal / 10, *(half.web.thickness_mm / 3 for half in halves(scene)))

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from cranktopo.errors import CranktopoError
 from cranktopo.scene.base import (
+    LIKE_WEB,
     SHOWN,
     UNLESS_IN_LIBRARY,
     Fraction,
@@ -214,7 +215,10 @@ class Scene(SceneTable):
     throw: Throw
     """The crank throw without its web."""
     web: Web
-    """The web between main journal and crankpin; `outline` chooses its shape."""
+    """The web between main journal and crankpin, both of them alike; `outline` chooses its shape."""
+    second_web: Web | None = Field(default=None, json_schema_extra=LIKE_WEB)
+    """The web beyond the crankpin where it differs from `[web]`, with the same keys and the same tables of
+    features; without it both webs are alike. Each is described from its own main journal on."""
     material: Material
     """Linear elastic, isotropic material; the whole crankshaft is made of it."""
     supports: Supports = Supports()
@@ -249,7 +253,11 @@ class Scene(SceneTable):
     @property
     def pitch_mm(self) -> float:
         """Distance between neighbouring mid-main-journal planes, mm."""
-        return self.throw.main_journal.length_mm + self.throw.crankpin.length_mm + 2 * self.web.thickness_mm
+        throw, second = self.throw, self.second_web or self.web
+        main, pin = throw.main_journal.length_mm, throw.crankpin.length_mm
+        journals = (main + (throw.second_main_journal_length_mm or main)) / 2
+        pins = (pin + (throw.second_crankpin_length_mm or pin)) / 2
+        return journals + pins + (self.web.thickness_mm + second.thickness_mm)
 
     @property
     def rod_offset_mm(self) -> float:
@@ -261,7 +269,7 @@ class Scene(SceneTable):
 
     @property
     def web_z_mm(self) -> tuple[float, float]:
-        """Axial range (journal face, pin face) of the web of the half throw, mm."""
+        """Axial range (journal face, pin face) of the web of the half throw, of two webs the first, mm."""
         start = self.throw.main_journal.length_mm / 2
         return start, start + self.web.thickness_mm
 

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from cranktopo.scene.drilling import drilling_asymmetry
+from cranktopo.scene.halves import halves
 from cranktopo.scene.schema import Scene
 
 
 def web_asymmetry(scene: Scene) -> str:
-    """Key of the first feature of the web, or drilling, without a mirrored twin; empty where all have one."""
+    """Key of the first feature of a web, or drilling, without a mirrored twin; empty where all have one."""
+    near, far = halves(scene)
+    second = "" if far is near else _asymmetry(far)
+    return _asymmetry(near) or (second and f"the second half's {second}")
+
+
+def _asymmetry(scene: Scene) -> str:
     features = list(scene.web.features())
     twins = [feature for _, feature in features]
     lonely = (key for key, feature in features if feature.mirrored() not in twins)

@@ -22,6 +22,7 @@ from cranktopo.remodel.family import Layout, exact_web_of
 from cranktopo.remodel.fit import scene_with_web
 from cranktopo.scene import Scene
 from cranktopo.scene.goal.quantities import quantity_named
+from cranktopo.scene.halves import require_equal_halves
 from cranktopo.scene.web_moments import bolted_mass
 from cranktopo.shape.mesh_fatigue import FilletFatigue
 from cranktopo.shape.mesh_stiffness import bending_slopes, torsion_slopes
@@ -84,6 +85,7 @@ class MeshModel:
         Raises:
             CranktopoError: they make no sound web, or there is no valid mesh.
         """
+        require_equal_halves(scene)
         sized = scene_at(scene, layout, values)
         self.scene = scene_with_web(sized, exact_web_of(layout, values, sized))
         meshed = mesh_throw(self.scene, element_size_mm, fillet_fraction=fillet_fraction)
@@ -170,5 +172,5 @@ class MeshModel:
 
 def _exact(meshed: MeshedThrow) -> Array:
     """Volume of the half throw, its moment in y and that of x2 + y2, from the exact solid."""
-    half = meshed.half
+    half = meshed.body
     return np.array([half.volume_mm3, half.volume_mm3 * half.centre_mm[1], half.inertia_z_mm5])

@@ -19,9 +19,10 @@ import numpy as np
 from cranktopo.effects import planned_scene
 from cranktopo.evaluate import evaluation
 from cranktopo.evaluate.error_bound import change_bound_percent
-from cranktopo.evaluate.evaluation import RATIO, MeshResult, default_element_size_mm, evaluate_on_mesh
+from cranktopo.evaluate.evaluation import RATIO, MeshResult, evaluate_on_mesh
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import load_scene
+from cranktopo.scene.scale import default_element_size_mm
 
 STEPS = (3, 2, 1, 0, -1)
 """Element sizes as powers of 1.5 over the default; the first one is only the coarser one of the next."""

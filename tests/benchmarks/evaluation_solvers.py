@@ -15,11 +15,11 @@ from cranktopo.effects import planned_scene
 from cranktopo.evaluate import linear
 from cranktopo.evaluate.condense import condense
 from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.evaluation import default_element_size_mm
 from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.evaluate.support_stiffness import torsional_stiffness_Nm_per_rad
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import load_scene
+from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.units import MPA_PER_GPA
 
 SIZES = (2.8, 2.25, 1.9, 1.5, 1.0)

@@ -1,4 +1,4 @@
-"""A half throw as a CalculiX deck: mesh of the evaluation, rigid section by CalculiX's own rigid body."""
+"""A half or whole throw as a CalculiX deck: mesh of the evaluation, rigid sections by its rigid bodies."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import plane_nodes
-from cranktopo.frames import Parity
+from cranktopo.frames import Span
 from cranktopo.meshing.solid_mesh import TetMesh
 from cranktopo.scene import Scene
 
@@ -19,9 +19,9 @@ Entry = tuple[int, int, float]
 """Node (from 0; REFERENCE and ROTATION follow the mesh's), axis 0 to 2, value."""
 
 
-def handles(mesh: TetMesh) -> tuple[int, int]:
-    """The nodes that move (translations) and turn (rotations) the rigid section."""
-    count = mesh.points_mm.shape[1]
+def handles(mesh: TetMesh, end: int = 0) -> tuple[int, int]:
+    """The nodes that move (translations) and turn (rotations) a rigid section: 0 the near, 1 the far one."""
+    count = mesh.points_mm.shape[1] + 2 * end
     return count, count + 1
 
 
@@ -29,27 +29,30 @@ def displacements(
     folder: Path,
     mesh: TetMesh,
     scene: Scene,
-    parity: Parity,
+    span: Span,
     *,
     fixed: Sequence[Entry],
     forces: Sequence[Entry] = (),
     spring_N_per_mm: float = 0.0,
 ) -> Array:
-    """Displacements of all nodes and the two handles by `ccx`, mm and rad, shape (nodes + 2, 3).
+    """Displacements of all nodes and the handles by `ccx`, mm and rad, shape (nodes + 2 or 4, 3).
 
     Args:
         folder: where the deck is run.
-        mesh: half throw.
+        mesh: half throw, or whole one.
         scene: material and pitch.
-        parity: held motions of the mid-pin plane.
+        span: held motions of the mid-pin plane; a whole throw has a second rigid section instead.
         fixed: prescribed motions.
         forces: nodal forces, N, and torques on the rotation handle, N mm.
         spring_N_per_mm: radial spring at the reference node, if any.
     """
-    middle = plane_nodes(mesh.points_mm, 2, scene.pitch_mm / 2)
-    axes = (2,) if parity == "symmetric" else (0, 1)
-    held = [(int(node), axis, 0.0) for node in middle for axis in axes]
-    lines = [*_body(mesh, scene), *(_springs(mesh, spring_N_per_mm) if spring_N_per_mm else [])]
+    ends = (0.0, scene.pitch_mm) if span == "whole" else (0.0,)
+    held: list[Entry] = []
+    if span != "whole":
+        middle = plane_nodes(mesh.points_mm, 2, scene.pitch_mm / 2)
+        axes = (2,) if span == "symmetric" else (0, 1)
+        held = [(int(node), axis, 0.0) for node in middle for axis in axes]
+    lines = [*_body(mesh, scene, ends), *(_springs(mesh, spring_N_per_mm) if spring_N_per_mm else [])]
     lines += ["*BOUNDARY", *(f"{n + 1}, {a + 1}, {a + 1}, {v:.10e}" for n, a, v in [*held, *fixed])]
     lines += ["*STEP", "*STATIC"]
     if forces:
@@ -58,13 +61,11 @@ def displacements(
     (folder / "throw.inp").write_text("\n".join(lines) + "\n")
     done = subprocess.run(["ccx", "throw"], cwd=folder, capture_output=True, text=True, check=False)
     assert "Job finished" in done.stdout, done.stdout[-2000:]
-    return _read(folder / "throw.dat", mesh.points_mm.shape[1] + 2)
+    return _read(folder / "throw.dat", mesh.points_mm.shape[1] + 2 * len(ends))
 
 
-def _body(mesh: TetMesh, scene: Scene) -> list[str]:
-    reference, rotation = handles(mesh)
-    points = [*mesh.points_mm.T, np.zeros(3), np.zeros(3)]
-    section = plane_nodes(mesh.points_mm, 2, 0.0)
+def _body(mesh: TetMesh, scene: Scene, ends: Sequence[float]) -> list[str]:
+    points = [*mesh.points_mm.T, *(np.array([0.0, 0.0, z]) for z in ends for _ in "mt")]
     return [
         "*NODE, NSET=ALL",
         *(f"{i}, {x:.12e}, {y:.12e}, {z:.12e}" for i, (x, y, z) in enumerate(points, 1)),
@@ -74,9 +75,16 @@ def _body(mesh: TetMesh, scene: Scene) -> list[str]:
         "*ELASTIC",
         f"{scene.material.E_GPa * 1e3}, {scene.material.poisson}",
         "*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL",
-        "*NSET, NSET=SECTION",
-        *(str(node + 1) for node in section),
-        f"*RIGID BODY, NSET=SECTION, REF NODE={reference + 1}, ROT NODE={rotation + 1}",
+        *(line for end, z in enumerate(ends) for line in _section(mesh, end, z)),
+    ]
+
+
+def _section(mesh: TetMesh, end: int, z_mm: float) -> list[str]:
+    reference, rotation = handles(mesh, end)
+    return [
+        f"*NSET, NSET=SECTION{end}",
+        *(str(node + 1) for node in plane_nodes(mesh.points_mm, 2, z_mm)),
+        f"*RIGID BODY, NSET=SECTION{end}, REF NODE={reference + 1}, ROT NODE={rotation + 1}",
     ]
 
 

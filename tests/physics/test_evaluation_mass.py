@@ -133,5 +133,5 @@ def test_mesh_fills_the_solid() -> None:
         meshed = mesh_throw(scene, 6.0)
         assert meshed.mesh.mirrored == (parts == 2)
         assert parts * elastic(meshed.mesh, scene).volume_mm3 == pytest.approx(
-            meshed.half.volume_mm3, rel=5e-4
+            meshed.body.volume_mm3, rel=5e-4
         )

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.evaluate.evaluation import Stiffness, default_element_size_mm, evaluate_on_mesh
+from cranktopo.evaluate.evaluation import Stiffness, evaluate_on_mesh
 from cranktopo.evaluate.targets import Target
+from cranktopo.scene.scale import default_element_size_mm
 from tests.physics.evaluation_cases import mikron_with
 
 TORSION = {"free": 138.2e3, "held": 187.3e3}

@@ -56,7 +56,7 @@ def test_triangles_give_the_stiffness_of_the_solid(tmp_path: Path, pocket: list[
     scene, path = mikron_with(fillet_mm=0.0, pocket=pocket), tmp_path / "half.stl"
     export_solid(scene, "half", path, 2.0)
     imported, exact = mesh_file(path, scene, SIZE), mesh_throw(scene, SIZE)
-    assert imported.half.volume_mm3 == pytest.approx(exact.half.volume_mm3, rel=5e-3)
+    assert imported.body.volume_mm3 == pytest.approx(exact.body.volume_mm3, rel=5e-3)
     assert imported.web_volume_mm3 == pytest.approx(exact.web_volume_mm3, rel=5e-3)
     ours, reference = (condensed_stiffness(p, scene, SIZE, 0.0) for p in (imported, exact))
     assert ours.torsion["free"] == pytest.approx(reference.torsion["free"], rel=0.01)

@@ -72,4 +72,4 @@ def test_a_web_on_which_the_usual_meshes_fold_is_meshed() -> None:
     shaped = scene_with_web(scene, web_of(Layout(7, (FittedBevel("journal"),)), found, scene))
     meshed = mesh_throw(shaped, 8.0)
     volume = assemble(meshed.mesh, 1.0, 0.3).volume_mm3
-    assert 2 * volume == pytest.approx(meshed.half.volume_mm3, rel=5e-3)
+    assert 2 * volume == pytest.approx(meshed.body.volume_mm3, rel=5e-3)

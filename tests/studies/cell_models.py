@@ -11,13 +11,14 @@ import jax.numpy as jnp
 from cranktopo.domain.build import build_domain
 from cranktopo.domain.grid import Grid
 from cranktopo.effects import planned_scene
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate_on_mesh
+from cranktopo.evaluate.evaluation import RATIO, evaluate_on_mesh
 from cranktopo.evaluate.targets import Target
 from cranktopo.fem.model import build_model
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.scene.scale import default_element_size_mm
 from tests.physics.evaluation_cases import mikron_with
 from tests.physics.throw_cases import BENDING, TORSION
 from tests.studies.error_bounds import Bounded, limit

@@ -17,9 +17,10 @@ from typing import Literal
 
 from cranktopo.effects import planned_scene
 from cranktopo.evaluate.error_bound import difference_bound_percent
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate
+from cranktopo.evaluate.evaluation import RATIO, evaluate
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import load_scene
+from cranktopo.scene.scale import default_element_size_mm
 from tests.random_throws import random_variant
 from tests.studies.cubic_elements import Both, both_orders
 

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.evaluation import default_element_size_mm
 from cranktopo.evaluate.unit_fields import unit_fields
 from cranktopo.loads.analysis import INERTIA_EFFECTS
 from cranktopo.loads.states import extreme_states
 from cranktopo.meshing.solid_mesh import mesh_throw
 from cranktopo.scene import Scene
+from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
 from tests.physics.point_stress import PointStress, point_stress
 

@@ -14,9 +14,10 @@ from pathlib import Path
 from cranktopo.accuracy.evaluation_study import stiffnesses
 from cranktopo.accuracy.level import NAME_OF_CASE
 from cranktopo.accuracy.optimiser_study import OptimiserModel, optimise_once
-from cranktopo.evaluate.evaluation import RATIO, default_element_size_mm, evaluate_on_mesh
+from cranktopo.evaluate.evaluation import RATIO, evaluate_on_mesh
 from cranktopo.optimise.problem import SolverSettings
 from cranktopo.scene import load_scene
+from cranktopo.scene.scale import default_element_size_mm
 
 EXACT = SolverSettings(tolerance_early=1e-8, tolerance=1e-8, precision="float64")
 SETTINGS = {

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.accuracy.error_target import ErrorTarget, evaluate_to
-from cranktopo.evaluate.evaluation import Evaluation, default_element_size_mm, evaluate
+from cranktopo.evaluate.evaluation import Evaluation, evaluate
 from cranktopo.evaluate.targets import Target
 from cranktopo.scene import Scene
+from cranktopo.scene.scale import default_element_size_mm
 
 if TYPE_CHECKING:
     from cranktopo.shape.stage import ShapeSettings

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 
 from cranktopo.domain.resolution import available_memory_MiB, optimiser_memory_MiB
-from cranktopo.evaluate.evaluation import default_element_size_mm
 from cranktopo.evaluate.mesh_memory import evaluation_memory_MiB
 from cranktopo.pipeline.sweep.plan import Stage
 from cranktopo.scene import Scene
+from cranktopo.scene.scale import default_element_size_mm
 
 _PROGRAM_MIB = 500.0
 """Of a worker that has loaded everything and computes nothing."""
