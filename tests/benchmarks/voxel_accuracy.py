@@ -2,6 +2,7 @@
 
 - `python -m tests.benchmarks.voxel_accuracy`: error and time on finer and finer cells, the Mikron's own web.
 - `... --throws [NAME...]`: errors and their bound on built-in designs and random throws (random-SEED).
+- `... --features`: the same and the volume's error, with counterweights and oil drillings.
 - `... --ranking`: whether the ranking of eleven webs is kept at the default cell size.
 """
 
@@ -14,10 +15,19 @@ from functools import partial
 
 from cranktopo.fem.precision import double_precision
 from cranktopo.scene import load_scene
-from tests.studies.cell_models import REFERENCE, model_errors, own_model, ranking
+from tests.studies.cell_models import (
+    REFERENCE,
+    featured,
+    model_errors,
+    own_model,
+    ranking,
+    volume_error,
+)
 from tests.studies.error_bounds import held_text, target_of
 
 CELLS_MM = (4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
+FEATURE_CELLS = (4, 6, 9)
+"""Cells through the web."""
 DESIGNS = ("opposed-piston", "opposed-piston-casting", "opposed-piston-forging")
 DESIGNS += tuple(f"random-{seed}" for seed in (0, 2, 4, 5, 7))
 
@@ -54,6 +64,23 @@ def print_throws(names: Sequence[str]) -> None:
     print(held_text(rows))
 
 
+def print_features() -> None:
+    """Errors of volume and stiffness with counterweights and oil drillings."""
+    print("| Mikron with | cell mm | volume error % | torsion error % | bound | bending error % | bound |")
+    print("|---" * 7 + "|")
+    rows = []
+    for name, scene in featured().items():
+        found = list(model_errors(scene, FEATURE_CELLS))
+        rows += found
+        for count, bending, torsion in zip(FEATURE_CELLS, found[::2], found[1::2], strict=True):
+            volume = 100 * volume_error(scene, scene.web.thickness_mm / count)
+            pairs = " | ".join(
+                f"{row.error_percent:+.2f} | {row.bound_percent:.2f}" for row in (torsion, bending)
+            )
+            print(f"| {name} | {bending.cell_mm:.2f} | {volume:+.3f} | {pairs} |", flush=True)
+    print(held_text(rows))
+
+
 def print_ranking() -> None:
     """Stiffnesses of the variants by both models, and how well the ranks agree."""
     print("| web | torsion own | evaluated kN m/rad | error % | bending own | evaluated kN/mm | error % |")
@@ -68,10 +95,13 @@ def main() -> None:
     """Print a table as Markdown."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--throws", nargs="*", metavar="NAME")
+    parser.add_argument("--features", action="store_true")
     parser.add_argument("--ranking", action="store_true")
     chosen = parser.parse_args()
     if chosen.throws is not None:
         print_throws(chosen.throws or DESIGNS)
+    elif chosen.features:
+        print_features()
     elif chosen.ranking:
         print_ranking()
     else:

@@ -10,7 +10,7 @@ from cranktopo.evaluate.evaluation import evaluate
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene, load_scene
 from tests.random_throws import random_throw
-from tests.studies.cell_models import REFERENCE, model_errors, own_model, ranking
+from tests.studies.cell_models import REFERENCE, featured, model_errors, own_model, ranking
 from tests.studies.error_bounds import pair_errors, single_errors, size_mm, stored_names, target_of, truth
 from tests.studies.solver_shapes import shapes
 
@@ -59,6 +59,13 @@ def test_the_optimisers_bound_on_the_mikron(float64: None, cell_mm: float) -> No
 @pytest.mark.parametrize("scene", [load_scene("opposed-piston"), random_throw(2)], ids=lambda s: s.name)
 def test_the_optimisers_bound_on_other_throws(scene: Scene) -> None:
     rows = list(model_errors(scene))
+    assert all(row.holds for row in rows), rows
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", featured())
+def test_the_optimisers_bound_with_counterweights_and_drillings(name: str) -> None:
+    rows = list(model_errors(featured()[name]))
     assert all(row.holds for row in rows), rows
 
 

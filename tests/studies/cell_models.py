@@ -8,6 +8,7 @@ from typing import Any
 
 import jax.numpy as jnp
 
+from cranktopo.cad.volume import half_throw_volume_mm3
 from cranktopo.domain.build import build_domain
 from cranktopo.domain.grid import Grid
 from cranktopo.effects import planned_scene
@@ -22,6 +23,7 @@ from cranktopo.scene.scale import default_element_size_mm
 from tests.physics.evaluation_cases import mikron_with
 from tests.physics.throw_cases import BENDING, TORSION
 from tests.studies.error_bounds import Bounded, limit
+from tests.unit.counterweight_cases import PLAIN, THIN, roomy_scene, weighted
 
 REFERENCE = {"torsion": 138.2e3, "bending": 217.6e3}
 """Body-fitted quadratic tetrahedra refined at the re-entrant rings, N m/rad and N/mm; no fillets."""
@@ -94,6 +96,34 @@ def model_errors(scene: Scene, through_web: Sequence[int] = CELLS_THROUGH_WEB) -
                 cell_mm=own.cell_mm,
                 cells_through_web=thickness / own.cell_mm,
             )
+
+
+def volume_error(scene: Scene, cell_mm: float) -> float:
+    """Volume of the throw on cells over its closed form, less 1; without fillets and roundings."""
+    sharp = without_fillets(scene)
+    domain = build_domain(sharp, cell_mm, "web")
+    filled = float((domain.fixed * domain.volume_mm3).sum()) / domain.share / 2
+    return filled / half_throw_volume_mm3(sharp) - 1
+
+
+def featured() -> dict[str, Scene]:
+    """The Mikron with counterweights and oil drillings, one of which breaks its lateral symmetry."""
+    roomy = roomy_scene(load_scene("mikron-iiic"))
+    leaning, straight = (_drilled(*ends) for ends in ((160.0, 1.0, 15.0, 2.0), (180.0, 6.0, 0.0, 6.0)))
+    return {
+        "counterweight": weighted(roomy, PLAIN),
+        "thin counterweight": weighted(roomy, THIN),
+        "drilling": straight,
+        "leaning drilling": leaning,
+    }
+
+
+def _drilled(main_deg: float, main_mm: float, pin_deg: float, pin_mm: float) -> Scene:
+    ends = (("from", "main_journal", main_deg, main_mm), ("to", "crankpin", pin_deg, pin_mm))
+    drilling = {key: {"on": on, "angle_deg": deg, "place_mm": mm} for key, on, deg, mm in ends}
+    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data["throw"]["drilling"] = [{**drilling, "diameter_mm": 5.0}]
+    return scene_from_dict(data)
 
 
 def variants() -> dict[str, Scene]:

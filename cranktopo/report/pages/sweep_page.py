@@ -72,7 +72,8 @@ def page_data(data: Mapping[str, Any]) -> dict[str, Any]:
 
     Returns:
         `columns`: name, label, unit, whether it varied, better direction, column of its error in percent,
-        bound; `rows`, `original`: one cell per column; `about`: id, status, directory and reason of each row.
+        bound; `rows`, `original`: one cell per column; `about`: id, status, directory and reason of each row;
+        `coarse`: rows of a first look, which read too stiff and belong to no front.
     """
     rows = data["points"]
     names = _columns(data)
@@ -83,6 +84,7 @@ def page_data(data: Mapping[str, Any]) -> dict[str, Any]:
         "about": [[row["id"], row["status"], row["run"], row["reason"]] for row in rows],
         "original": [_cell(_value(data["original"], name)) for name in names],
         "front": [place[one] for one in data["front"]],
+        "coarse": [number for number, row in enumerate(rows) if row.get("accuracy") == "coarse"],
         "picks": [[name, place[one]] for name, one in data["picks"].items()],
     }
 

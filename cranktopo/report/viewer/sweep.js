@@ -7,6 +7,7 @@
   const viewer = document.getElementById("viewer");
   const one = (query) => document.querySelector(query);
   const front = new Set(data.front);
+  const coarse = new Set(data.coarse); // a first look reads too stiff: it is on no front
   const isNumber = (value) => typeof value === "number";
   const numeric = columns.map((_, c) => rows.some((row) => isNumber(row[c])) && rows.every((row) => row[c] === null || isNumber(row[c])));
   const numbers = columns.map((_, c) => c).filter((c) => numeric[c]);
@@ -100,7 +101,7 @@
   function frontLine() {
     const { x, y } = state, sx = columns[x].sense, sy = columns[y].sense;
     if (!sx || !sy || x === y) return "";
-    const sorted = places.filter(({ i }) => seen[i]).sort((a, b) => sx * (rows[b.i][x] - rows[a.i][x]) || sy * (rows[b.i][y] - rows[a.i][y]));
+    const sorted = places.filter(({ i }) => seen[i] && !coarse.has(i)).sort((a, b) => sx * (rows[b.i][x] - rows[a.i][x]) || sy * (rows[b.i][y] - rows[a.i][y]));
     let best = -Infinity;
     const line = [];
     for (const place of sorted) if (sy * rows[place.i][y] > best) { best = sy * rows[place.i][y]; line.push(place); }
@@ -300,7 +301,7 @@
   one("[data-scatter]").addEventListener("click", (event) => { const i = nearest(event); if (i !== null) keep(i); });
   // The next point that is seen along an axis of the scatter, from the one in view.
   function step(axis, forward) {
-    const list = places.filter(({ i }) => seen[i]).sort((a, b) => a[axis] - b[axis] || a.i - b.i);
+    const list = places.filter(({ i }) => seen[i] && !coarse.has(i)).sort((a, b) => a[axis] - b[axis] || a.i - b.i);
     const at = list.findIndex(({ i }) => i === (state.shown ?? state.kept));
     const next = list[at < 0 ? (forward ? 0 : list.length - 1) : at + (forward ? 1 : -1)];
     if (next) show(next.i);
