@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -310,6 +311,38 @@ class Cluster:
         """End all of them."""
         for name in self._running:
             self.kill(name)
+
+
+@pytest.mark.slow
+def test_workers_that_are_all_gone_are_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nannies that have given up are not started again by Dask.
+
+    `python -m pytest -m slow tests/cli/test_sweep.py -n 0 -k all_gone`, some seconds.
+    """
+    import distributed
+
+    started: list[Any] = []
+
+    class GivingUp(distributed.LocalCluster):  # type: ignore[misc]
+        """The first of them loses its workers after a second."""
+
+        def __init__(self, **settings: Any) -> None:
+            super().__init__(**settings)
+            started.append(self)
+            if len(started) == 1:
+                threading.Timer(1.0, self.lose).start()
+
+        def lose(self) -> None:
+            """Close every nanny."""
+            for nanny in list(self.workers.values()):
+                self.sync(nanny.close)
+
+    monkeypatch.setattr("distributed.LocalCluster", GivingUp)
+    monkeypatch.setattr("cranktopo.pipeline.sweep.engine.GONE_S", 1.0)
+    monkeypatch.setenv(HELD, "1")
+    frame = sweep(vary={WIDTH: [50, 51, 52, 53]}, workers=1, out=tmp_path / "out", function=sweep_cases.empty)
+    assert frame["status"].tolist() == ["done"] * 4
+    assert len(started) == 2
 
 
 @pytest.mark.slow

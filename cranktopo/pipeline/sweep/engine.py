@@ -26,6 +26,9 @@ _RETRIES, _DEATHS = 2, 5
 _FIRST_S, _RETURN_S = 10.0, 120.0
 """How long a scheduler is waited for: at the start, and when it was lost."""
 _AFTER_S = 5.0
+GONE_S = 30.0
+"""How long workers of our own may all be gone before new ones are started."""
+_LOOK_S = 0.5
 _SETTINGS = {
     "distributed.scheduler.allowed-failures": _DEATHS,
     "distributed.admin.large-graph-warning-threshold": "1 GiB",
@@ -61,8 +64,8 @@ def check_scheduler(address: str | None) -> None:
             pass
 
 
-class _SchedulerLostError(Exception):
-    """The connection to the scheduler broke."""
+class _LostError(Exception):
+    """The connection to the scheduler broke, or no worker of our own is left."""
 
 
 def compute(
@@ -72,7 +75,9 @@ def compute(
     info: Info = lambda _: None,
     enough: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Compute jobs, telling the end of each as it comes; a lost scheduler is waited for.
+    """Compute jobs, telling the end of each as it comes.
+
+    A lost scheduler is waited for, workers of our own that are all lost are replaced.
 
     Args:
         enough: asked after each; once it is so, the rest is left.
@@ -91,24 +96,25 @@ def compute(
     while left and not enough():
         try:
             with _client(engine, patience, info) as client:
-                _submit(client, list(left.values()), told, enough)
-        except _SchedulerLostError:
+                _submit(client, list(left.values()), told, enough, own=engine.scheduler is None)
+        except _LostError:
             patience = _RETURN_S
-            info(f"the scheduler is lost; waiting up to {_RETURN_S:.0f} s for it to come back")
+            gone = f"the scheduler is lost; waiting up to {_RETURN_S:.0f} s for it to come back"
+            info(gone if engine.scheduler else "all workers are gone; starting new ones")
             time.sleep(1.0)
 
 
-def _submit(client: Any, jobs: Sequence[Job], told: Done, enough: Callable[[], bool]) -> None:
+def _submit(client: Any, jobs: Sequence[Job], told: Done, enough: Callable[[], bool], *, own: bool) -> None:
     from distributed import KilledWorker, as_completed
 
     by_key = {f"cranktopo-{job.point.id}": job for job in jobs}
     futures = client.map(do_job, jobs, key=list(by_key), retries=_RETRIES, pure=False, batch_size=_BATCH)
-    try:
+    with _given_up(client, futures, own=own):
         for future, result in as_completed(futures, loop=client.loop, with_results=True, raise_errors=False):
             if future.status == "finished":
                 told(by_key[future.key], result)
             elif future.status != "error":
-                raise _SchedulerLostError
+                raise _LostError
             else:
                 error = result[1]
                 if isinstance(error, CranktopoError):
@@ -120,10 +126,36 @@ def _submit(client: Any, jobs: Sequence[Job], told: Done, enough: Callable[[], b
             if enough():
                 client.cancel(futures, force=True)
                 return
+
+
+@contextmanager
+def _given_up(client: Any, futures: Sequence[Any], *, own: bool) -> Iterator[None]:
+    """What is left at the end is cancelled, and all of it once workers of our own are gone.
+
+    Dask starts a worker again that died, but not one whose start took too long; it would wait for ever.
+    """
+    over = threading.Event()
+    watch = threading.Thread(target=_cancel_without_workers, args=(client, futures, over), daemon=True)
+    if own:
+        watch.start()
+    try:
+        yield
     except BaseException:
         with contextlib.suppress(Exception):
             client.cancel(futures, force=True)
         raise
+    finally:
+        over.set()
+
+
+def _cancel_without_workers(client: Any, futures: Sequence[Any], over: threading.Event) -> None:
+    seen = time.monotonic()
+    while not over.wait(_LOOK_S):
+        if client.scheduler_info()["workers"]:
+            seen = time.monotonic()
+        elif time.monotonic() - seen > GONE_S:
+            client.cancel(futures, force=True)
+            return
 
 
 def _told(error: BaseException) -> str:
