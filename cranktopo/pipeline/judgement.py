@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,3 +60,15 @@ def _bound(run: RunStore, scene: Scene, state: State, result: Assessment, origin
     own = original.quantities
     reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
     return bounds_beside(scene, reached, wanted(scene), run.log)
+
+
+def beside_goal(bound: Json, goal: Mapping[str, Any] | None) -> Json:
+    """The bound beside what the goal's quantity reached, by the evaluation where the run has one.
+
+    Args:
+        goal: entry `goal` of the metrics, if there is one.
+    """
+    if goal is None or goal["reached_percent"] is None or not bound.get("statements"):
+        return bound
+    first, *others = bound["statements"]
+    return {**bound, "statements": [{**first, "reached_percent": goal["reached_percent"]}, *others]}

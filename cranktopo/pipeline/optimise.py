@@ -29,7 +29,7 @@ from cranktopo.pipeline.goal_by_evaluation import (
     met_by_evaluation,
     told_by_evaluation,
 )
-from cranktopo.pipeline.judgement import judge
+from cranktopo.pipeline.judgement import beside_goal, judge
 from cranktopo.pipeline.metrics import Timing, optimise_metrics
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original
@@ -261,7 +261,8 @@ def _finish(
         metrics["goal"] = told_by_evaluation(metrics["goal"], case, state, failure)
         metrics["seconds"]["evaluation"] = evaluation_seconds(case)
     if judged.bound is not None:
-        metrics["bound"], metrics["seconds"]["bound"] = judged.bound, judged.bound_s
+        metrics["bound"] = beside_goal(judged.bound, metrics.get("goal"))
+        metrics["seconds"]["bound"] = judged.bound_s
     metrics["files"] = {**files, **metrics["files"], "report": REPORT}
     run.write_metrics(metrics)
     designs = snapshots(run, domain, problem.chain)
