@@ -95,6 +95,7 @@ def test_guesses_of_features_do_not_turn_on_rounding(mikron: Scene, problem: Fit
             assert guess is None or guess == pytest.approx(guesses[0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_stations_and_features_stay(problem: FitProblem, monkeypatch: pytest.MonkeyPatch) -> None:
     found, trials = select(problem)
     exact = Fit.overlap

@@ -166,6 +166,7 @@ def acceptability(scene: Scene) -> float:
     return fatigue_strength_MPa(size.pin, size.pin_fillet, ultimate, settings.process_factor) / stress
 
 
+@pytest.mark.slow
 def test_a_resonance_turns_the_verdict_and_a_damper_turns_it_back() -> None:
     bare = turning(PROPELLER)
     assert acceptability(switched_to(bare, "off")) > LEAST_FACTOR
