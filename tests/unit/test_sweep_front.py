@@ -7,6 +7,7 @@ import random
 from typing import Any
 
 from cranktopo.pipeline.sweep.front import front_of, picks_of
+from cranktopo.report.tables.sweep_tables import point_words
 
 Row = dict[str, Any]
 
@@ -66,3 +67,11 @@ def test_picks() -> None:
         "safest": "light",
     }
     assert "lightest that is no softer" not in picks_of(rows, None)
+
+
+def test_points_of_several_designs_are_told_with_their_design() -> None:
+    rows = [{"design": name, "varied": {"web.width_mm": 50.0}} for name in ("one", "other")]
+    assert point_words({"points": rows}, rows[1]) == "other, web.width_mm = 50"
+    assert point_words({"points": rows[:1]}, rows[0]) == "web.width_mm = 50"
+    bare = {"design": "one", "varied": {}}
+    assert point_words({"points": [bare]}, bare) == "one"

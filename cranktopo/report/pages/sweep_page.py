@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.report.tables.result_table import ResultTable
+from cranktopo.report.tables.sweep_tables import point_words
 from cranktopo.report.viewer.scene3d import SCRIPT
 
 _TEMPLATES = Path(__file__).parent / "template"
@@ -53,11 +54,12 @@ def sweep_html(data: Mapping[str, Any], webs: Mapping[str, str]) -> str:
     style = "".join((_TEMPLATES / name).read_text(encoding="utf-8") for name in ("report.css", "sweep.css"))
     numbers = _text(page_data(data))
     original = webs.get(data["original"]["id"], "")
+    rows = {row["id"]: row for row in data["points"]}
     scripts = [SCRIPT, _SCRIPT] if original else [_SCRIPT]
     return environment.get_template("sweep.html.j2").render(
         data=data,
         objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data["objectives"]),
-        picks=[(name, _pick(data, one)) for name, one in data["picks"].items()],
+        picks=[(name, point_words(data, rows[one])) for name, one in data["picks"].items()],
         style=Markup(style),
         script=Markup("".join(path.read_text(encoding="utf-8") for path in scripts)),
         points=Markup(numbers),
@@ -144,9 +146,3 @@ def _cell(value: Any) -> Any:
     if isinstance(value, int | float):
         return float(f"{value:.{_DIGITS}g}") if math.isfinite(value) else None
     return None if value is None else str(value)
-
-
-def _pick(data: Mapping[str, Any], one: str) -> str:
-    row = next(row for row in data["points"] if row["id"] == one)
-    values = [f"{key} = {value}" for key, value in row["varied"].items()]
-    return ", ".join(values) or str(row["design"])

@@ -23,7 +23,7 @@ def sweep_summary(data: Mapping[str, Any], folder: Path) -> str:
         lines += [f"Pareto front of {objectives}: {len(data['front'])} points", terminal(front_table(data))]
         more = len(data["front"]) - _MOST_ROWS
         lines += [f"and {more} more, in {data['files']['table']}"] * (more > 0) + [""]
-    lines += [f"{name}: {one} ({_varied(by_id[one])})" for name, one in data["picks"].items()]
+    lines += [f"{name}: {one} ({point_words(data, by_id[one])})" for name, one in data["picks"].items()]
     lines += [f"{folder / data['files'][kind]}" for kind in ("page", "table", "parquet")]
     return "\n".join(lines)
 
@@ -34,17 +34,24 @@ def front_table(data: Mapping[str, Any]) -> ResultTable:
     chosen = [row for row in data["points"] if row["id"] in set(data["front"])][:_MOST_ROWS]
     known = {name: digits for name, digits in _QUANTITIES.items() if name in chosen[0]}
     keys = dict.fromkeys(data["varied"], 4)
+    apart = {"design": 0} if _designs(data) > 1 else {}
     rows: list[Row] = [_row(row, row["id"], keys, known) for row in chosen]
     if original["status"] == "done":
         rows.insert(0, _row(original, "original", keys, known))
-    return ResultTable({"point": 0, **keys, **known}, tuple(rows))
+    return ResultTable({"point": 0, **apart, **keys, **known}, tuple(rows))
+
+
+def _designs(data: Mapping[str, Any]) -> int:
+    """How many designs the points are variants of."""
+    return len({row["design"] for row in data["points"]})
 
 
 def _row(
     row: Mapping[str, Any], name: str, keys: Mapping[str, int], quantities: Mapping[str, int]
 ) -> dict[str, Any]:
     cells = {key: _cell(row["varied"].get(key)) for key in keys}
-    return {"point": name, **cells, **{quantity: row.get(quantity) for quantity in quantities}}
+    told = {quantity: row.get(quantity) for quantity in quantities}
+    return {"point": name, "design": row["design"], **cells, **told}
 
 
 def _cell(value: Any) -> str | None:
@@ -53,8 +60,10 @@ def _cell(value: Any) -> str | None:
     return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
 
 
-def _varied(row: Mapping[str, Any]) -> str:
-    return ", ".join(f"{key} = {_cell(value)}" for key, value in row["varied"].items()) or row["design"]
+def point_words(data: Mapping[str, Any], row: Mapping[str, Any]) -> str:
+    """What tells a point from the others: its design where there are several, and what varied."""
+    values = [f"{key} = {_cell(value)}" for key, value in row["varied"].items()]
+    return ", ".join([row["design"], *values] if _designs(data) > 1 or not values else values)
 
 
 def _reasons(data: Mapping[str, Any]) -> list[str]:
