@@ -1,4 +1,7 @@
-"""Limits that hold by the evaluation of the surface: moved in the cells until they do; resumed exactly."""
+"""Limits that hold by the evaluation of the surface: moved in the cells until they do; resumed exactly.
+
+`python -m pytest -m slow tests/cli/test_goal_by_rounds.py`, half a minute.
+"""
 
 from __future__ import annotations
 
@@ -29,6 +32,7 @@ from cranktopo.scene.goal import Goal, Limit
 from cranktopo.scene.goal.outcome import limit_outcomes
 from cranktopo.store import Work
 
+pytestmark = pytest.mark.slow
 OPTIONS = [
     *("--minimise", "mass", "--limit", "bending none", "--limit", "torsion >= 90 %"),
     *("--limit", "fatigue_safety none", "--resolution-mm", "8", "--process", "free"),

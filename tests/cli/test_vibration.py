@@ -89,6 +89,7 @@ def test_varying_inertia_above_the_threshold_alone(
     assert "below the threshold of 50 %: they count with their mean" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_damper_lowers_the_peak(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bare = printed([design(tmp_path, GIVEN + "flywheel = {inertia_kg_m2 = 0.1}")], capsys)
     ring = "kind = 'viscous', ring_inertia_kg_m2 = 0.004, hub_inertia_kg_m2 = 0.0005"

@@ -49,6 +49,7 @@ def test_forces(float64: None, value: float) -> None:
     assert caught.value.code == ExitCode.SOLVER
 
 
+@pytest.mark.slow
 def test_a_spoilt_guess_is_thrown_away(float64: None) -> None:
     model = Block("", FIELD).model()
     fresh = solve(model, jnp.asarray(FIELD))

@@ -118,13 +118,8 @@ GOALS: dict[str, tuple[Goal, tuple[str, ...]]] = {
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "torsion of half as much again",
-        pytest.param("half the mass, twice the stiffness", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", GOALS)
 def test_limits_that_no_web_meets_name_what_the_nearest_reaches(
     name: str, model: WebModel, mikron: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:

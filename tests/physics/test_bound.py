@@ -117,6 +117,7 @@ def test_stiffness_at_a_mass_and_per_mass(mikron: Scene, model: BoundModel, made
     assert own["torsion_per_mass"] < per_mass.reached < per_mass.value < 1.04 * per_mass.reached
 
 
+@pytest.mark.slow
 def test_no_web_is_above_the_curve_over_the_mass(mikron: Scene, model: BoundModel, made: list[Array]) -> None:
     """From the displacements of one bound, at every other mass."""
     for name in STIFFNESSES:

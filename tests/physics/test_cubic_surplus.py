@@ -13,11 +13,12 @@ SIZE_MM = 9.0
 HOLE = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fillet_mm", "pocket"),
     [
         pytest.param(2.5, [], id="round"),
-        pytest.param(0.0, [HOLE], id="sharp, lopsided", marks=pytest.mark.slow),  # a minute: no mirror
+        pytest.param(0.0, [HOLE], id="sharp, lopsided"),  # a minute: no mirror
     ],
 )
 def test_the_bound_is_more_than_what_cubic_displacements_take_off(
