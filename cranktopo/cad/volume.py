@@ -10,7 +10,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.drilling_moments import drilled
 from cranktopo.scene.features import web_bodies
 from cranktopo.scene.geometry import Journal
-from cranktopo.scene.halves import halves
+from cranktopo.scene.halves import of_halves
 from cranktopo.scene.web_moments import web_moments
 
 
@@ -28,8 +28,7 @@ def half_throw_volume_mm3(scene: Scene) -> float:
 
 def throw_volume_mm3(scene: Scene) -> float:
     """Volume of the throw between its two mid-main-journal planes, mm3."""
-    near, far = halves(scene)
-    return half_throw_volume_mm3(near) + half_throw_volume_mm3(far)
+    return sum(of_halves(scene, half_throw_volume_mm3))
 
 
 def web_volume_mm3(scene: Scene) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from cranktopo.loads.torsional_stiffness import WebBar, shortened, throw_torsion_rad_per_Nmm, web_bar
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
-from cranktopo.scene.halves import halves
+from cranktopo.scene.halves import of_halves
 from cranktopo.units import MPA_PER_GPA
 
 SHEAR_RING = 0.5  # shear coefficient of a hollow circular section (thin ring; 0.9 for a solid one)
@@ -46,7 +46,7 @@ def throw_compliance(scene: Scene) -> ThrowCompliance:
     Fillets shorten the journals by the integral of 1 - J / J(z), and the web, whose free length ends at
     their feet. Of halves that differ it is the mean of what throws of two such halves have.
     """
-    one, other = (_equal_halves(half) for half in halves(scene))
+    one, other = of_halves(scene, _equal_halves)
     return ThrowCompliance(
         (one.bending_mm_per_N + other.bending_mm_per_N) / 2,
         (one.tangential_mm_per_N + other.tangential_mm_per_N) / 2,

@@ -17,7 +17,7 @@ from cranktopo.effects.simulated import without
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.loads.torsional_stiffness import journal_torsion_modulus_mm3, web_lever_mm
-from cranktopo.scene.halves import difference, halves
+from cranktopo.scene.halves import difference, halves, of_halves
 from cranktopo.units import NMM_PER_NM
 
 
@@ -94,9 +94,9 @@ def whole_throw(facts: Facts) -> tuple[Effect, ...]:
     key = difference(facts.scene)
     if not key:
         return ()
-    near, far = halves(facts.scene)
-    volume = half_throw_volume_mm3(near) + half_throw_volume_mm3(far)
-    share = 100 * half_throw_volume_mm3(far) / volume
+    near_mm3, far_mm3 = of_halves(facts.scene, half_throw_volume_mm3)
+    volume = near_mm3 + far_mm3
+    share = 100 * far_mm3 / volume
     because = (
         f"{key} makes the halves differ, so that the mid-pin plane is no mirror; "
         f"{share:.3g} % of the volume lies beyond it"

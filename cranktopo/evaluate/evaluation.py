@@ -31,7 +31,7 @@ from cranktopo.loads.bearings import bearing_spring_N_per_mm
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import EVALUATED, Assumption, among, assumed_json
-from cranktopo.scene.halves import halves
+from cranktopo.scene.halves import halves, of_halves
 from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.scene.web_moments import Moments, bolted_mass
 from cranktopo.units import MPA_PER_GPA, density_kg_per_mm3
@@ -343,8 +343,8 @@ def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
 
 
 def _bolted(scene: Scene) -> Moments:
-    near, far = halves(scene)
-    return bolted_mass(near) + bolted_mass(far)
+    one, other = of_halves(scene, bolted_mass)
+    return one + other
 
 
 def _known(value: float | None) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from cranktopo.scene import Scene
 from cranktopo.scene.drilling_moments import drilled
 from cranktopo.scene.geometry import Journal
-from cranktopo.scene.halves import halves
+from cranktopo.scene.halves import of_halves
 from cranktopo.scene.web_moments import Moments, bolted_mass, counterweight_mass, web_moments
 from cranktopo.units import density_kg_per_mm3
 
@@ -82,7 +82,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
 
     U = m_pin r + m_web,1 e_web,1 + m_web,2 e_web,2 + m_rod,rot r, with the fillets among them.
     """
-    radius, (near, far) = scene.throw.radius_mm, map(_half, halves(scene))
+    radius, (near, far) = scene.throw.radius_mm, of_halves(scene, _half)
     journal, crankpin = near.journal + far.journal, near.crankpin + far.crankpin
     fillets = near.fillets + far.fillets
     total = journal + crankpin + fillets + near.web + far.web

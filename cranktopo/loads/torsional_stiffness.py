@@ -13,7 +13,7 @@ import numpy as np
 
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal
-from cranktopo.scene.halves import halves
+from cranktopo.scene.halves import of_halves
 from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
 
 
@@ -44,8 +44,7 @@ def throw_torsion_rad_per_Nmm(scene: Scene) -> float:
 
     Halves that differ are in series, each half as soft as a throw of two such halves.
     """
-    near, far = halves(scene)
-    return _half_torsion(near) if far is near else (_half_torsion(near) + _half_torsion(far)) / 2
+    return sum(of_halves(scene, _half_torsion)) / 2
 
 
 def _half_torsion(scene: Scene) -> float:

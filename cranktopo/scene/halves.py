@@ -7,12 +7,14 @@ scene describes. Where both are alike, both are the scene itself.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 from cranktopo.errors import CranktopoError
 from cranktopo.scene.schema import Scene
 
+T = TypeVar("T")
 _LENGTHS = {
     "second_main_journal_length_mm": "main_journal",
     "second_crankpin_length_mm": "crankpin",
@@ -38,6 +40,13 @@ def halves(scene: Scene) -> tuple[Scene, Scene]:
     if not difference(scene):
         return scene, scene
     return _half(scene, "first"), _half(scene, "second")
+
+
+def of_halves(scene: Scene, found: Callable[[Scene], T]) -> tuple[T, T]:
+    """What is found of each half, computed once where they are alike."""
+    near, far = halves(scene)
+    first = found(near)
+    return first, first if far is near else found(far)
 
 
 def drilled_alike(half: Scene) -> Scene:

@@ -322,22 +322,21 @@ def test_workers_that_are_all_gone_are_replaced(tmp_path: Path, monkeypatch: pyt
     import distributed
 
     started: list[Any] = []
+    usual = distributed.LocalCluster
 
-    class GivingUp(distributed.LocalCluster):  # type: ignore[misc]
-        """The first of them loses its workers after a second."""
+    def lose(cluster: Any) -> None:
+        """Close every nanny."""
+        for nanny in list(cluster.workers.values()):
+            cluster.sync(nanny.close)
 
-        def __init__(self, **settings: Any) -> None:
-            super().__init__(**settings)
-            started.append(self)
-            if len(started) == 1:
-                threading.Timer(1.0, self.lose).start()
+    def giving_up(**settings: Any) -> Any:
+        """A cluster, the first of which loses its workers after a second."""
+        started.append(usual(**settings))
+        if len(started) == 1:
+            threading.Timer(1.0, lose, started).start()
+        return started[-1]
 
-        def lose(self) -> None:
-            """Close every nanny."""
-            for nanny in list(self.workers.values()):
-                self.sync(nanny.close)
-
-    monkeypatch.setattr("distributed.LocalCluster", GivingUp)
+    monkeypatch.setattr("distributed.LocalCluster", giving_up)
     monkeypatch.setattr("cranktopo.pipeline.sweep.engine.GONE_S", 1.0)
     monkeypatch.setenv(HELD, "1")
     frame = sweep(vary={WIDTH: [50, 51, 52, 53]}, workers=1, out=tmp_path / "out", function=sweep_cases.empty)
