@@ -21,6 +21,7 @@ from cranktopo.accuracy.stress_study import stress_levels
 from cranktopo.errors import CranktopoError
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.targets import Target
+from cranktopo.scene.halves import difference
 
 _SHARES = {EVALUATION: 0.35, FILLET_STRESS: 0.2, OPTIMISER: 1.0}
 """Share of what is left of the budget that a study may use, in this order; the last one takes all."""
@@ -43,7 +44,7 @@ def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
     """The studies that a target calls for; a surface file has only that of the evaluation."""
     found: dict[StudyName, list[PlannedLevel]] = {EVALUATION: evaluation_levels(target)}
     found[FILLET_STRESS] = stress_levels(target)
-    if target.file is None and target.scene.envelope is not None:
+    if target.file is None and target.scene.envelope is not None and not difference(target.scene):
         from cranktopo.accuracy.optimiser_study import optimiser_levels
 
         found[OPTIMISER] = optimiser_levels(target.scene)
@@ -55,7 +56,7 @@ def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None
     began = time.perf_counter()
     machine = this_machine()
     levels: list[Level] = []
-    failures: list[str] = []
+    failures = _left_out(target)
 
     def spent_s() -> float:
         return time.perf_counter() - began
@@ -79,6 +80,12 @@ def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None
     except KeyboardInterrupt:
         interrupted = True
     return Study(target.name, budget_s, spent_s(), machine, tuple(levels), tuple(failures), interrupted)
+
+
+def _left_out(target: Target) -> list[str]:
+    """A sentence where the halves of a throw differ."""
+    key = difference(target.scene)
+    return [f"{TITLES[OPTIMISER]}: models half of a throw, and {key} makes its halves differ"] if key else []
 
 
 def _solved(planned: Sequence[PlannedLevel], allowed_s: float, announce: Info) -> Iterator[Level | str]:

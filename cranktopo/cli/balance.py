@@ -40,7 +40,7 @@ def command(design: str, as_json: bool, page: Path | None) -> None:
 
     if page is not None:
         check_report_path(page)
-    scene = load_scene(design)
+    scene = load_scene(design, whole=True)
     balance = engine_balance(scene)
     if page is not None:
         report_balance(balance, page)

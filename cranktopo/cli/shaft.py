@@ -45,7 +45,7 @@ def command(
     from cranktopo.evaluate.targets import resolve_target
     from cranktopo.pipeline.evaluate import print_assumed
 
-    resolved = resolve_target(target, design, align=align)
+    resolved = resolve_target(target, design, align=align, whole=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     print_assumed([resolved], shaft_tables(resolved.scene, support), info)
     info(f"{resolved.name}: condensing one throw")

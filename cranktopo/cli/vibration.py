@@ -62,7 +62,7 @@ def command(
     from cranktopo.pipeline.vibration import shaft_vibration, vibration_json
     from cranktopo.report.tables.vibration_tables import vibration_text
 
-    resolved = resolve_target(target, design, align=align)
+    resolved = resolve_target(target, design, align=align, whole=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     study = shaft_vibration(
         resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s, info=info

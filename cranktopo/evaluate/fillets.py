@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.scene import Scene
 from cranktopo.scene.fillet_section import FilletSection
+from cranktopo.scene.halves import halves
 
 Array = NDArray[np.float64]
 Fillet = Literal["journal", "pin"]
@@ -28,19 +29,22 @@ class Place:
         along_deg: angle along the fillet's arc, 0 at the cylinder, 90 at the web's face; of an ellipse, of
             the circle that it is when stretched along the crank.
         point_mm: (x, y, z) in the frame of `cranktopo.frames`.
+        web: "first" or "second" of a throw with two different halves, else "".
     """
 
     fillet: str
     around_deg: float
     along_deg: float
     point_mm: tuple[float, float, float]
+    web: str = ""
 
     def __str__(self) -> str:
         x, y, z = self.point_mm
         where = f"x {x:.1f}, y {y:.1f}, z {z:.1f} mm"
+        web = f" of the {self.web} web" if self.web else ""
         if not self.fillet:
             return where
-        return f"{self.fillet} fillet, {self.around_deg:+.0f} deg around, {self.along_deg:.0f} deg along"
+        return f"{self.fillet} fillet{web}, {self.around_deg:+.0f} deg around, {self.along_deg:.0f} deg along"
 
 
 def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
@@ -53,15 +57,19 @@ def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.b
 def place(scene: Scene, point_mm: Array) -> Place:
     """The place of one surface point (3,) of the near or far half."""
     x, y, z = (float(v) for v in point_mm)
-    near = np.array([[x], [y], [min(z, scene.pitch_mm - z)]])
+    near, far = halves(scene)
+    second = z > near.pitch_mm / 2
+    web = "" if near is far else "second" if second else "first"
+    half, at = (far, scene.pitch_mm - z) if second else (near, z)
+    point = np.array([[x], [y], [at]])
     for fillet in ("journal", "pin"):
-        if fillet_nodes(scene, fillet, near)[0]:
-            across, height, section = _section(scene, fillet, near)
+        if fillet_nodes(half, fillet, point)[0]:
+            across, height, section = _section(half, fillet, point)
             axis = scene.throw.radius_mm if fillet == "pin" else 0.0
             around = math.degrees(math.atan2(x, y - axis))
             along = math.degrees(math.atan2(section.flattening * float(height[0]), -float(across[0])))
-            return Place(fillet, around, along, (x, y, z))
-    return Place("", math.nan, math.nan, (x, y, z))
+            return Place(fillet, around, along, (x, y, z), web)
+    return Place("", math.nan, math.nan, (x, y, z), web)
 
 
 def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:

@@ -23,6 +23,7 @@ from cranktopo.evaluate.unit_fields import FieldKind
 from cranktopo.loads.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.scene import Scene
+from cranktopo.scene.halves import require_equal_halves
 from cranktopo.units import NMM_PER_NM
 
 Array = NDArray[np.float64]
@@ -72,6 +73,7 @@ class Critical:
             "fillet": at.fillet or None,
             "around_deg": at.around_deg if at.fillet else None,
             "along_deg": at.along_deg if at.fillet else None,
+            "web": at.web or None,
             "point_mm": list(at.point_mm),
             "safety": self.safety,
             "amplitude_MPa": self.amplitude_MPa,
@@ -92,6 +94,8 @@ class FatigueField:
     Attributes:
         safety, amplitude_MPa, mean_MPa: at each node of each image, shape (images, n).
         elsewhere: point of least safety off them, on edges and pockets that the mesh does not resolve.
+        fillet_safety: least safety of the journals' and of the pin's fillets.
+        web_safety: least safety of the fillets of the first and of the second web where the halves differ.
     """
 
     model: StressModel
@@ -103,6 +107,7 @@ class FatigueField:
     critical: Critical
     elsewhere: Critical
     fillet_safety: dict[str, float]
+    web_safety: dict[str, float]
 
 
 def check_method(scene: Scene, method: str) -> None:
@@ -134,7 +139,8 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
     """Check everything that a user can get wrong, before the first solve.
 
     Raises:
-        CranktopoError: missing material data or loads, sharp fillets, or a body from CAD for the rule.
+        CranktopoError: missing material data or loads, sharp fillets, or for the rule a body from CAD or
+            halves that differ.
     """
     if method == "m53" and target.file is not None:
         raise CranktopoError(
@@ -143,6 +149,8 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
             hint="Take --method lsa or fkm, or give a design.",
             code=ExitCode.USAGE,
         )
+    if method == "m53":
+        require_equal_halves(target.scene)
     check_method(target.scene, method)
     check_fillets(target)
     load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
@@ -188,6 +196,8 @@ def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) 
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
     }
+    sides = {"first": ~model.on_second, "second": model.on_second} if model.whole else {}
+    webs = {web: float(safety[:, model.on_fillet & side].min()) for web, side in sides.items()}
     return FatigueField(
         model,
         method,
@@ -198,6 +208,7 @@ def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) 
         _critical(model, method, history, found, safety, model.on_fillet),
         _critical(model, method, history, found, safety, ~model.on_fillet),
         fillet,
+        webs,
     )
 
 

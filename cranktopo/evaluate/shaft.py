@@ -37,7 +37,6 @@ from cranktopo.loads.disk_chain import DiskChain
 from cranktopo.meshing.solid_mesh import MeshedThrow
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import LOADS, SHAFT, Assumption, among, assumed_json
-from cranktopo.scene.halves import require_equal_halves
 from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.units import MPA_PER_GPA
 
@@ -94,7 +93,6 @@ def evaluate_shaft(
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
     """
     scene = target.scene
-    require_equal_halves(scene)
     angles = scene.shaft_angles_deg
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
@@ -145,7 +143,7 @@ def _on_mesh(
 ) -> tuple[ShaftStiffness, float]:
     """Stiffnesses of the shaft, and the bound of their relative error by what the mesh itself misses, %."""
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
-    blocks = throw_blocks(model, scene, meshed.mesh.mirrored)
+    blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
     missed = missed_energies(model, meshed, [block for _, block in blocks], scene)
 
     turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.condense import RX, RZ, UX, UY, Condensed, Lateral, condense
 from cranktopo.evaluate.elasticity import Elasticity
-from cranktopo.frames import Parity
+from cranktopo.frames import Span
 from cranktopo.scene import Scene
 from cranktopo.units import NMM_PER_NM
 
@@ -21,7 +21,12 @@ Bearings = Literal["free", "rigid", "spring"]
 
 _MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 """Motion of the far section in the mirror z -> pitch - z of a motion of the near one."""
-_SIGNS: dict[Parity, int] = {"symmetric": 1, "antisymmetric": -1}
+_SPLITS: dict[Span, Array] = {
+    "symmetric": np.hstack([np.eye(6), _MIRROR]) / 2,
+    "antisymmetric": np.hstack([np.eye(6), -_MIRROR]) / 2,
+    "whole": np.eye(12),
+}
+"""What motions of both sections are motions of a block, (motions of the block, 12)."""
 _LENGTH_MM = 50.0
 """Scales rotations to displacements where a rank is decided."""
 
@@ -44,17 +49,24 @@ class ShaftStiffness:
         return {"end to end": self.end_to_end_Nm_per_rad, **throws}
 
 
-def throw_blocks(model: Elasticity, scene: Scene, mirrored: bool) -> list[tuple[Parity, Condensed]]:
+def throw_blocks(
+    model: Elasticity, scene: Scene, mirrored: bool, *, whole: bool = False
+) -> list[tuple[Span, Condensed]]:
     """The half throw condensed over all six motions of its section, symmetric and antisymmetric.
+
+    Args:
+        mirrored: the model is the half x >= 0 of it.
+        whole: the model is the whole throw, condensed over the motions of both sections.
 
     Raises:
         CranktopoError: a failed solve.
     """
     laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
-    return [(parity, condense(model, scene, parity, lateral)) for parity in _SIGNS for lateral in laterals]
+    spans: tuple[Span, ...] = ("whole",) if whole else ("symmetric", "antisymmetric")
+    return [(span, condense(model, scene, span, lateral)) for span in spans for lateral in laterals]
 
 
-def throw_matrix(blocks: Sequence[tuple[Parity, Condensed]], forms: Sequence[Array] | None = None) -> Array:
+def throw_matrix(blocks: Sequence[tuple[Span, Condensed]], forms: Sequence[Array] | None = None) -> Array:
     """Stiffness of the full throw over the six motions of its near and then its far section, (12, 12).
 
     Each section moves in its own axes, parallel to those of the throw; units mm, rad, N, N mm.
@@ -64,10 +76,10 @@ def throw_matrix(blocks: Sequence[tuple[Parity, Condensed]], forms: Sequence[Arr
         forms: another form of each block, over its motions first.
     """
     total = np.zeros((12, 12))
-    for (parity, block), form in zip(blocks, forms or [b.stiffness for _, b in blocks], strict=True):
+    for (span, block), form in zip(blocks, forms or [b.stiffness for _, b in blocks], strict=True):
         count = len(block.motions)
-        split = np.hstack([np.eye(6), _SIGNS[parity] * _MIRROR])[list(block.motions)] / 2
-        total += 2 * split.T @ form[:count, :count] @ split
+        split = _SPLITS[span][list(block.motions)]
+        total += block.copies * split.T @ form[:count, :count] @ split
     return total
 
 

@@ -14,14 +14,14 @@ from cranktopo.errors import CranktopoError, ExitCode, invalid
 from cranktopo.evaluate.elasticity import assemble
 from cranktopo.evaluate.equivalent import principal_stresses, von_mises
 from cranktopo.evaluate.evaluation import meshed_throw_kg
-from cranktopo.evaluate.fillets import fillet_nodes
+from cranktopo.evaluate.fillets import Fillet, fillet_nodes
 from cranktopo.evaluate.stress import nodal_stress
 from cranktopo.evaluate.surface import Surface, SurfaceStress, outer_surface, surface_stress
 from cranktopo.evaluate.targets import Target
 from cranktopo.evaluate.unit_fields import FieldKind, UnitField, unit_fields
 from cranktopo.meshing.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.scene import Scene
-from cranktopo.scene.halves import require_equal_halves
+from cranktopo.scene.halves import halves
 from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.units import MPA_PER_GPA
 
@@ -99,9 +99,12 @@ class Image:
 class StressModel:
     """Stresses of unit loads on the surface of the half throw, or of its half x >= 0.
 
+    Of a throw whose halves differ it is the whole one, with the fillets of both webs.
+
     Attributes:
         stress: of each field per unit load.
         on_journal, on_pin: which surface nodes lie on the fillets, shape (n,).
+        whole: the model is the whole throw.
     """
 
     name: str
@@ -114,6 +117,12 @@ class StressModel:
     on_journal: NDArray[np.bool_]
     on_pin: NDArray[np.bool_]
     quality: Quality
+    whole: bool = False
+
+    @property
+    def on_second(self) -> NDArray[np.bool_]:
+        """Which surface nodes are beyond the middle of the crankpin."""
+        return self.surface.points_mm[2] > halves(self.scene)[0].pitch_mm / 2
 
     @property
     def on_fillet(self) -> NDArray[np.bool_]:
@@ -138,12 +147,13 @@ def solve_stresses(
     began_solving = time.perf_counter()
     youngs = material.E_GPa * MPA_PER_GPA
     model = assemble(meshed.mesh, youngs, material.poisson)
-    fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds)
+    fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds, whole=meshed.whole)
     found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, material.poisson)
-    planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
+    end = scene.pitch_mm if meshed.whole else scene.pitch_mm / 2
+    planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
     surface = outer_surface(model, found.elements, tuple(planes))
     stress = surface_stress(model, surface, found)
-    journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
+    journal, pin = (_on_fillet(scene, meshed.whole, name, surface.points_mm) for name in ("journal", "pin"))
     seconds = (began_solving - start, time.perf_counter() - began_solving)
     return StressModel(
         target.name,
@@ -152,11 +162,22 @@ def solve_stresses(
         tuple(f.kind for f in fields),
         surface,
         stress,
-        images_of(fields, meshed.mesh.mirrored),
+        images_of(fields, meshed.mesh.mirrored, whole=meshed.whole),
         journal,
         pin,
         _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1], seconds),
+        meshed.whole,
     )
+
+
+def _on_fillet(scene: Scene, whole: bool, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
+    """Which points (3, n) lie on a fillet of the half throw, or on either of the whole one."""
+    near, far = halves(scene)
+    found = fillet_nodes(near, fillet, points_mm)
+    if whole:
+        x, y, z = points_mm
+        found |= fillet_nodes(far, fillet, np.stack([x, y, scene.pitch_mm - z]))
+    return found
 
 
 def check_fillets(target: Target) -> None:
@@ -206,8 +227,8 @@ def _step_of(target: Target) -> Path:
 def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]:
     """Mesh of a target for stresses, and its scene with the fillets that the mesh has."""
     scene = target.scene
-    require_equal_halves(scene)
-    size = min(default_element_size_mm(scene), scene.web.thickness_mm / _ACROSS_WEB)
+    thinner = min(half.web.thickness_mm for half in halves(scene))
+    size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
     if target.file is None:
         check_fillets(target)
         return mesh_throw(scene, size, fillet_fraction=fillet_fraction), scene
@@ -216,14 +237,14 @@ def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]
     return mesh_step_for_stress(_step_of(target), scene, size, fillet_fraction, target.align)
 
 
-def images_of(fields: Sequence[UnitField], mirrored: bool) -> tuple[Image, ...]:
-    """The mirror images of the model that make up the throw."""
+def images_of(fields: Sequence[UnitField], mirrored: bool, *, whole: bool = False) -> tuple[Image, ...]:
+    """The mirror images of the model that make up the throw; a whole one has none along the shaft."""
     sign_x = np.array([f.sign_x for f in fields], dtype=float)
     sign_z = np.array([f.sign_z for f in fields], dtype=float)
     one = np.ones(len(fields))
     return tuple(
         Image(x, z, (sign_x if x else one) * (sign_z if z else one))
-        for z in (False, True)
+        for z in ((False,) if whole else (False, True))
         for x in ((False, True) if mirrored else (False,))
     )
 

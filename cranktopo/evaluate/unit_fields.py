@@ -1,4 +1,4 @@
-"""Displacement fields of the half throw under unit loads: every load state is a sum of them, no new solve."""
+"""Displacement fields of the half or whole throw under unit loads: load states are sums, no new solve."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import RX, Condensed, Lateral, condense
+from cranktopo.evaluate.condense import RX, Condensed, Lateral, condense, loaded_mm
 from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
 from cranktopo.evaluate.side_by_side import side_by_side
-from cranktopo.evaluate.support_stiffness import bending_motion, torsion_motion
-from cranktopo.frames import Parity
+from cranktopo.evaluate.support_stiffness import bending_motion, torque_ends, torsion_motion
+from cranktopo.frames import Span
 from cranktopo.loads.bearings import required_bearing_spring_N_per_mm
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.scene import Scene
@@ -27,7 +27,7 @@ FieldKind = LoadKind | Literal["moment"]
 
 @dataclass(frozen=True)
 class UnitField:
-    """Displacement of the half throw, or of its half x >= 0, under one unit load of the full throw.
+    """Displacement of the half or whole throw, or of its half x >= 0, under one unit load of the full throw.
 
     Attributes:
         kind: "moment" 1 N mm about +x on the near section and its opposite on the far one (four-point
@@ -35,7 +35,7 @@ class UnitField:
             at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
             "centrifugal" 1 rad2/s2 about the crank axis.
         sign_x: +1 if the load is its own mirror image in x, -1 if its opposite.
-        sign_z: the same for the mirror at the mid-pin plane.
+        sign_z: the same for the mirror at the mid-pin plane; a whole throw is not mirrored there.
     """
 
     kind: FieldKind
@@ -45,9 +45,13 @@ class UnitField:
 
 
 def unit_fields(
-    model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind]
+    model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind], *, whole: bool = False
 ) -> tuple[UnitField, ...]:
     """Displacement fields of the load kinds that are asked for; the others cost no solve.
+
+    Args:
+        mirrored: the model is the half x >= 0.
+        whole: the model is the whole throw, of which no moment is asked.
 
     Returns:
         The fields in the order moment, bending, tangential, torsion, centrifugal.
@@ -55,13 +59,33 @@ def unit_fields(
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
     """
-    symmetric, twist = side_by_side(
-        lambda: _symmetric(model, scene, mirrored, set(kinds)),
-        lambda: _twisted(model, scene, mirrored) if "torsion" in kinds else {},
-    )
-    fields = {**symmetric, **twist}
+    if whole:
+        fields = _of_whole(model, scene, mirrored, set(kinds))
+    else:
+        symmetric, twist = side_by_side(
+            lambda: _symmetric(model, scene, mirrored, set(kinds)),
+            lambda: _twisted(model, scene, mirrored) if "torsion" in kinds else {},
+        )
+        fields = {**symmetric, **twist}
     order: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
     return tuple(fields[kind] for kind in order if kind in fields)
+
+
+def _of_whole(
+    model: Elasticity, scene: Scene, mirrored: bool, kinds: set[FieldKind]
+) -> dict[FieldKind, UnitField]:
+    """Fields of a whole throw: one condensation per lateral parity has all its loads."""
+    sides: tuple[tuple[Lateral, tuple[FieldKind, ...]], ...] = (
+        ("none", ("bending", "tangential", "torsion", "centrifugal")),
+    )
+    if mirrored:
+        sides = (("even", ("bending", "centrifugal")), ("odd", ("tangential", "torsion")))
+    found: dict[FieldKind, UnitField] = {}
+    for lateral, possible in sides:
+        wanted = [kind for kind in possible if kind in kinds]
+        if wanted:
+            found |= _loaded(model, scene, "whole", lateral, wanted)
+    return found
 
 
 def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
@@ -69,8 +93,10 @@ def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind,
 
 
 def twisted(block: Condensed, scene: Scene) -> UnitField:
-    """Field of a unit torque from the antisymmetric condensation."""
-    motion = torsion_motion(block, scene.supports.torsion, support_spring(scene, scene.supports.torsion))
+    """Field of a unit torque from the antisymmetric condensation, or that of a whole throw."""
+    spring, ends = support_spring(scene, scene.supports.torsion), torque_ends(block)
+    near = ends if block.copies == 2 else -ends
+    motion = torsion_motion(block, scene.supports.torsion, spring, near)
     return UnitField("torsion", _units(block) @ motion, -1, -1)
 
 
@@ -92,18 +118,20 @@ def _symmetric(
 
 
 def _loaded(
-    model: Elasticity, scene: Scene, parity: Parity, lateral: Lateral, kinds: list[FieldKind]
+    model: Elasticity, scene: Scene, span: Span, lateral: Lateral, kinds: list[FieldKind]
 ) -> dict[FieldKind, UnitField]:
     """Fields of some loads from one condensation, which holds the radial load already."""
-    parts = 1 if lateral == "none" else 2
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
-    forces = [_force(model, scene, kind, parts) for kind in further]
-    block = condense(model, scene, parity, lateral, np.column_stack(forces) if forces else None)
-    return loaded(block, scene, kinds)
+    forces = [_force(model, scene, kind, span, lateral) for kind in further]
+    block = condense(model, scene, span, lateral, np.column_stack(forces) if forces else None)
+    found = loaded(block, scene, [kind for kind in kinds if kind != "torsion"])
+    if "torsion" in kinds:
+        found["torsion"] = twisted(block, scene)
+    return found
 
 
 def loaded(block: Condensed, scene: Scene, kinds: Collection[FieldKind]) -> dict[FieldKind, UnitField]:
-    """Fields of some loads from a symmetric condensation.
+    """Fields of some loads from a symmetric condensation, or that of a whole throw.
 
     Args:
         kinds: those of `tangential` and `centrifugal` are the block's further loads, in this order.
@@ -112,7 +140,8 @@ def loaded(block: Condensed, scene: Scene, kinds: Collection[FieldKind]) -> dict
     turn = np.array([1.0 if m == RX else 0.0 for m in block.motions])
     cases: dict[FieldKind, tuple[Array, Array]] = {"moment": (np.zeros(len(block.displacement)), turn)}
     if "bending" in kinds:
-        cases["bending"] = (block.displacement[:, len(block.motions)] / (2 * block.parts), block.load / 2)
+        field = block.displacement[:, len(block.motions)]
+        cases["bending"] = (field / (block.copies * block.parts), block.load / block.copies)
     start = block.displacement.shape[1] - len(further)
     for column, kind in enumerate(further):
         cases[kind] = (block.displacement[:, start + column], block.further[:, column])
@@ -120,17 +149,20 @@ def loaded(block: Condensed, scene: Scene, kinds: Collection[FieldKind]) -> dict
     found: dict[FieldKind, UnitField] = {}
     for kind in kinds:
         fixed, force = cases[kind]
-        turning = kind != "tangential"
+        sideways = kind == "tangential"
+        # Held, the half takes its half of the torque; a whole throw that may turn takes equal ones.
+        turning = not sideways or block.copies == 1
         motion = bending_motion(block, force, scene.supports.bending, spring, turning=turning)
-        found[kind] = UnitField(kind, fixed + _units(block) @ motion, 1 if turning else -1, 1)
+        found[kind] = UnitField(kind, fixed + _units(block) @ motion, -1 if sideways else 1, 1)
     return found
 
 
-def _force(model: Elasticity, scene: Scene, kind: FieldKind, parts: int) -> Array:
-    """Nodal forces on the model of a unit load of the full throw; the model is one of 2 parts of it."""
+def _force(model: Elasticity, scene: Scene, kind: FieldKind, span: Span, lateral: Lateral) -> Array:
+    """Nodal forces on the model of a unit load of the full throw, which models like it make up."""
     if kind == "centrifugal":
         return centrifugal_force(model, density_tonne_per_mm3(scene.material.density_kg_m3))
-    return mean_displacement(model, axis=0, z_from_mm=scene.web_z_mm[1]) / (2 * parts)
+    models = (1 if span == "whole" else 2) * (1 if lateral == "none" else 2)
+    return mean_displacement(model, 0, *loaded_mm(scene, span == "whole")) / models
 
 
 def _units(block: Condensed) -> Array:

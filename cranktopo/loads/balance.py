@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.scene import Scene
 from cranktopo.scene.drilling_moments import drilled
@@ -17,6 +18,8 @@ from cranktopo.scene.geometry import Journal
 from cranktopo.scene.halves import of_halves
 from cranktopo.scene.web_moments import Moments, bolted_mass, counterweight_mass, web_moments
 from cranktopo.units import density_kg_per_mm3
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,9 @@ class ThrowBalance:
         rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin, kg mm.
         inertia_kg_mm2: inertia of the throw about the crank axis, kg mm2.
         rod_inertia_kg_mm2: what the rotating mass of the rod adds to it, kg mm2.
-        own_counterweight_kg: mass that the counterweight adds to one web, of two webs the first, kg.
-        own_counterweight_kg_mm: unbalance that the counterweights of both webs take away, kg mm.
+        web_kg_mm: unbalance of each web with its counterweight, first and second, kg mm.
+        own_counterweights_kg: mass that its counterweight adds to each web, kg.
+        own_counterweights_kg_mm: unbalance that its counterweight takes away from each web, kg mm.
     """
 
     mass_kg: float
@@ -47,8 +51,14 @@ class ThrowBalance:
     rotating_unbalance_kg_mm: float
     inertia_kg_mm2: float
     rod_inertia_kg_mm2: float
-    own_counterweight_kg: float
-    own_counterweight_kg_mm: float
+    web_kg_mm: tuple[float, float]
+    own_counterweights_kg: tuple[float, float]
+    own_counterweights_kg_mm: tuple[float, float]
+
+    @property
+    def own_counterweight_kg_mm(self) -> float:
+        """Unbalance that the counterweights of both webs take away, kg mm."""
+        return sum(self.own_counterweights_kg_mm)
 
     @property
     def counterweight_kg_mm(self) -> float:
@@ -65,7 +75,8 @@ class ThrowBalance:
             "inertia_kg_mm2": self.inertia_kg_mm2,
             "counterweight_kg_mm": self.counterweight_kg_mm,
             "own_counterweight_kg_mm": self.own_counterweight_kg_mm,
-            "own_counterweight_kg": self.own_counterweight_kg,
+            "own_counterweight_kg": self.own_counterweights_kg[0],
+            "own_second_counterweight_kg": self.own_counterweights_kg[1],
             "throw_unbalance_kg_mm": self.throw_unbalance_kg_mm,
             "lateral_unbalance_kg_mm": self.lateral_unbalance_kg_mm,
             "rod_inertia_kg_mm2": self.rod_inertia_kg_mm2,
@@ -87,7 +98,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     fillets = near.fillets + far.fillets
     total = journal + crankpin + fillets + near.web + far.web
     rod_kg = scene.engine.rod_rotating_kg * scene.engine.rods_per_pin if scene.engine else 0.0
-    own = near.counterweight + far.counterweight
+    own = near.counterweight, far.counterweight
     return ThrowBalance(
         mass_kg=total.volume,
         web_kg=near.web.volume,
@@ -99,8 +110,9 @@ def throw_balance(scene: Scene) -> ThrowBalance:
         rotating_unbalance_kg_mm=total.first_y + rod_kg * radius,
         inertia_kg_mm2=total.polar,
         rod_inertia_kg_mm2=rod_kg * radius**2,
-        own_counterweight_kg=near.counterweight.volume,
-        own_counterweight_kg_mm=0.0 - own.first_y,
+        web_kg_mm=(near.web.first_y, far.web.first_y),
+        own_counterweights_kg=(own[0].volume, own[1].volume),
+        own_counterweights_kg_mm=(0.0 - own[0].first_y, 0.0 - own[1].first_y),
     )
 
 
@@ -138,14 +150,20 @@ def _cylinder(journal: Journal, y: float) -> Moments:
     return Moments(area, 0.0, area * y, own_polar + area * y**2).times(journal.length_mm)
 
 
-def _fillets(journal: Journal, y: float) -> Moments:
-    """Moments of the two fillet rings of a journal: a corner less a quarter ellipse, revolved."""
-    fillet, radius = journal.fillet, journal.radius_mm
+def fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
+    """Sections of a fillet ring for its integrals, mm: outer radius, height, distance from the web's face."""
+    fillet = journal.fillet
     nodes, weights = np.polynomial.legendre.leggauss(32)
     angle = np.pi / 4 * (nodes + 1)
     # Along the arc the ring reaches from the journal to `edge`, over the axial step dz = axial sin(a) da.
-    edge = radius + fillet.radial_mm * (1 - np.sin(angle))
+    edge = journal.radius_mm + fillet.radial_mm * (1 - np.sin(angle))
     dz = fillet.axial_mm * np.sin(angle) * weights * np.pi / 4
+    return edge, dz, fillet.axial_mm * (1 - np.cos(angle))
+
+
+def _fillets(journal: Journal, y: float) -> Moments:
+    """Moments of the two fillet rings of a journal: a corner less a quarter ellipse, revolved."""
+    radius, (edge, dz, _) = journal.radius_mm, fillet_ring(journal)
     volume = 2 * float((math.pi * (edge**2 - radius**2) * dz).sum())
     own_polar = 2 * float((math.pi / 2 * (edge**4 - radius**4) * dz).sum())
     return Moments(volume, 0.0, volume * y, own_polar + volume * y**2)

@@ -18,6 +18,7 @@ from cranktopo.loads.analysis import engine_of
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.engine_layout import EngineLayout, engine_layout, unit_vectors
 from cranktopo.loads.kinematics import Array, acceleration_harmonics
+from cranktopo.loads.throw_couple import throw_couple_kg_mm2
 from cranktopo.scene import Scene
 from cranktopo.units import MM_PER_M, angular_speed_rad_s
 
@@ -104,14 +105,16 @@ class Counterweight:
 
     Attributes:
         throw: number of its throw.
+        web_kg_mm: unbalance of the web alone as it is, along its throw.
         own_kg_mm: what its counterweight in the scene takes already.
-        unbalance_kg_mm, deg: so that each throw is balanced on its own.
+        unbalance_kg_mm, deg: so that each throw is balanced on its own, its couple included.
         shaft_unbalance_kg_mm, shaft_deg: the least (sum of squares) that leaves the whole shaft without free
             force and moment, whatever it bends.
     """
 
     web: int
     throw: int
+    web_kg_mm: float
     own_kg_mm: float
     unbalance_kg_mm: float
     deg: float
@@ -125,7 +128,9 @@ class TurningMasses:
 
     Attributes:
         throw_kg_mm: rotating unbalance of each throw with its rods, kg mm, real along the throw.
-        own_kg_mm: unbalance that the counterweights of both webs of a throw take already, kg mm.
+        couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves.
+        web_kg_mm: unbalance of either web of a throw alone, kg mm.
+        own_kg_mm: unbalance that the counterweight of either web takes already, kg mm.
         piston_kg_mm: oscillating mass of one cylinder times the throw radius, kg mm.
         share: of the oscillating masses that counterweights balance.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
@@ -134,7 +139,9 @@ class TurningMasses:
 
     layout: EngineLayout
     throw_kg_mm: complex
-    own_kg_mm: float
+    couple_kg_mm2: complex
+    web_kg_mm: tuple[float, float]
+    own_kg_mm: tuple[float, float]
     piston_kg_mm: float
     share: float
     harmonics: Array
@@ -146,6 +153,12 @@ class TurningMasses:
         rods = len(self.layout.throw_of) // len(self.layout.throw_deg)
         return self.throw_kg_mm + self.share * rods * self.piston_kg_mm
 
+    def on_webs(self, force: complex, couple: complex) -> tuple[complex, complex]:
+        """What both webs of a throw carry of a force in the plane of its cylinder and a couple about it."""
+        near, far = self.layout.web_places_mm
+        apart = far - near
+        return far / apart * force - couple / apart, -near / apart * force + couple / apart
+
 
 def turning_masses(scene: Scene) -> TurningMasses:
     """The masses of a scene's engine at its speed; raises CranktopoError where there is no engine."""
@@ -153,7 +166,9 @@ def turning_masses(scene: Scene) -> TurningMasses:
     return TurningMasses(
         layout=engine_layout(scene),
         throw_kg_mm=complex(balance.rotating_unbalance_kg_mm, balance.lateral_unbalance_kg_mm),
-        own_kg_mm=balance.own_counterweight_kg_mm,
+        couple_kg_mm2=throw_couple_kg_mm2(scene),
+        web_kg_mm=balance.web_kg_mm,
+        own_kg_mm=balance.own_counterweights_kg_mm,
         piston_kg_mm=engine.reciprocating_kg * radius,
         share=engine.arranged.balanced_oscillating_share,
         harmonics=acceleration_harmonics(radius, engine.rod_length_mm, ORDERS),
@@ -165,7 +180,14 @@ def rotating_force(masses: TurningMasses, counterweighted: bool = False) -> Free
     """Free force and moment of all that turns with the shaft, with its counterweights or as it is."""
     throw = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     parts = unit_vectors(masses.layout.throw_deg) * throw * masses.w2 / MM_PER_M
-    return _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm)
+    found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm)
+    return found if counterweighted else found + _tumbling(masses)
+
+
+def _tumbling(masses: TurningMasses) -> FreeForce:
+    """The couples of all throws; counterweights take them."""
+    couples = unit_vectors(masses.layout.throw_deg) * masses.couple_kg_mm2 * masses.w2 / MM_PER_M**2
+    return FreeForce(1, Ellipse(), Ellipse(_sum(couples)))
 
 
 def oscillating_force(masses: TurningMasses, order: int) -> FreeForce:
@@ -191,18 +213,24 @@ def free_forces(masses: TurningMasses, counterweighted: bool = False) -> tuple[F
 def counterweights(masses: TurningMasses) -> tuple[Counterweight, ...]:
     """What every web needs, from the free end.
 
-    For the shaft, u = a + b z at each web, z its place, is the least of all that leave neither force nor
-    moment.
+    For the shaft, u = a + b z at each web, z its place from the middle of all webs, is the least of all that
+    leave neither force nor moment.
     """
-    layout = masses.layout
-    throw = -masses.counterweight_kg_mm * unit_vectors(layout.throw_angle_deg)
-    own = np.repeat(throw, 2) / 2
-    z = layout.web_z_mm
-    mean, slope = _sum(throw) / len(z), _sum(throw * layout.throw_z_mm) / (z**2).sum()
-    shaft = mean + slope * z
+    layout, along = masses.layout, unit_vectors(masses.layout.throw_angle_deg)
+    throw, couple = -masses.counterweight_kg_mm * along, -masses.couple_kg_mm2 * along
+    own = np.outer(along, masses.on_webs(-masses.counterweight_kg_mm, -masses.couple_kg_mm2)).ravel()
+    middle = _sum(layout.web_z_mm.astype(np.complex128)).real / len(own)
+    z = layout.web_z_mm - middle
+    moment = _sum(np.array([_sum(throw * (layout.throw_z_mm - middle)), _sum(couple)]))
+    shaft = _sum(throw) / len(z) + moment / (z**2).sum() * z
     return tuple(
         Counterweight(
-            index + 1, index // 2 + 1, masses.own_kg_mm / 2, *_polar(own[index]), *_polar(shaft[index])
+            index + 1,
+            index // 2 + 1,
+            masses.web_kg_mm[index % 2],
+            masses.own_kg_mm[index % 2],
+            *_polar(own[index]),
+            *_polar(shaft[index]),
         )
         for index in range(len(z))
     )
@@ -225,7 +253,8 @@ def inner_moment(masses: TurningMasses, weights: Sequence[Counterweight] = ()) -
     """Largest inner bending moment of the shaft as a beam on its two outer main bearings.
 
     Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Forces
-    act at the middle of throws and webs, so that the moment is largest at one of them.
+    act in the planes of the cylinders and the middle of the webs, these with the couple of their throw, so
+    that the moment is largest at one of them.
 
     Args:
         weights: what is added to the webs' own counterweights; what each throw needs is taken.
@@ -233,10 +262,12 @@ def inner_moment(masses: TurningMasses, weights: Sequence[Counterweight] = ()) -
     layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
     z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])
     along = unit_vectors(layout.throw_angle_deg)
-    webs = np.repeat(-masses.own_kg_mm / 2 * along, 2)
+    taken = sum(own * place for own, place in zip(masses.own_kg_mm, layout.web_places_mm, strict=True))
+    own = np.array(masses.on_webs(0j, masses.couple_kg_mm2 + taken)) - np.array(masses.own_kg_mm)
+    webs = np.outer(along, own).ravel()
     for weight in weights:
         webs[weight.web - 1] += weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg))
-    force = np.concatenate([(masses.throw_kg_mm + masses.own_kg_mm) * along, webs]) * per_kg_mm
+    force = np.concatenate([(masses.throw_kg_mm + sum(masses.own_kg_mm)) * along, webs]) * per_kg_mm
     first = layout.bearing_z_mm[0]
     reaction = (force * (layout.bearing_z_mm[-1] - z)).sum() / layout.length_mm
     arms = np.maximum(z[:, None] - z[None, :], 0.0)

@@ -14,7 +14,7 @@ import numpy as np
 from cranktopo.loads.analysis import engine_of
 from cranktopo.loads.kinematics import Array
 from cranktopo.scene import Scene
-from cranktopo.scene.halves import require_equal_halves
+from cranktopo.scene.halves import halves
 
 
 @dataclass(frozen=True)
@@ -25,10 +25,11 @@ class EngineLayout:
         throw_of: index of each cylinder's throw.
         throw_angle_deg: angle of each throw from the first one: fixed in the shaft.
         throw_deg: direction of each throw.
+        throw_z_mm: plane of each throw's cylinder, between its two rods where it has two.
         axis_deg: direction of each cylinder's axis, from the crank axis to the piston.
         firing_deg: crank angle at which each cylinder fires.
-        web_z_mm: middle of each web, two per throw.
-        bearing_z_mm: middle of each main bearing, one more than throws.
+        web_places_mm: middle of either web of a throw from the plane of its cylinder.
+        bearing_z_mm: each main bearing, one more than throws, where neighbouring throws meet.
     """
 
     throw_of: tuple[int, ...]
@@ -38,8 +39,13 @@ class EngineLayout:
     axis_deg: Array
     firing_deg: Array
     cylinder_z_mm: Array
-    web_z_mm: Array
+    web_places_mm: tuple[float, float]
     bearing_z_mm: Array
+
+    @property
+    def web_z_mm(self) -> Array:
+        """Middle of each web, two per throw."""
+        return (self.throw_z_mm[:, None] + np.array(self.web_places_mm)).ravel()
 
     @property
     def length_mm(self) -> float:
@@ -48,13 +54,13 @@ class EngineLayout:
 
 
 def engine_layout(scene: Scene) -> EngineLayout:
-    """The layout of a scene's engine; raises CranktopoError where there is none, or halves differ."""
-    require_equal_halves(scene)
-    engine = engine_of(scene)
+    """The layout of a scene's engine; raises CranktopoError where there is none."""
+    engine, both = engine_of(scene), halves(scene)
     arranged, throws, numbers = engine.arranged, engine.throws, range(1, engine.cylinders + 1)
     pitch = arranged.cylinder_pitch_mm or scene.pitch_mm
-    throw_z = (np.arange(throws, dtype=np.float64) - (throws - 1) / 2) * pitch
-    web_mm = (scene.throw.crankpin.length_mm + scene.web.thickness_mm) / 2
+    aside_mm = (both[0].pitch_mm - both[1].pitch_mm) / 4  # of the cylinder, from the middle of the throw
+    throw_z = (np.arange(throws, dtype=np.float64) - (throws - 1) / 2) * pitch + aside_mm
+    near_mm, far_mm = ((half.throw.crankpin.length_mm + half.web.thickness_mm) / 2 for half in both)
     throw_of = tuple(engine.throw_of(number) for number in numbers)
     axis = np.array([engine.axis_deg(number) for number in numbers]) - engine.bank_angle_deg / 2
     side = np.array([1.0 if number > throws else -1.0 for number in numbers])
@@ -67,7 +73,7 @@ def engine_layout(scene: Scene) -> EngineLayout:
         axis_deg=axis,
         firing_deg=np.array(engine.firing_angles_deg),
         cylinder_z_mm=throw_z[list(throw_of)] + side * scene.rod_offset_mm / 2,
-        web_z_mm=(throw_z[:, None] + web_mm * np.array([-1.0, 1.0])).ravel(),
+        web_places_mm=(-near_mm, far_mm),
         bearing_z_mm=(np.arange(throws + 1, dtype=np.float64) - throws / 2) * pitch,
     )
 

@@ -51,7 +51,7 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     """Loads of the main bearings of a scene at its engine's speed.
 
     A rod's force, gas and inertia, acts in the middle of its part of the pin and is shared by the bearings on
-    both sides by the lever rule; so is what turns with the throw.
+    both sides by the lever rule; so is what turns with the throw. Its couple is a pair of forces on them.
 
     Raises:
         CranktopoError: gas data that cannot be used.
@@ -64,8 +64,10 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
         fired = later(rod, angle, fires, engine.cycle_deg)
         _share(load, layout.bearing_z_mm, throw, z, directions[throw] * fired)
     spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
+    couple = 0j if counterweighted else masses.couple_kg_mm2
     for throw, z in enumerate(layout.throw_z_mm):
         _share(load, layout.bearing_z_mm, throw, z, directions[throw] * spinning * masses.w2 / MM_PER_M)
+        _pair(load, layout.bearing_z_mm, throw, directions[throw] * couple * masses.w2 / MM_PER_M)
     return MainBearings(angle, load * unit_vectors(angle), gas)
 
 
@@ -93,3 +95,10 @@ def _share(load: Complex, bearing_z_mm: Array, throw: int, z_mm: float, force: C
     part = (z_mm - before) / (behind - before)
     load[throw] += (1 - part) * force
     load[throw + 1] += part * force
+
+
+def _pair(load: Complex, bearing_z_mm: Array, throw: int, couple_N_mm: complex) -> None:
+    """Add a couple of a throw, the sum of place times force, to the bearings on both sides of it."""
+    force = couple_N_mm / (bearing_z_mm[throw + 1] - bearing_z_mm[throw])
+    load[throw] -= force
+    load[throw + 1] += force

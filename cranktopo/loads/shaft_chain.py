@@ -8,7 +8,11 @@ from dataclasses import dataclass, field
 
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.disk_chain import DiskChain
-from cranktopo.loads.torsional_stiffness import journal_torsion_modulus_mm3, throw_stiffness_Nm_per_rad
+from cranktopo.loads.torsional_stiffness import (
+    first_half_share,
+    journal_torsion_modulus_mm3,
+    throw_stiffness_Nm_per_rad,
+)
 from cranktopo.scene import Scene
 from cranktopo.scene.shaft_table import Coupling, Damper, Propeller, Rotor, ShaftTable
 from cranktopo.units import MM2_PER_M2, NMM_PER_NM
@@ -130,22 +134,23 @@ def shaft_chain(
 ) -> ShaftChain:
     """The chain of a scene's shaft: one disk per throw in the plane of its crankpin.
 
-    The halves of neighbouring throws are springs in series; a half throw joins the ends. What is joined
-    rigidly is one disk.
+    The halves of neighbouring throws are springs in series; a half throw joins the ends. Halves that differ
+    share the twist of their throw as their closed form has it. What is joined rigidly is one disk.
     """
     shaft = scene.shaft or ShaftTable()
     inertia = (throw_inertia_kg_mm2 + moving_inertia_kg_mm2(scene)) / MM2_PER_M2
-    halves = [2 * k * (1 + 1j * shaft.throw_loss_factor) for k in throws_Nm_per_rad]
+    share, lossy = first_half_share(scene), 1 + 1j * shaft.throw_loss_factor
+    near, far = ([k / part * lossy for k in throws_Nm_per_rad] for part in (share, 1 - share))
     row = _Row()
     nose = _add_free_end(row, shaft)
     first = len(row.names)
-    for number, half in enumerate(halves, start=1):
-        spring = _series(nose if number == 1 else halves[number - 2], half)
+    for number, half in enumerate(near, start=1):
+        spring = _series(nose if number == 1 else far[number - 2], half)
         relative = shaft.throw_damping_Nms_per_rad if number > 1 else 0.0
         row.add(f"throw {number}", inertia, spring, relative, shaft.cylinder_damping_Nms_per_rad)
-    _add_takeoff(row, shaft, halves[-1])
+    _add_takeoff(row, shaft, far[-1])
     modulus = min(journal_torsion_modulus_mm3(j) for j in (scene.throw.main_journal, scene.throw.crankpin))
-    return ShaftChain(row.chain(), tuple(row.names), first, len(halves), modulus)
+    return ShaftChain(row.chain(), tuple(row.names), first, len(near), modulus)
 
 
 def _add_free_end(row: _Row, shaft: ShaftTable) -> complex | None:

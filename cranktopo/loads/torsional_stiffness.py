@@ -47,6 +47,12 @@ def throw_torsion_rad_per_Nmm(scene: Scene) -> float:
     return sum(of_halves(scene, _half_torsion)) / 2
 
 
+def first_half_share(scene: Scene) -> float:
+    """Share of a throw's twist that is in its first half, in closed form; one half where both are alike."""
+    near, far = of_halves(scene, _half_torsion)
+    return near / (near + far)
+
+
 def _half_torsion(scene: Scene) -> float:
     main, pin = (shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
     g = scene.material.E_GPa * MPA_PER_GPA / (2 * (1 + scene.material.poisson))

@@ -47,7 +47,7 @@ def study_accuracy(
     Raises:
         CranktopoError: no such target, or a folder that cannot be written.
     """
-    resolved = resolve_target(target, design) if isinstance(target, str) else target
+    resolved = resolve_target(target, design, whole=True) if isinstance(target, str) else target
     folder = out or _folder(resolved)
     check_folder(folder)
     print_assumed([resolved], EVALUATED, info)

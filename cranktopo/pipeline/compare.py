@@ -22,9 +22,11 @@ from cranktopo.report.comparison import Comparison, Entry, check_same_supports, 
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
 from cranktopo.report.pages.report_file import check_report_path, write_report
 from cranktopo.report.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
+from cranktopo.report.tables.fatigue_tables import FatigueComparison
 from cranktopo.report.tables.undercut_table import DesignUndercuts
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.scene import Scene
+from cranktopo.scene.halves import difference, drilled_alike, halves
 from cranktopo.scene.scale import usual_scale
 from cranktopo.store import Json
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
@@ -56,6 +58,8 @@ def compare_targets(
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
 
+    Throws whose halves differ have no fatigue safety by the rule M53, which is told of half a throw.
+
     Args:
         names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
             them where it is not among them.
@@ -69,19 +73,41 @@ def compare_targets(
     given = with_picks(names)
     every = given if baseline in given else [baseline, *given]
     index = every.index(baseline)
-    targets = resolve_targets(every, design, align=align)
+    targets = resolve_targets(every, design, align=align, whole=True)
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     safety = None
     if fatigue is not None:
-        filleted = resolve_targets(every, design, fillets=True, align=align)
-        safety = assess_fatigue(filleted, fatigue, baseline=index, info=info).compared()
+        filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
+        safety = _fatigue(filleted, fatigue, index, info)
     found = evaluate_targets(targets, wanted, info)
     published = [None if target.file else target.scene.published for target in targets]
-    safeties = safety.safeties if safety else [None] * len(targets)
-    entries = [Entry(*parts) for parts in zip(found.evaluations, published, safeties, strict=True)]
+    safeties = iter(safety.safeties if safety else ())
+    entries = [
+        Entry(evaluation, printed, None if fatigue and _refused(target, fatigue) else next(safeties, None))
+        for target, evaluation, printed in zip(targets, found.evaluations, published, strict=True)
+    ]
     comparison = compare(entries, entries[index].name, safety)
     comparison = replace(comparison, goals=evaluated_goals(targets, entries, index))
     return ComparedTargets(comparison, tuple(targets), found.missed)
+
+
+def _fatigue(
+    targets: Sequence[Target], method: FatigueMethod, baseline: int, info: Info
+) -> FatigueComparison | None:
+    """Fatigue of the targets that a method takes; None where the baseline is not among them."""
+    judged = [target for target in targets if not _refused(target, method)]
+    for target in targets:
+        if target not in judged:
+            why = f"{_refused(target, method)} makes the halves of its throw differ"
+            info(f"{target.name}: no fatigue safety by {method}: {why}")
+    if targets[baseline] not in judged:
+        return None
+    return assess_fatigue(judged, method, baseline=judged.index(targets[baseline]), info=info).compared()
+
+
+def _refused(target: Target, method: FatigueMethod) -> str:
+    """Key of what the rule cannot take: halves that differ; empty where a method takes the target."""
+    return difference(target.scene) if method == "m53" else ""
 
 
 def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Json | None:
@@ -89,11 +115,12 @@ def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Jso
 
     Returns:
         As `bound` of metrics.json; None where the baseline is no design with an envelope, the targets have
-        other throws or envelopes, or the design's effects leave the bound out.
+        other throws or envelopes, the halves of one differ, or the design's effects leave the bound out.
     """
     comparison, base = found.comparison, found.targets[found.comparison.baseline]
     scene = base.scene
     alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in found.targets)
+    alike = alike and not any(difference(t.scene) for t in found.targets)
     if base.file is not None or not alike or plan(scene)["bound"].state == "off":
         return None
     best = comparison.leading(TORSION_PER_MASS)
@@ -112,7 +139,8 @@ def report_comparison(
 
     Args:
         path: .html or .md.
-        stress_progress: where given, all targets are solved for the baseline's load cases too.
+        stress_progress: where given, all targets are solved for the baseline's load cases too, unless the
+            halves of one differ.
         bound: from `comparison_bound`, drawn over the mass.
 
     Raises:
@@ -132,7 +160,8 @@ def comparison_record(
     scene = found.targets[found.comparison.baseline].scene
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
-    known = [(target, _surface(target)) for target in found.targets]
+    stress_progress = _unless_halves_differ(found.targets, stress_progress)
+    known = [(half, _surface(half)) for target in found.targets for half in half_throws(target)]
     return ComparisonRecord(
         comparison=found.comparison,
         bodies=tuple(_body(target, mesh, cases, stress_progress) for target, mesh in known),
@@ -145,6 +174,28 @@ def comparison_record(
         written=timestamp(),
         versions=versions(),
         bound=bound,
+    )
+
+
+def _unless_halves_differ(targets: Sequence[Target], progress: Info | None) -> Info | None:
+    """The progress of the stresses; None where they are not solved, and a line that says why."""
+    lonely = [target.name for target in targets if difference(target.scene)]
+    if progress is not None and lonely:
+        progress(f"no stresses: the halves of {', '.join(lonely)} differ")
+        return None
+    return progress
+
+
+def half_throws(target: Target) -> tuple[Target, ...]:
+    """Both half throws of a target where they differ, each in its own frame, else the target itself.
+
+    Drillings that one half alone has are left out.
+    """
+    if not difference(target.scene):
+        return (target,)
+    named = zip(("first web", "second web"), halves(target.scene), strict=True)
+    return tuple(
+        replace(target, name=f"{target.name}, {web}", scene=drilled_alike(half)) for web, half in named
     )
 
 

@@ -100,7 +100,7 @@ def assess_fatigue(
         _check_files(method, out)
     typed = [target for target in targets if isinstance(target, str)]
     given = [target for target in targets if isinstance(target, Target)]
-    resolved = given or resolve_targets(typed, design, fillets=True, align=align)
+    resolved = given or resolve_targets(typed, design, fillets=True, align=align, whole=True)
     for target in resolved:
         check_inputs(target, method, loads)
     print_assumed(resolved, USED, info)
@@ -118,6 +118,9 @@ def assess_fatigue(
         field = fatigue_field(target, chosen, loads, fillet_fraction, info)
         fields.append(field)
         _note_quality(field, info)
+        if field.web_safety:
+            told = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
+            info(f"{target.name}: least safety of the fillets: {told}")
         if out is not None:
             _write_field(out, field, info)
     found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed, tuple(resolved))

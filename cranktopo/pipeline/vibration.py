@@ -51,7 +51,7 @@ def shaft_vibration(
         check_report_path(report)
     if csv is not None:
         check_file(csv, "--csv")
-    resolved = resolve_target(target, design, align=align) if isinstance(target, str) else target
+    resolved = resolve_target(target, design, align=align, whole=True) if isinstance(target, str) else target
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     print_assumed([resolved], (*shaft_tables(resolved.scene, bearings), LOADS, VIBRATION), info)
     study = _studied(resolved, bearings, element_size_mm, run_up_s, info)

@@ -54,7 +54,7 @@ class Comparison:
 
     Attributes:
         baseline: position of the entry that counts as 100 %.
-        fatigue: of the entries, where it was assessed.
+        fatigue: of the entries that have a safety, the baseline among them, where it was assessed.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
     """
 
@@ -74,8 +74,12 @@ class Comparison:
         return self.entries[self.baseline]
 
     def percent(self, row: int, quantity: Quantity) -> float:
-        """A value in percent of the baseline's."""
+        """A value in percent of the baseline's; the entry has it."""
         return 100 * self.entries[row].values[quantity.key] / self.base.values[quantity.key]
+
+    def having(self, quantity: Quantity) -> list[int]:
+        """Rows that have a value of a quantity: all of them but of the safety."""
+        return [row for row, entry in enumerate(self.entries) if quantity.key in entry.values]
 
     def change_error_percent(self, row: int, other: int, quantity: Quantity) -> float:
         """Bound of the error of the relative difference between two entries; 0 where it is exact."""
@@ -96,13 +100,15 @@ class Comparison:
 
     def leading(self, quantity: Quantity) -> int:
         """Row with the best value of a quantity, by however little."""
-        rows = range(len(self.entries))
-        return max(rows, key=lambda row: quantity.better * self.entries[row].values[quantity.key])
+        value = {
+            row: quantity.better * self.entries[row].values[quantity.key] for row in self.having(quantity)
+        }
+        return max(value, key=lambda row: value[row])
 
     def level(self, quantity: Quantity) -> list[int]:
         """Rows that the best value of a quantity does not beat by as much as the error estimates."""
         best = self.leading(quantity)
-        others = (row for row in range(len(self.entries)) if row != best)
+        others = (row for row in self.having(quantity) if row != best)
         return [row for row in others if not self.differ(best, row, quantity)]
 
     def best(self, quantity: Quantity) -> int | None:
@@ -115,7 +121,7 @@ def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison 
 
     Args:
         baseline: name of the entry that counts as 100 %.
-        fatigue: of the same targets in the same order, each entry then holding its safety.
+        fatigue: of those entries that hold a safety, in the same order.
 
     Raises:
         CranktopoError: the baseline is not among the entries, or the supports differ.

@@ -34,22 +34,26 @@ _TOLERANCE = 1e-8
 """Of a drilling's integrals; it is less than a hundredth of the throw."""
 
 
-def drilled(scene: Scene, part: Part | None = None) -> Moments:
+def drilled(scene: Scene, part: Part | None = None, before_z_mm: float | None = None) -> Moments:
     """Moments of what the drillings take out of the half throw, or of one part of it.
 
     One that only this half has counts as a whole where it reaches across the middle of the crankpin.
+
+    Args:
+        before_z_mm: a height; volume and first moments are then weighted by the distance before it, mm.
     """
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for channel in channels(scene):
         for name in PARTS if part is None else (part,):
-            total = total + _bored(scene, channel, name) + _rounded(scene, channel, name)
+            total = total + _bored(scene, channel, name, before_z_mm)
+            total = total + _rounded(scene, channel, name, before_z_mm)
     return total
 
 
 @lru_cache(maxsize=64)
-def _bored(scene: Scene, channel: Channel, part: Part) -> Moments:
+def _bored(scene: Scene, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
     """What the cylinder of a drilling takes out of a part."""
-    slice_at = _Slices(scene, channel, part)
+    slice_at = _Slices(scene, channel, part, before_z_mm)
     kinks = np.clip(np.array(slice_at.kinks_mm) / channel.radius_mm, -1, 1)
     turns = np.arcsin(np.unique(np.concatenate([[-1.0, 0.0, 1.0], kinks])))
 
@@ -65,7 +69,8 @@ def _bored(scene: Scene, channel: Channel, part: Part) -> Moments:
 class _Slices:
     """Sections of a part of the half throw and a drilling, in planes beside each other along the crank."""
 
-    def __init__(self, scene: ThrowView, channel: Channel, part: Part) -> None:
+    def __init__(self, scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> None:
+        self._before = before_z_mm
         self._start = np.array(channel.mouths[0].point_mm)
         direction = channel.direction
         level = float(np.hypot(*direction[:2]))
@@ -133,6 +138,8 @@ class _Slices:
         middle = (ends + np.roll(ends, 1, axis=0)) / 2
         flat = self._start[:2] + middle[..., :1] * self._along + place * self._aside
         weight = area / 3
+        if self._before is not None:
+            weight = weight * (self._before - middle[..., 1])
         values = [np.ones(flat.shape[:-1]), flat[..., 0], flat[..., 1], (flat**2).sum(axis=-1)]
         return np.array([float((weight * value).sum()) for value in values])
 
@@ -155,12 +162,13 @@ def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[A
     return kept
 
 
-def _rounded(scene: ThrowView, channel: Channel, part: Part) -> Moments:
+def _rounded(scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
     """What the roundings of its outlets take out of a part."""
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for mouth in channel.mouths:
         if mouth.rounding_mm and mouth.journal == part:
-            total = total + Moments(*_ring(channel.radius_mm, mouth, (0.0, _end(scene, channel))))
+            ends = (0.0, _end(scene, channel))
+            total = total + Moments(*_ring(channel.radius_mm, mouth, ends, before_z_mm))
     return total
 
 
@@ -170,7 +178,9 @@ def _end(scene: ThrowView, channel: Channel) -> float:
 
 
 @lru_cache(maxsize=64)
-def _ring(radius_mm: float, mouth: Mouth, z_mm: tuple[float, float]) -> tuple[float, ...]:
+def _ring(
+    radius_mm: float, mouth: Mouth, z_mm: tuple[float, float], before_z_mm: float | None
+) -> tuple[float, ...]:
     """Integrals over the ring of a rounding between two heights."""
     share, weight = np.polynomial.legendre.leggauss(_GAUSS)
     share, weight = (share + 1) / 2, weight / 2
@@ -190,7 +200,9 @@ def _ring(radius_mm: float, mouth: Mouth, z_mm: tuple[float, float]) -> tuple[fl
     size = np.abs(np.einsum("ni,ni->n", edges[0], np.cross(edges[1], edges[2]))).reshape(out.shape)
     section = np.repeat(weight, _AROUND)[:, None] * weight * (high - low)[:, None]
     volume = (size * section).ravel() * 2 * np.pi / _AROUND
-    x, y, _ = points.T
+    x, y, z = points.T
+    if before_z_mm is not None:
+        volume = volume * (before_z_mm - z)
     return tuple(float((volume * value).sum()) for value in (np.ones(len(x)), x, y, x**2 + y**2))
 
 

@@ -71,32 +71,46 @@ def web_moments(scene: Scene) -> Moments:
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
 
 
-def bolted_mass(scene: Scene) -> Moments:
-    """Mass moments of a counterweight that is bolted to one web, kg and mm; all 0 without one."""
+def bolted_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
+    """Mass moments of a counterweight that is bolted to one web, kg and mm; all 0 without one.
+
+    Args:
+        before_z_mm: as `moments`.
+    """
     weight = scene.web.counterweight
-    return counterweight_mass(scene) if weight is not None and weight.bolted else _NOTHING
+    return counterweight_mass(scene, before_z_mm) if weight is not None and weight.bolted else _NOTHING
 
 
 @lru_cache(maxsize=16)
-def counterweight_mass(scene: Scene) -> Moments:
+def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
     """Mass moments of what a counterweight adds to one web, kg and mm; all 0 without one.
 
     What of it lies within the web is the web's, and what a pocket cuts is neither's.
+
+    Args:
+        before_z_mm: as `moments`.
     """
     weight = scene.web.counterweight
     if weight is None:
         return _NOTHING
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
     bodies = web_bodies(bare)
-    added = moments([*bodies, weight.sector(scene)]) + moments(bodies).times(-1.0)
+    added = moments([*bodies, weight.sector(scene)], before_z_mm)
+    added = added + moments(bodies, before_z_mm).times(-1.0)
     return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
 
 
-def moments(bodies: Sequence[Body]) -> Moments:
-    """Moments of the material that bodies leave."""
+def moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
+    """Moments of the material that bodies leave.
+
+    Args:
+        before_z_mm: a height; every moment is then weighted by the distance before it, mm.
+    """
 
     def slices(y: Array) -> Array:
         heights, weights = _heights(bodies, y)
+        if before_z_mm is not None:
+            weights = weights * (before_z_mm - heights)
         values = _moments_at(bodies, y[:, None], heights)
         return np.asarray((values * weights[..., None]).sum(axis=1))
 

@@ -117,11 +117,11 @@ def test_bolted_part_has_mass_and_nothing_else(roomy: Scene) -> None:
     for name in ("mass_kg", "web_kg", "throw_unbalance_kg_mm", "inertia_kg_mm2"):
         own, one, two = (getattr(balance, name) for balance in (bare, light, heavy))
         assert two - own == pytest.approx(share * (one - own), rel=1e-9), name
-    assert heavy.own_counterweight_kg == pytest.approx(kg, rel=1e-9)
+    assert heavy.own_counterweights_kg == pytest.approx([kg, kg], rel=1e-9)
     assert heavy.own_counterweight_kg_mm == pytest.approx(
         bare.throw_unbalance_kg_mm - heavy.throw_unbalance_kg_mm, rel=1e-9
     )
-    assert bare.own_counterweight_kg == 0
+    assert bare.own_counterweights_kg == (0, 0)
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {

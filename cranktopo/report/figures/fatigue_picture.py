@@ -13,6 +13,7 @@ from cranktopo.evaluate.haigh import haigh_limit_MPa
 from cranktopo.evaluate.safety_field import FatigueField
 from cranktopo.report.figures.png import png
 from cranktopo.report.vtu import throw_surface
+from cranktopo.scene.halves import halves
 from cranktopo.store.files import write_bytes
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None
     from cranktopo.report.figures.shading import draw, view_axes
 
     least, point = field.critical.safety, np.array(field.critical.place.point_mm)
-    far = bool(point[2] > field.model.scene.pitch_mm / 2)
+    far = bool(point[2] > _middle_mm(field))
     norm, colours = LogNorm(least, _TOP * least, clip=True), colormaps["turbo_r"]
     body = _half(field, far, lambda safety: colours(norm(safety))[:, :3])
     for panel, (name, (x, y, z)) in zip(axes, _VIEWS, strict=True):
@@ -76,15 +77,17 @@ def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None
     bar.minorticks_off()
 
 
+def _middle_mm(field: FatigueField) -> float:
+    """Place of the cylinder's plane along the crank."""
+    return halves(field.model.scene)[0].pitch_mm / 2
+
+
 def _half(field: FatigueField, far: bool, paint: Callable[[Array], Array]) -> ShadedMesh:
     """One half of the throw, four flat triangles to a face, coloured by its safety."""
     from cranktopo.report.figures.shading import ShadedMesh
 
     points, faces = throw_surface(field)
-    images = field.model.images
-    count = points.shape[0] // len(images)
-    wanted = [i for i, image in enumerate(images) if image.flip_z == far]
-    kept = faces[np.isin(faces[:, 0] // count, wanted)]
+    kept = faces[(points[faces[:, :3], 2].mean(axis=1) > _middle_mm(field)) == far]
     triangles = np.concatenate([kept[:, q] for q in _QUARTERS])
     normals = np.concatenate(
         [

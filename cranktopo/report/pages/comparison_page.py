@@ -55,7 +55,8 @@ class ComparisonRecord:
     """A finished comparison with everything that its page shows.
 
     Attributes:
-        bodies: surfaces of those that have facets, with stresses where they were solved.
+        bodies: surfaces of all entries in order, of two different webs both half throws; with stresses where
+            they were solved.
         undercuts: of the same bodies.
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
@@ -81,14 +82,15 @@ def comparison_page(record: ComparisonRecord) -> Page:
     comparison, bodies = record.comparison, record.bodies
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
     best = comparison.leading(TORSION_PER_MASS)
-    scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed), first=best) if bodies else None
+    first = _body_of(comparison, best)
+    scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed), first=first) if bodies else None
     leader = comparison.entries[best].name
     others = [e.name for row, e in enumerate(comparison.entries) if row != comparison.baseline]
     return Page(
         title=f"{', '.join(others)} against {comparison.base.name}",
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
         headline=_headline(comparison),
-        facts=(*_facts(comparison), undercut_fact(record.undercuts, len(comparison.entries))),
+        facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),
             *bound_sections(
@@ -105,6 +107,11 @@ def comparison_page(record: ComparisonRecord) -> Page:
         scene3d=scene3d,
         picture=gallery_picture(bodies) if bodies else None,
     )
+
+
+def _body_of(comparison: Comparison, row: int) -> int:
+    """Number of the first body of an entry: two different webs are two bodies."""
+    return row + sum(entry.evaluation.second_web_kg is not None for entry in comparison.entries[:row])
 
 
 def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:

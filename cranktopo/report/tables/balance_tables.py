@@ -29,6 +29,7 @@ _FREE: tuple[Column[_Entry], ...] = (
 _COUNTERWEIGHTS: tuple[Column[_Entry], ...] = (
     Column("web", 0, lambda e: str(e["web"])),
     Column("throw", 0, lambda e: e["throw"]),
+    Column("web_kg_mm", 2, lambda e: e["web_kg_mm"]),
     Column("has_kg_mm", 2, lambda e: e["own_kg_mm"]),
     Column("for_its_throw_kg_mm", 2, lambda e: e["unbalance_kg_mm"]),
     Column("throw_at_deg", 1, lambda e: e["deg"] if e["unbalance_kg_mm"] else None),

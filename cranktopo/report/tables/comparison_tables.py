@@ -32,7 +32,7 @@ def value_table(comparison: Comparison) -> ResultTable:
     rows: tuple[Row, ...] = tuple(
         {
             "target": entry.name,
-            **{quantity.column: entry.values[quantity.key] for quantity in comparison.quantities},
+            **{quantity.column: entry.values.get(quantity.key) for quantity in comparison.quantities},
             "torsion_error_percent": entry.evaluation.torsion_error_percent,
             "bending_error_percent": entry.evaluation.bending_error_percent,
         }
@@ -52,7 +52,10 @@ def percent_table(comparison: Comparison) -> ResultTable:
     rows: tuple[Row, ...] = tuple(
         {
             "target": entry.name,
-            **{q.percent_column: comparison.percent(row, q) for q in comparison.quantities},
+            **{
+                q.percent_column: comparison.percent(row, q) if row in comparison.having(q) else None
+                for q in comparison.quantities
+            },
             **{f"{kind}_change_error_percent": error for kind, error in _change_errors(comparison, row)},
         }
         for row, entry in enumerate(comparison.entries)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from cranktopo.evaluate.evaluation import Evaluation
 from cranktopo.report.quantities import INERTIA, MASS, UNBALANCE
@@ -26,9 +26,17 @@ _COLUMNS: tuple[Column[Evaluation], ...] = (
 )
 
 
-def evaluation_table(evaluations: Iterable[Evaluation]) -> ResultTable:
-    """One row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds."""
-    return tabulate(_COLUMNS, evaluations)
+_SECOND_WEB: Column[Evaluation] = Column("second_web_kg", MASS.digits, lambda e: e.second_web_kg)
+
+
+def evaluation_table(evaluations: Sequence[Evaluation]) -> ResultTable:
+    """One row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds.
+
+    Where the webs of a throw differ, both have a column.
+    """
+    different = any(e.second_web_kg is not None for e in evaluations)
+    columns = (*_COLUMNS[:3], *((_SECOND_WEB,) if different else ()), *_COLUMNS[3:])
+    return tabulate(columns, evaluations)
 
 
 def result_line(e: Evaluation) -> str:

@@ -180,6 +180,7 @@ def _field_json(field: FatigueField) -> dict[str, Any]:
         "throw_kg": field.model.throw_kg,
         "safety": field.critical.safety,
         "fillet_safety": field.fillet_safety,
+        **({"web_safety": field.web_safety} if field.web_safety else {}),
         "critical": field.critical.as_json(),
         "off_the_fillets": field.elsewhere.as_json(),
         "load_states": len(field.history.labels),

@@ -79,16 +79,15 @@ def _torque(loads: dict[str, Any]) -> str:
 
 def _balance(balance: dict[str, float]) -> str:
     needed = balance["counterweight_kg_mm"]
-    own = (
-        f"\nits counterweights: 2 x {balance['own_counterweight_kg']:.3f} kg take "
-        f"{balance['own_counterweight_kg_mm']:.2f} kg mm"
-    )
+    one, other = balance["own_counterweight_kg"], balance["own_second_counterweight_kg"]
+    masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
+    own = f"\nits counterweights: {masses} kg take {balance['own_counterweight_kg_mm']:.2f} kg mm"
     return (
         f"balance of the throw: rotating unbalance {balance['rotating_unbalance_kg_mm']:.2f} kg mm "
         f"(throw alone {balance['throw_unbalance_kg_mm']:.2f}), counterweights "
         f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm, "
         f"inertia {balance['inertia_kg_mm2']:.0f} kg mm2, mass "
-        f"{balance['throw_mass_kg']:.3f} kg{own if balance['own_counterweight_kg'] else ''}"
+        f"{balance['throw_mass_kg']:.3f} kg{own if one or other else ''}"
     )
 
 
