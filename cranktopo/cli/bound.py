@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 import click
 
 from cranktopo.cli.completion import designs
 from cranktopo.cli.goal_options import goal_options, with_goal_options
-from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.options import DEFAULT_DESIGN, web_option
 from cranktopo.cli.parameters import CELL_MM
 from cranktopo.cli.verbosity import detail, info, verbosity_options
 from cranktopo.errors import ExitCode
 
+if TYPE_CHECKING:
+    from cranktopo.scene.one_web import WebName
+
 
 @click.command("bound")
 @click.argument("design", required=False, shell_complete=designs)
+@web_option
 @goal_options
 @click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge, mm; default: the design's.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
     design: str | None,
+    web: WebName | None,
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
@@ -39,8 +45,9 @@ def command(
     from cranktopo.pipeline.bound import bound_of
     from cranktopo.report.tables.bound_text import bound_summary
     from cranktopo.scene.loading import load_scene
+    from cranktopo.scene.one_web import one_web
 
-    scene = load_scene(design or DEFAULT_DESIGN)
+    scene = one_web(load_scene(design or DEFAULT_DESIGN, whole=True), web)
     if scene.goal is None and minimise is None and maximise is None:
         minimise = "mass"
     scene = with_goal_options(scene, minimise, maximise, limits)

@@ -61,6 +61,32 @@ def copy_command(design: str, file: Path, force: bool) -> None:
     click.echo(f"{file}: edit it, then for example: {example}")
 
 
+@command.command("pair")
+@click.argument("design", shell_complete=complete_designs)
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--first", metavar="TARGET", help="Design, or run, whose web becomes [web].")
+@click.option("--second", metavar="TARGET", help="Design, or run, whose web becomes [second_web].")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def pair_command(design: str, file: Path, first: str | None, second: str | None, force: bool) -> None:
+    """Copy DESIGN to FILE (.toml) with two webs that were found one by one, by `--web` of the optimisers.
+
+    A run gives its web: of shape its result, of iterate its best step, of optimise its re-model. Its journals
+    must be those of DESIGN but for their lengths, which are taken over.
+
+    Example: cranktopo designs pair two-webs.toml pair.toml --first runs/one --second runs/other
+    """
+    from cranktopo.pipeline.run_webs import parametric_scene, web_target
+    from cranktopo.scene.pairing import pair_text
+    from cranktopo.store import check_file, write_text
+
+    if first is None and second is None:
+        raise click.UsageError("give --first, --second or both: without them nothing changes")
+    check_file(file, "file", (".toml",), replace=force)
+    webs = [None if text is None else parametric_scene(text, web_target(text)) for text in (first, second)]
+    write_text(file, pair_text(design, file, *webs))
+    click.echo(f"{file}: {shlex.join(['cranktopo', 'evaluate', str(file)])}")
+
+
 @command.command("new")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("--name", help="Name of the design; the file's by default.")

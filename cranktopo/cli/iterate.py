@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,15 +15,20 @@ from cranktopo.cli.options import (
     bound_option,
     limit_options,
     refuse_beside_resume,
+    web_option,
     with_bound_option,
 )
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.errors import ExitCode
 
+if TYPE_CHECKING:
+    from cranktopo.scene.one_web import WebName
+
 
 @click.command("iterate")
 @click.argument("design", required=False, shell_complete=designs)
+@web_option
 @click.option("--steps", type=click.IntRange(1, 50), default=6, show_default=True, help="Number of removals.")
 @click.option(
     "--volume-fraction",
@@ -51,6 +56,7 @@ from cranktopo.errors import ExitCode
 @verbosity_options
 def command(
     design: str | None,
+    web: WebName | None,
     steps: int,
     volume_fraction: float | None,
     resolution_mm: float | None,
@@ -85,9 +91,10 @@ def command(
         outcome = continue_loop(resume, info)
     else:
         from cranktopo.scene.loading import design_text, load_scene
+        from cranktopo.scene.one_web import one_web
 
         name = design or DEFAULT_DESIGN
-        scene = load_scene(name)
+        scene = one_web(load_scene(name, whole=True), web)
         scene = loop_scene(scene) if process is None else scene.with_optimise(process=process)
         scene = scene.with_optimise(volume_fraction=volume_fraction, resolution_mm=resolution_mm)
         scene = with_bound_option(scene, no_bound)

@@ -18,6 +18,7 @@ from cranktopo.cli.options import (
     percent,
     refuse_beside_resume,
     seconds,
+    web_option,
     with_bound_option,
 )
 from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice, Number
@@ -28,10 +29,12 @@ if TYPE_CHECKING:
     from cranktopo.optimise.problem import DensityProblem
     from cranktopo.optimise.state import State
     from cranktopo.scene import Scene
+    from cranktopo.scene.one_web import WebName
 
 
 @click.command("optimise")
 @click.argument("design", required=False, shell_complete=designs)
+@web_option
 @goal_options
 @click.option(
     "--volume-fraction",
@@ -112,6 +115,7 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
 
 def _scene(
     name: str,
+    web: WebName | None,
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
@@ -128,9 +132,11 @@ def _scene(
         )
     from cranktopo.pipeline.optimise import with_cells_for
     from cranktopo.scene.loading import load_scene
+    from cranktopo.scene.one_web import one_web
 
     evaluated = False if no_evaluation else None
-    scene = load_scene(name).with_optimise(**settings, limits_by_evaluation=evaluated)
+    scene = one_web(load_scene(name, whole=True), web)
+    scene = scene.with_optimise(**settings, limits_by_evaluation=evaluated)
     scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
     if settings["volume_fraction"] is not None and scene.goal is not None:
         raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")

@@ -26,6 +26,12 @@ bearings_option = click.option(
     help="Radial support of every mid-journal section; all of them let it tilt.",
 )
 
+web_option = click.option(
+    "--web",
+    type=Choice(["first", "second"]),
+    help="Of a throw with two different webs, which one to take; needed there.",
+)
+
 bound_option = click.option(
     "--no-bound", is_flag=True, help="Do not prove how far the result is from the best possible web."
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,14 +16,19 @@ from cranktopo.cli.options import (
     bound_option,
     limit_options,
     refuse_beside_resume,
+    web_option,
     with_bound_option,
 )
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.errors import ExitCode
 
+if TYPE_CHECKING:
+    from cranktopo.scene.one_web import WebName
+
 
 @click.command("shape")
 @click.argument("target", required=False, shell_complete=designs_and_runs)
+@web_option
 @goal_options
 @limit_options
 @bound_option
@@ -38,6 +43,7 @@ from cranktopo.errors import ExitCode
 @verbosity_options
 def command(
     target: str | None,
+    web: WebName | None,
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
@@ -72,7 +78,7 @@ def command(
         from cranktopo.scene.loading import design_text
 
         name = target or DEFAULT_DESIGN
-        found = web_target(name)
+        found = web_target(name, web)
         scene, text = found.design, design_text(name) if found.run is None else None
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"

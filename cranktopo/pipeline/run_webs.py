@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.errors import CranktopoError
+from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.report.tables.steps_table import best_row, row_folder
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
 from cranktopo.scene.of_run import scene_of_run
+from cranktopo.scene.one_web import WebName, one_web
 from cranktopo.store import (
     LOOP,
     RESULT_FILES,
@@ -50,20 +51,43 @@ class WebTarget:
         return self.run if self.file is None else load_scene(str(self.file))
 
 
-def web_target(text: str) -> WebTarget:
+def web_target(text: str, web: WebName | None = None) -> WebTarget:
     """What a target is: a design, a scene file, a run, or the folder of a re-model.
 
+    Args:
+        web: of a design with two different webs the one that is meant.
+
     Raises:
-        CranktopoError: none of these, or a run that is not finished.
+        CranktopoError: none of these, a run that is not finished, or two webs and none of them named.
     """
     path = Path(text)
+    if web and path.suffix != ".toml" and text not in builtin_designs():
+        raise CranktopoError(
+            f"--web {web}: names a web of a design, and '{text}' is none.",
+            hint="Leave it out: a run is of one web.",
+            code=ExitCode.USAGE,
+        )
     if (path / REMODEL).is_file():
         return _of_remodel(path)
     named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
     if not (path.is_dir() or named):
-        return WebTarget(load_scene(text))
+        return WebTarget(one_web(load_scene(text, whole=True), web))
     run = open_run(text)
     return WebTarget(scene_of_run(run), run_web(run), run)
+
+
+def parametric_scene(text: str, target: WebTarget) -> Scene:
+    """The scene whose web has dimensions.
+
+    Raises:
+        CranktopoError: a run that has no parametric web.
+    """
+    if target.run is not None and target.file is None:
+        raise CranktopoError(
+            f"target '{text}': the run has no parametric web, whose dimensions could be changed.",
+            hint=f"Make one: {shlex.join(['cranktopo', 'remodel', text])}",
+        )
+    return target.design if target.file is None else load_scene(str(target.file))
 
 
 def run_web(run: RunStore) -> Path | None:

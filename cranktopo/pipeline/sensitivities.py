@@ -14,12 +14,12 @@ from cranktopo.evaluate.mesh_memory import check_element_size
 from cranktopo.evaluate.safety_field import check_inputs
 from cranktopo.evaluate.targets import Target
 from cranktopo.pipeline.iterate.settings import Settings
-from cranktopo.pipeline.run_webs import REMODEL, WebTarget, web_target
+from cranktopo.pipeline.run_webs import REMODEL, WebTarget, parametric_scene, web_target
 from cranktopo.remodel.dimensions import free_dimensions, with_free
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.read_web import WebRead
 from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene
+from cranktopo.scene import Scene
 from cranktopo.scene.free_dimensions import own_dimension_mm
 from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.shape.holding import held_by
@@ -87,20 +87,6 @@ def evaluate_sensitivities(
     holders = held_by(planned, web, values, rules)
     worth = dimensions(web, values, responses, responses.values, holders)
     return Sensitivities(str(found.file or target), scene, worth, rules.broken)
-
-
-def parametric_scene(text: str, target: WebTarget) -> Scene:
-    """The scene whose web has dimensions.
-
-    Raises:
-        CranktopoError: a run that has no parametric web.
-    """
-    if target.run is not None and target.file is None:
-        raise CranktopoError(
-            f"target '{text}': the run has no parametric web, whose dimensions could be changed.",
-            hint=f"Make one: {shlex.join(['cranktopo', 'remodel', text])}",
-        )
-    return target.design if target.file is None else load_scene(str(target.file))
 
 
 def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:

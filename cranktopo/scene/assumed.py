@@ -64,6 +64,9 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
             found += _limits(scene)
         elif isinstance(value, SceneTable):
             found += _left_out(value, table)
+        if table == THROW and scene.throw.mirrored_web:
+            meaning = "the half beyond the crankpin is taken as its mirror image"
+            found.append(Assumption("throw.mirrored_web", scene.throw.mirrored_web, meaning))
         if (
             table == LOADS
             and scene.engine

@@ -64,6 +64,9 @@ class Throw(SceneTable):
     second_crankpin_length_mm: Length | None = Field(default=None, examples=[38.0])
     """Twice the length of the crankpin from the cylinder's axis to the second web; by default the axis is in
     its middle, and it is `crankpin.length_mm`."""
+    mirrored_web: Literal["first", "second"] | None = Field(default=None, examples=["first"])
+    """The web of a throw with two different ones that this throw has twice: the half beyond the crankpin is
+    taken as its mirror image. Written by `--web` of the optimisers; changes nothing but what is assumed."""
     drilling: tuple[Drilling, ...] = Field(default=(), max_length=8)
 
     @property
