@@ -190,3 +190,16 @@ def test_chain_has_all_halves_in_series() -> None:
     assert softness[0] == pytest.approx(share / stiffness[0], rel=1e-12)
     assert softness[1] == pytest.approx((1 - share) / stiffness[0] + share / stiffness[1], rel=1e-12)
     assert softness[-1] == pytest.approx((1 - share) / stiffness[-1], rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_throw_is_as_soft_as_its_halves_in_series() -> None:
+    """What optimising the webs one by one promises of the pair, by three meshes; 20 s."""
+    scene = engine(1, second_web=SECOND)
+    targets = (Target("throw", one) for one in (scene, *halves(scene)))
+    whole, first, second = (evaluate(target, 8.0).fine.torsion["free"] or 0.0 for target in targets)
+    print(
+        f"{whole:.0f} N m/rad; halves {first:.0f} and {second:.0f}, in series", 2 / (1 / first + 1 / second)
+    )
+    assert second > 1.1 * first
+    assert whole == pytest.approx(2 / (1 / first + 1 / second), rel=3e-3)
