@@ -1,6 +1,6 @@
 """How much faster two workers are than one: python -m tests.benchmarks.sweep_workers [STAGE...].
 
-Seconds for the same points of `mikron-iiic` by one worker on one core, by one on both, and by two workers with
+Seconds for the same points of `mikron-iiic` by one worker on one core, by one on both, and by two with
 a core each. The first points of each sweep, which start workers and programs, are left out, but for shapes,
 beside which that is little. Optimisations have cells of 3 mm and 20 iterations, shapes are evaluated on
 elements of 12 mm.
