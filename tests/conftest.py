@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from cranktopo.cli.main import main
 from cranktopo.fem.precision import double_precision
 from cranktopo.scene import Scene, load_scene
 
@@ -19,18 +22,36 @@ def mikron() -> Scene:
     return load_scene("mikron-iiic").with_optimise(process="free", draft_deg=0.0)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def compilations(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Compiled programs, apart from the user's: all test processes and the commands they start share them."""
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of all test processes."""
     folder = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        folder = folder.parent
+    return folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compilations(shared: Path) -> Iterator[None]:
+    """Compiled programs, apart from the user's: all test processes and the commands they start share them."""
     before = os.environ.get("XDG_CACHE_HOME")
-    os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
+    os.environ["XDG_CACHE_HOME"] = str(shared / "cache")
     yield
     os.environ.pop("XDG_CACHE_HOME")
     if before is not None:
         os.environ["XDG_CACHE_HOME"] = before
+
+
+@pytest.fixture(scope="session")
+def default_run(shared: Path) -> Path:
+    """The default run on coarse cells to its end, one for all test processes, not to be changed."""
+    out = shared / "default-run"
+    with (shared / "default-run.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not out.exists():
+            assert (
+                main(["optimise", "--volume-fraction", "0.3", "--resolution-mm", "4.5", "--out", str(out)])
+                == 0
+            )
+    return out
 
 
 @pytest.fixture

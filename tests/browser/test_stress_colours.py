@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -86,8 +87,9 @@ def test_steps_show_densities(visit: Any, page: Path) -> None:
 
 
 @pytest.mark.slow
-def test_run_gets_stresses_of_its_own_surface(visit: Any, run: Path) -> None:
+def test_run_gets_stresses_of_its_own_surface(visit: Any, default_run: Path, tmp_path: Path) -> None:
     """The evaluation solves the run's surface once; the next report finds the stresses in the run."""
+    run = shutil.copytree(default_run, tmp_path / "run")
     assert main(["report", str(run), "--stress", "--quiet"]) == 0
     kept = (run / "stress.npz").stat().st_mtime_ns
     assert main(["report", str(run)]) == 0

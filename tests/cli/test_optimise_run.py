@@ -34,11 +34,9 @@ SHORT = ["optimise", "--volume-fraction", "0.3", *COARSE, "--max-iterations", "1
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def run(default_run: Path) -> Path:
     """A finished default run."""
-    out = tmp_path_factory.mktemp("runs") / "whole"
-    assert main(["optimise", "--volume-fraction", "0.3", *COARSE, "--out", str(out)]) == 0
-    return out
+    return default_run
 
 
 @pytest.fixture(scope="module")
