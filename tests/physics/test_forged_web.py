@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -65,6 +66,13 @@ def trapped_mm3(mesh: SurfaceMesh, scene: Scene, step: float = 0.7) -> float:
     return total * step**2
 
 
+def test_a_die_releases_the_default_run(default_run: Path, mikron: Scene) -> None:
+    file = trimesh.load_mesh(default_run / "web.stl")
+    mesh = SurfaceMesh(np.asarray(file.vertices, np.float64), np.asarray(file.faces, np.int64))
+    assert trapped_mm3(mesh, mikron) < 1e-4 * file.volume
+
+
+@pytest.mark.slow
 def test_a_die_releases_the_forged_web_and_not_the_free_one(webs: dict[str, Web], mikron: Scene) -> None:
     trapped = {process: trapped_mm3(web.surface.surface.half_throw, mikron) for process, web in webs.items()}
     volume = webs["forged"].surface.surface.volume_mm3
@@ -76,6 +84,7 @@ def test_a_die_releases_the_forged_web_and_not_the_free_one(webs: dict[str, Web]
     assert webs["forged"].surface.surface.cavities == 0
 
 
+@pytest.mark.slow
 def test_the_forged_web_has_its_draft(webs: dict[str, Web]) -> None:
     """5 deg less what a surface on such cells scatters; a free web has no draft to measure."""
     free, forged = (webs[process].walls["least_draft_deg"] for process in ("free", "forged"))
@@ -84,6 +93,7 @@ def test_the_forged_web_has_its_draft(webs: dict[str, Web]) -> None:
     assert forged > 4
 
 
+@pytest.mark.slow
 def test_what_the_die_costs(webs: dict[str, Web]) -> None:
     """So coarse and so light: at most a seventh of a stiffness at the same mass."""
     free, forged = (webs[process].assessment for process in ("free", "forged"))
