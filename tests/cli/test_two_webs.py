@@ -126,7 +126,7 @@ def test_optimisers_ask_which_web(command: str, two: str, capsys: pytest.Capture
     assert main([command, two]) == 3
     err = capsys.readouterr().err
     assert "second_web: the halves of the throw differ, and one web is optimised at a time. " in err
-    assert "Add --web first or --web second" in err
+    assert "--web first or --web second" in err
 
 
 def test_pair_writes_a_design(two: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
