@@ -31,7 +31,7 @@ from cranktopo.errors import invalid
 from cranktopo.scene.checks_sizes import check_envelope_reach
 from cranktopo.scene.checks_web import check_counterweight_inside
 from cranktopo.scene.clearance import clearance_limit
-from cranktopo.scene.features import Body, counterweight_bodies, web_bodies, web_contains
+from cranktopo.scene.features import Body, kept_bodies, web_bodies, web_contains
 from cranktopo.scene.geometry import Envelope, Journal
 from cranktopo.scene.halves import require_equal_halves
 from cranktopo.scene.polygons import Coordinates, Shape, polygons
@@ -198,7 +198,7 @@ def _design_space(scene: Scene) -> list[_Layer]:
     (start, stop), envelope, throw = scene.web_z_mm, _envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
     bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
-    weights, found = counterweight_bodies(scene), []
+    weights, found = kept_bodies(scene), []
     heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
     for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
         middle = sum(z) / 2

@@ -6,16 +6,19 @@ without bias at any width.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.remodel.family import own_values
 from cranktopo.scene import Scene
+from cranktopo.scene.features.counterweight import Sector
 from cranktopo.scene.features.fitted import Axes, FittedFeature
 
 _TINY = 1e-12
-ADDED = -1
-"""Number of the field of a counterweight."""
+ADDED, FILLET = -1, -2
+"""Numbers of the fields of a counterweight and of its fillets."""
 CHORDS = 48
 """Chords of the outline's right half in the distance field."""
 Array = NDArray[np.float64]
@@ -28,20 +31,20 @@ class Fill:
         self.parts, self.axes, self.web_z_mm = parts, axes, web_z_mm
 
     def inside_mm(
-        self, points: Array, values: Array, added: Array | None = None
+        self, points: Array, values: Array, added: Mapping[int, Array]
     ) -> tuple[Array, NDArray[np.int8]]:
         """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of: 0 the outline.
 
         Args:
             points: (n, 2) points of the outline's right half, from end to end, mm.
-            added: signed distance from what is added to the outline, (nx, ny, nz); field `ADDED`.
+            added: signed distances from what is added to the outline, (nx, ny, nz), by number of the field.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
         inside[:] = outline_distance(points, *self.axes[:2])[:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
-        if added is not None:
-            which[added > inside] = ADDED
-            np.maximum(inside, added, out=inside)
+        for number, field in added.items():
+            which[field > inside] = number
+            np.maximum(inside, field, out=inside)
         for k, (part, own) in enumerate(own_values(self.parts, values)):
             field = part.field_mm(own, _ends(points), self.axes, self.web_z_mm)
             lower = field < inside
@@ -76,11 +79,16 @@ def added_mm(scene: Scene, axes: Axes) -> Array | None:
     if weight is None or weight.bolted:
         return None
     sector, (x, y, z) = weight.sector(scene), axes
-    (start, end), (low, high) = scene.web_z_mm, sector.z_mm
     flat = sector.inside_mm(x[:, None], y[None, :])[:, :, None]
+    return np.asarray(np.minimum(flat, between_mm(scene, sector, z)))
+
+
+def between_mm(scene: Scene, sector: Sector, z_mm: Array) -> Array:
+    """Distance of heights from the nearer face of a counterweight, positive between both."""
+    (start, end), (low, high) = scene.web_z_mm, sector.z_mm
     # The web's own faces bound the cells already.
-    below, above = z - low if low > start else np.inf, high - z if high < end else np.inf
-    return np.asarray(np.minimum(flat, np.broadcast_to(np.minimum(below, above), z.shape)))
+    below, above = z_mm - low if low > start else np.inf, high - z_mm if high < end else np.inf
+    return np.broadcast_to(np.minimum(below, above), z_mm.shape)
 
 
 def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.remodel.constraints import outline_rules, part_rules
+from cranktopo.remodel.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.remodel.dimensions import all_bounds, scene_at, size_rules
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.model_fill import ADDED, CHORDS, Fill, added_mm
+from cranktopo.remodel.model_fill import ADDED, CHORDS, FILLET, Fill, added_mm
 from cranktopo.scene import Scene
 from cranktopo.scene.features.fitted import Axes, Rule
 from cranktopo.scene.free_dimensions import is_of_counterweight
@@ -92,6 +93,7 @@ class ParametricWeb:
         self._weight = [name for name in layout.dimensions if is_of_counterweight(name)]
         self._own_added = added_mm(scene, axes)
         self._outline = _Outline(layout, scene, limits)
+        self._last: tuple[bytes, MovedFillet | None] = b"", None
 
     def points(self, values: Array) -> tuple[Array, Array]:
         """Points of the outline's right half, (n, 2), mm, and their derivatives by its values, (n, 2, m)."""
@@ -112,11 +114,24 @@ class ParametricWeb:
         shape = self._outline.at(values)
         by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
         by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))
-        return np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
+        result = np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
+        fillet = self._fillet(values)
+        if fillet is not None:
+            result += fillet.pulled_back(self._grid.axes, np.where(which == FILLET, weight, 0.0))
+        return result
 
-    def _added(self, values: Array) -> Array | None:
-        """Signed distance of the cells from the counterweight."""
-        return self._moved_added(values) if self._weight else self._own_added
+    def _added(self, values: Array) -> dict[int, Array]:
+        """Signed distances of the cells from the counterweight and its fillets, by number of the field."""
+        sector = self._moved_added(values) if self._weight else self._own_added
+        fillet = self._fillet(values)
+        fields = {} if sector is None else {ADDED: sector}
+        return fields if fillet is None else {**fields, FILLET: fillet.inside_mm(self._grid.axes)}
+
+    def _fillet(self, values: Array) -> MovedFillet | None:
+        """The counterweight's fillet, the last one kept."""
+        if self._last[0] != values.tobytes():
+            self._last = values.tobytes(), moved_fillet(self._scene, self.layout, values)
+        return self._last[1]
 
     def _moved_added(self, values: Array) -> Array:
         found = added_mm(scene_at(self._scene, self.layout, values), self._grid.axes)
@@ -135,13 +150,16 @@ class ParametricWeb:
     def constraints(self, values: Array) -> Array:
         """Manufacturing constraints, kept where <= 0."""
         shape = self._outline.at(values)
-        return np.concatenate([shape.constraints, self._part_constraints(shape.points, values)])
+        fillet = self._fillet(values)
+        own = [] if fillet is None else [fillet.rule[1]]
+        return np.concatenate([shape.constraints, self._part_constraints(shape.points, values), own])
 
     def rule_names(self, values: Array) -> tuple[str, ...]:
         """Name of each constraint in plain English, several parts of one rule alike."""
         points = self._outline.at(values).points
         names = [name for name, _ in self._part_rules(points, values)]
-        return (*self._outline.rule_names(values), *names)
+        fillet = self._fillet(values)
+        return (*self._outline.rule_names(values), *names, *([] if fillet is None else [fillet.rule[0]]))
 
     def slopes(self, values: Array) -> Array:
         """Gradients of the constraints (constraints, parameters)."""
@@ -152,7 +170,9 @@ class ParametricWeb:
 
         steps = _DIFFERENCE * np.eye(len(values))
         below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
-        return np.vstack([shape.constraint_slopes, below])
+        fillet = self._fillet(values)
+        own = [] if fillet is None else [fillet.rule_slopes]
+        return np.vstack([shape.constraint_slopes, below, *own])
 
     def _parts(self, values: Array) -> Array:
         return values[self.layout.stations :]

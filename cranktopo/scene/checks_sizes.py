@@ -80,6 +80,7 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
     if scene.web.counterweight is not None:
         yield "web.counterweight.outer_radius_mm", scene.web.counterweight.outer_radius_mm, SMALLEST
         yield "web.counterweight.thickness_mm", scene.web.counterweight.thickness_mm or 0.0, SMALLEST
+        yield "web.counterweight.fillet_mm", scene.web.counterweight.fillet_mm or 0.0, SMALLEST_FILLET
 
 
 def _check(scene: Scene, key: str, value: float, smallest: float) -> None:

@@ -185,13 +185,13 @@ def _half_width_mm(scene: Scene) -> float:
 
 
 def _edges(scene: Scene) -> list[tuple[str, float | str, tuple[Array, Array]]]:
-    """Key path, its value, and points at x >= 0 of the outline and of the counterweight's arc."""
+    """Key path, its value, and points at x >= 0 of the outline and of the counterweight."""
     low, high = scene.web.y_range_mm(scene.throw.radius_mm)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, 801))
     outline = scene.web.half_width_mm(scene.throw.radius_mm, y), y
     found: list[tuple[str, float | str, tuple[Array, Array]]] = [("web.outline", scene.web.outline, outline)]
     weight = scene.web.counterweight
     if weight is not None:
-        rim = weight.sector(scene).rim_mm()
-        found.append(("web.counterweight.outer_radius_mm", weight.outer_radius_mm, rim))
+        edge = weight.outer_mm(scene)
+        found.append(("web.counterweight.outer_radius_mm", weight.outer_radius_mm, edge))
     return found

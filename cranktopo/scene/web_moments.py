@@ -95,7 +95,7 @@ def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moment
         return _NOTHING
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
     bodies = web_bodies(bare)
-    added = moments([*bodies, weight.sector(scene)], before_z_mm)
+    added = moments([*bodies, *weight.parts(scene)], before_z_mm)
     added = added + moments(bodies, before_z_mm).times(-1.0)
     return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.envelope_section import envelope_bounds_mm, envelope_outline, envelope_sections
+from cranktopo.remodel.corner_fillet import moved_fillet
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.parametric_web import ParametricWeb
@@ -19,7 +20,7 @@ from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Envelope
 
 Array = NDArray[np.float64]
 _RIM = 25
-"""Points of a counterweight's arc."""
+"""Points of a counterweight's arc, and of its fillet's."""
 _STEP = 1e-6
 _SAMPLES = 400
 """Samples of an envelope's section along its longer side, where it has no closed form."""
@@ -33,7 +34,7 @@ class EnvelopeRoom:
         self._scene, self._envelope, self._web_z_mm = scene, scene.envelope, scene.web_z_mm
 
     def constraints(self, web: ParametricWeb, values: Array) -> tuple[Array, Array]:
-        """Constraints of outline and free counterweight, kept where <= 0, and gradients by the parameters.
+        """Constraints of outline, free counterweight and fillets, kept where <= 0, and their gradients.
 
         Without an envelope there are none.
         """
@@ -42,6 +43,10 @@ class EnvelopeRoom:
         bodies = [web.points(values)]
         if any(is_of_counterweight(name) for name in web.layout.dimensions):
             bodies.append(self._rim(web.layout, values))
+        fillet = moved_fillet(self._scene, web.layout, values)
+        if fillet is not None:
+            arc = np.stack(fillet.circle.arc_mm(_RIM), axis=1)
+            bodies.append((arc, np.broadcast_to(fillet.slopes, (_RIM, *fillet.slopes.shape))))
         found = [self._of_points(self._envelope, *body, len(values)) for body in bodies]
         outside, slopes = zip(*found, strict=True)
         return np.concatenate(outside), np.vstack(slopes)

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from cranktopo.remodel.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.scene import Scene
 from cranktopo.scene.features.counterweight import Sector
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.flank import Flank
+from cranktopo.scene.features.tangent_circle import flank_directions
 from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.free_dimensions import DimensionName
 
@@ -177,6 +179,45 @@ class FeatureFace(WebFace):
 
 
 @dataclass(frozen=True)
+class FilletedFlank(WebFace):
+    """Flank of a counterweight and the fillet it ends in, one smooth face; distances positive inside."""
+
+    scene: Scene
+    layout: Layout
+    name: str = "counterweight flank"
+
+    @override
+    def contact(self, points_mm: Array, values: Array) -> Contact:
+        return _contact(partial(self._distance, self._fillet(values)), points_mm)
+
+    @override
+    def slopes(self, points_mm: Array, values: Array) -> Array:
+        fillet, first = self._fillet(values), len(values) - len(self.layout.dimensions)
+        by_flank = _by_values(
+            lambda moved: _sector(scene_at(self.scene, self.layout, moved)).inside_flank_mm(*points_mm[:2]),
+            values,
+            range(first, len(values)),
+        )
+        out = np.stack(fillet.circle.outward(*points_mm[:2]), axis=1)
+        on_flank = self._on_flank(fillet, points_mm)
+        return np.where(on_flank[:, None], by_flank, -out @ fillet.slopes)
+
+    def _fillet(self, values: Array) -> MovedFillet:
+        fillet = moved_fillet(self.scene, self.layout, values)
+        assert fillet is not None
+        return fillet
+
+    def _distance(self, fillet: MovedFillet, at: Array) -> Array:
+        flank = fillet.sector.inside_flank_mm(at[0], at[1])
+        return np.where(self._on_flank(fillet, at), flank, fillet.circle.off_mm(at[0], at[1]))
+
+    def _on_flank(self, fillet: MovedFillet, at: Array) -> NDArray[np.bool_]:
+        """Whether points lie farther along the flank than the place where the fillet leaves it."""
+        (sine, cosine), _ = flank_directions(fillet.sector.half_angle)
+        return np.asarray(np.abs(at[0]) * sine + at[1] * cosine >= fillet.circle.reach_mm)
+
+
+@dataclass(frozen=True)
 class OutlineFace(WebFace):
     """The outline, swept along the crank axis; distances positive inside."""
 
@@ -221,7 +262,9 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
     found = _throw_faces(scene, layout, mirrored)
     throw = [ThrowFace(name, scene, layout, distance) for name, distance in found]
     fillets = fillet_faces(scene, layout) if layout.dimensions else []
-    return [*throw, *fillets, OutlineFace(layout), *_feature_faces(scene, layout)]
+    weight = scene.web.counterweight
+    flanks = [FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
+    return [*throw, *fillets, *flanks, OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
 def _throw_faces(
@@ -242,12 +285,13 @@ def _throw_faces(
 
 
 def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, Callable[[Scene, Array], Array]]]:
-    """Rim and flank of a counterweight that is one piece with the web, and its face where it is thinner."""
+    """Rim and sharp flank of a counterweight that is one piece with the web, its face where it is thinner."""
     weight = scene.web.counterweight
     if weight is None or weight.bolted:
         return
     yield "counterweight rim", lambda scene, at: _sector(scene).below_rim_mm(at[0], at[1])
-    yield "counterweight flank", lambda scene, at: _sector(scene).inside_flank_mm(at[0], at[1])
+    if weight.fillet_mm is None:
+        yield "counterweight flank", lambda scene, at: _sector(scene).inside_flank_mm(at[0], at[1])
     if weight.thickness_mm is not None and weight.thickness_mm < scene.web.thickness_mm:
         end = 1 if weight.face == "journal" else 0
         yield "counterweight face", lambda scene, at: at[2] - _sector(scene).z_mm[end]

@@ -23,3 +23,18 @@ def weighted(scene: Scene, counterweight: dict[str, Any], **features: Any) -> Sc
     """The scene with a counterweight."""
     web = scene.web.model_dump(mode="json", exclude_none=True)
     return scene_with_web(scene, {**web, **features, "counterweight": counterweight})
+
+
+OUTLINES: dict[str, dict[str, Any]] = {
+    "obround": {"outline": "obround", "width_mm": 50.0},
+    "rectangle": {"outline": "rectangle", "width_mm": 58.0, "overhang_mm": 30.0, "corner_radius_mm": 3.0},
+    "ellipse": {"outline": "ellipse", "semi_axis_throw_mm": 56.0, "semi_axis_lateral_mm": 36.0},
+    "tapered": {"outline": "tapered", "main_radius_mm": 36.0, "pin_radius_mm": 27.0},
+    "widening": {"outline": "tapered", "main_radius_mm": 27.0, "pin_radius_mm": 36.0},
+    "profile": {
+        "outline": "profile",
+        "stations_mm": (-26.0, -15.0, 5.0, 24.0, 45.0, 64.0, 72.0),
+        "half_widths_mm": (0.0, 21.0, 31.0, 34.0, 30.0, 21.0, 0.0),
+    },
+}
+"""One outline of every kind, and one that widens toward the crankpin."""

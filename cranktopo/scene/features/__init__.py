@@ -17,7 +17,7 @@ from cranktopo.scene.features.hull import ObroundWeb, TaperedWeb
 from cranktopo.scene.features.profile import ProfileWeb
 from cranktopo.scene.features.rectangle import RectangleWeb
 from cranktopo.scene.features.side_pocket import SidePocket
-from cranktopo.scene.features.web import Pocket, WebTable, counterweight_bodies, web_bodies, web_contains
+from cranktopo.scene.features.web import Pocket, WebTable, kept_bodies, web_bodies, web_contains
 
 Web = Annotated[
     ObroundWeb | RectangleWeb | EllipseWeb | TaperedWeb | ProfileWeb, Field(discriminator="outline")
@@ -39,7 +39,7 @@ __all__ = [
     "TaperedWeb",
     "Web",
     "WebTable",
-    "counterweight_bodies",
+    "kept_bodies",
     "web_bodies",
     "web_contains",
 ]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -13,7 +14,16 @@ from typing_extensions import override
 
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene.base import Length
-from cranktopo.scene.features.body import Array, Body, Face, Feature, Mask, Span, least_shoulder_mm
+from cranktopo.scene.features.body import (
+    Array,
+    Body,
+    Face,
+    Feature,
+    Mask,
+    Span,
+    least_shoulder_mm,
+)
+from cranktopo.scene.features.corner_fillet import CornerFillet
 from cranktopo.scene.features.primitives import (
     Arc,
     Extrusion,
@@ -23,11 +33,18 @@ from cranktopo.scene.features.primitives import (
     Solid,
     number_lines,
 )
+from cranktopo.scene.features.tangent_circle import (
+    OutlineSection,
+    TangentCircle,
+    largest_radius_mm,
+    tangent_circle,
+)
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
 
 LEAST_HALF_ANGLE_DEG = 5.0
+_NO_CORNER_MM = 1e-6
 _DRAWN, _SAMPLES = 61, 181
 """Points of the arc in a drawing, and where it is compared with others."""
 
@@ -48,6 +65,8 @@ class Counterweight(Feature):
     """Thickness along the crank axis, at most that of the web, which it has by default."""
     face: Face = "journal"
     """Web face with which it is flush if it is thinner than the web."""
+    fillet_mm: Length | None = None
+    """Radius of the fillet between each flank and the side of the web; left out: a sharp corner."""
     density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
     """Density of a part that is bolted on or let in, of heavy metal say; left out: one piece with the web."""
 
@@ -57,11 +76,32 @@ class Counterweight(Feature):
         return self.density_kg_m3 is not None
 
     def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
-        """Its body."""
+        """Its body without the fillets to the web."""
         start, end = scene.web_z_mm
         thick = scene.web.thickness_mm if self.thickness_mm is None else self.thickness_mm
         z_mm = (start, start + thick) if self.face == "journal" else (end - thick, end)
         return Sector(key, z_mm, self.outer_radius_mm, math.radians(self.half_angle_deg))
+
+    def parts(self, scene: ThrowView, key: str = "web.counterweight") -> tuple[Sector | CornerFillet, ...]:
+        """Its sector, and the fillets that it has."""
+        sector = self.sector(scene, key)
+        circle = self.circle(scene)
+        return (sector,) if circle is None else (sector, CornerFillet(key, sector.z_mm, circle))
+
+    def circle(self, scene: ThrowView) -> TangentCircle | None:
+        """The circle of its fillets; None without."""
+        if self.fillet_mm is None:
+            return None
+        half_angle = math.radians(self.half_angle_deg)
+        return _circle(scene.web, scene.throw.radius_mm, half_angle, self.fillet_mm)
+
+    def outer_mm(self, scene: ThrowView, points: int = _SAMPLES) -> tuple[Array, Array]:
+        """Points of its arc and of its fillet at x >= 0, from the bottom on, which bound what it reaches."""
+        rim, circle = self.sector(scene).rim_mm(points), self.circle(scene)
+        if circle is None:
+            return rim
+        x, y = (np.concatenate(pair) for pair in zip(rim, circle.arc_mm(points), strict=True))
+        return x, y
 
     def edge_mm(self, scene: ThrowView) -> tuple[Array, Array]:
         """Points of its arc and of its flank beyond the main journal, at x >= 0."""
@@ -71,7 +111,7 @@ class Counterweight(Feature):
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
-        return () if self.bolted else (self.sector(scene, key),)
+        return () if self.bolted else self.parts(scene, key)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
@@ -95,6 +135,30 @@ class Counterweight(Feature):
                 "lies within the web's outline and adds nothing",
                 "Enlarge it, or remove the counterweight.",
             )
+        self._check_fillet(scene, key)
+
+    def _check_fillet(self, scene: ThrowView, key: str) -> None:
+        if self.fillet_mm is None:
+            return
+        if self.bolted:
+            allowed = "a part of its own (density_kg_m3) has no fillet to the web"
+            raise invalid(f"{key}.fillet_mm", self.fillet_mm, allowed, "Leave one of them out.")
+        outline, half_angle = _outline(scene.web, scene.throw.radius_mm), math.radians(self.half_angle_deg)
+        largest = largest_radius_mm(outline, half_angle, self.outer_radius_mm)
+        if largest < _NO_CORNER_MM:
+            raise invalid(
+                f"{key}.fillet_mm",
+                self.fillet_mm,
+                "has no corner: the counterweight's flanks end within the web's outline",
+                "Leave it out, or enlarge half_angle_deg or outer_radius_mm.",
+            )
+        if self.fillet_mm > largest:
+            raise invalid(
+                f"{key}.fillet_mm",
+                self.fillet_mm,
+                f"must be at most {math.floor(largest * 1e3) / 1e3:g} mm: there the flank ends",
+                "Reduce it, or enlarge the counterweight.",
+            )
 
     @override
     def check_in_web(self, scene: ThrowView, key: str) -> None:
@@ -105,9 +169,10 @@ class Counterweight(Feature):
                     f"web.bevel[{name}]: bevels the main journal's end of the web, where {key} is.",
                     hint="Remove one of them.",
                 )
-        sector = self.sector(scene, key)
+        parts = self.parts(scene, key)
         for path, pocket in scene.web.features():
-            if getattr(pocket, "shape", "") == "side" and _meets(pocket.bodies(scene, path)[0], sector):
+            side = pocket.bodies(scene, path)[:1] if getattr(pocket, "shape", "") == "side" else ()
+            if any(_meets(tool, part) for tool in side for part in parts):
                 raise CranktopoError(
                     f"{path}: runs into {key}, which is wider than the web's outline there.",
                     hint="Move the pocket toward the crankpin, or narrow the counterweight.",
@@ -115,10 +180,10 @@ class Counterweight(Feature):
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
-        sector = self.sector(scene)
-        x, y = sector.rim_mm(_DRAWN)
+        x, y = self.outer_mm(scene, _DRAWN)
         right = list(zip(x.tolist(), y.tolist(), strict=True))
-        edge = ((0.0, 0.0), *((-a, b) for a, b in right[::-1]), *right)
+        middle = (0.0, max(0.0, float(y[-1])) if self.fillet_mm else 0.0)
+        edge = (middle, *((-a, b) for a, b in right[::-1]), *right)
         numbers = self.model_dump(exclude={"face", "density_kg_m3"}, exclude_none=True)
         title = (
             "COUNTERWEIGHT"
@@ -205,11 +270,22 @@ class Sector(Body):
         return (Extrusion(contour, (0.0, 0.0, high - low)),)
 
 
-def _meets(slot: Body, sector: Sector) -> bool:
-    """Whether the tool of a side pocket ends in the sector."""
-    low, high = (max(slot.z_mm[0], sector.z_mm[0]), min(slot.z_mm[1], sector.z_mm[1]))
+@lru_cache(maxsize=16)
+def _outline(web: Any, throw_radius_mm: float) -> OutlineSection:
+    """The outline of a web table."""
+    return OutlineSection(lambda y: web.half_width_mm(throw_radius_mm, y), web.y_range_mm(throw_radius_mm))
+
+
+@lru_cache(maxsize=64)
+def _circle(web: Any, throw_radius_mm: float, half_angle: float, radius_mm: float) -> TangentCircle:
+    return tangent_circle(_outline(web, throw_radius_mm), half_angle, radius_mm)
+
+
+def _meets(slot: Body, part: Sector | CornerFillet) -> bool:
+    """Whether the tool of a side pocket ends in a part of the counterweight."""
+    low, high = (max(slot.z_mm[0], part.z_mm[0]), min(slot.z_mm[1], part.z_mm[1]))
     if low >= high:
         return False
     y = np.linspace(*slot.y_range_mm, 401)
     reach = np.max([end for _, end in slot.spans(y, np.asarray(sum(slot.z_mm) / 2))], axis=0)
-    return bool((sector.half_width_mm(y) > reach - 1e-9).any())
+    return bool((part.half_width_mm(y) > reach - 1e-9).any())

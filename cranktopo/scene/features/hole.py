@@ -127,8 +127,8 @@ def check_cut(scene: ThrowView, body: Body) -> None:
     """
     y = np.linspace(*body.y_range_mm, 401)
     half = scene.web.half_width_mm(scene.throw.radius_mm, y)
-    if scene.web.counterweight is not None:
-        half = np.maximum(half, scene.web.counterweight.sector(scene).half_width_mm(y))
+    for part in scene.web.counterweight.parts(scene) if scene.web.counterweight is not None else ():
+        half = np.maximum(half, part.half_width_mm(y))
     middle = sum(body.z_mm) / 2
     spans = body.spans(y, np.asarray(middle))
     if not any((np.minimum(end, half) - np.maximum(start, -half) > 0).any() for start, end in spans):

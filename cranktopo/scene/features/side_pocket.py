@@ -239,7 +239,9 @@ class FittedSlot(FittedToSections):
         yield wall_rule(f"beside the {self.title}", least), flange
         if not self.through and scene.web.counterweight is not None:
             low = named["y"] - named["length"] / 2 - slope * (deep + BEYOND_MM)
-            yield f"the {self.title} stays clear of the counterweight", CLEAR_MM - low
+            # No fillet rises above the crank axis by more than twice its radius.
+            rise = 2 * (scene.web.counterweight.fillet_mm or 0.0)
+            yield f"the {self.title} stays clear of the counterweight", rise + CLEAR_MM - low
         for name, (journal, y) in zip(JOURNALS, scene.throw.journals, strict=True):
             if journal.bore_radius_mm:
                 beyond = 0.0 if self.through else max(abs(y - named["y"]) - named["length"] / 2, 0.0)

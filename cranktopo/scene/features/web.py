@@ -143,10 +143,13 @@ def feature_bodies(scene: ThrowView) -> list[Body]:
     return [body for key, feature in scene.web.features() for body in feature.bodies(scene, key)]
 
 
-def counterweight_bodies(scene: ThrowView) -> tuple[Body, ...]:
-    """The body of a counterweight that is one piece with the web; none without one."""
+def kept_bodies(scene: ThrowView) -> tuple[Body, ...]:
+    """What no optimiser takes away: the sector of a counterweight that is one piece with the web.
+
+    Its fillets follow the scene's outline, which an optimiser replaces.
+    """
     weight = scene.web.counterweight
-    return weight.bodies(scene, "web.counterweight") if weight is not None else ()
+    return () if weight is None or weight.bolted else (weight.sector(scene),)
 
 
 def web_contains(bodies: Sequence[Body], x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
