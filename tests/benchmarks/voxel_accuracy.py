@@ -3,6 +3,7 @@
 - `python -m tests.benchmarks.voxel_accuracy`: error and time on finer and finer cells, the Mikron's own web.
 - `... --throws [NAME...]`: errors and their bound on built-in designs and random throws (random-SEED).
 - `... --features`: the same and the volume's error, with counterweights and oil drillings.
+- `... --volumes`: error of a web's volume, without and with a counterweight, and its straight sides' part.
 - `... --ranking`: whether the ranking of eleven webs is kept at the default cell size.
 """
 
@@ -22,11 +23,14 @@ from tests.studies.cell_models import (
     own_model,
     ranking,
     volume_error,
+    web_volume_error,
 )
 from tests.studies.error_bounds import held_text, target_of
+from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted
 
 CELLS_MM = (4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
 FEATURE_CELLS = (4, 6, 9)
+VOLUME_CELLS = (4, 5, 6, 8, 12)
 """Cells through the web."""
 DESIGNS = ("opposed-piston", "opposed-piston-casting", "opposed-piston-forging")
 DESIGNS += tuple(f"random-{seed}" for seed in (0, 2, 4, 5, 7))
@@ -81,6 +85,18 @@ def print_features() -> None:
     print(held_text(rows))
 
 
+def print_volumes() -> None:
+    """Errors of a web's volume, without and with a counterweight."""
+    print("| web of the Mikron | cell mm | volume error % | of it the straight sides |")
+    print("|---" * 4 + "|")
+    bare = roomy_scene(load_scene("mikron-iiic"))
+    for name, scene in (("as it is", bare), ("with a counterweight", weighted(bare, PLAIN))):
+        for count in VOLUME_CELLS:
+            found = web_volume_error(scene, scene.web.thickness_mm / count)
+            errors = f"{found.error_percent:+.3f} | {found.of_sides_percent:+.3f}"
+            print(f"| {name} | {found.cell_mm:.2f} | {errors} |", flush=True)
+
+
 def print_ranking() -> None:
     """Stiffnesses of the variants by both models, and how well the ranks agree."""
     print("| web | torsion own | evaluated kN m/rad | error % | bending own | evaluated kN/mm | error % |")
@@ -96,12 +112,15 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--throws", nargs="*", metavar="NAME")
     parser.add_argument("--features", action="store_true")
+    parser.add_argument("--volumes", action="store_true")
     parser.add_argument("--ranking", action="store_true")
     chosen = parser.parse_args()
     if chosen.throws is not None:
         print_throws(chosen.throws or DESIGNS)
     elif chosen.features:
         print_features()
+    elif chosen.volumes:
+        print_volumes()
     elif chosen.ranking:
         print_ranking()
     else:

@@ -9,7 +9,7 @@ from typing import Any
 import jax.numpy as jnp
 
 from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.domain.build import build_domain
+from cranktopo.domain.build import SAMPLES, build_domain
 from cranktopo.domain.grid import Grid
 from cranktopo.effects import planned_scene
 from cranktopo.evaluate.evaluation import RATIO, evaluate_on_mesh
@@ -20,6 +20,7 @@ from cranktopo.fem.response import compliances, solve, stiffness
 from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.scale import default_element_size_mm
+from cranktopo.scene.web_moments import web_moments
 from tests.physics.evaluation_cases import mikron_with
 from tests.physics.throw_cases import BENDING, TORSION
 from tests.studies.error_bounds import Bounded, limit
@@ -104,6 +105,25 @@ def volume_error(scene: Scene, cell_mm: float) -> float:
     domain = build_domain(sharp, cell_mm, "web")
     filled = float((domain.fixed * domain.volume_mm3).sum()) / domain.share / 2
     return filled / half_throw_volume_mm3(sharp) - 1
+
+
+@dataclass(frozen=True)
+class WebVolume:
+    """Error of an obround web's volume on cells, and the part of it that its two straight sides make, %."""
+
+    cell_mm: float
+    error_percent: float
+    of_sides_percent: float
+
+
+def web_volume_error(scene: Scene, cell_mm: float) -> WebVolume:
+    """A straight side counts as lying half-way between two columns of the samples in the cells."""
+    domain, exact = build_domain(scene, cell_mm, "web", extent="quarter"), web_moments(scene).volume
+    filled = 2 * float((domain.web * domain.volume_mm3).sum())
+    half, step = scene.web.largest_half_width_mm, float(domain.grid.x_mm[1]) / SAMPLES
+    beyond = step * round(half / step) - half
+    sides = 2 * beyond * scene.throw.radius_mm * scene.web.thickness_mm
+    return WebVolume(float(domain.grid.x_mm[1]), 100 * (filled / exact - 1), 100 * sides / exact)
 
 
 def featured() -> dict[str, Scene]:

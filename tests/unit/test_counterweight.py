@@ -18,6 +18,7 @@ from cranktopo.scene import Scene
 from cranktopo.scene.web_moments import bolted_mass, web_moments
 from cranktopo.surface.solids import counterweight_solid
 from tests.step_volume import step_volume_mm3
+from tests.studies.cell_models import web_volume_error
 from tests.unit.counterweight_cases import DISC, PLAIN, THIN, roomy_scene, weighted
 
 END_MM = 25.0
@@ -68,6 +69,15 @@ def test_solid_cells_and_sections_agree(
     for cell_mm, error in ((8.0, 2e-3), (3.0, 6e-4)):
         domain = build_domain(scene, cell_mm, "web", extent="quarter")
         assert 2 * float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=error)
+
+
+@pytest.mark.parametrize("cell_mm", [5.0, 4.0, 3.0])
+def test_what_the_volume_on_cells_is_off_by(roomy: Scene, cell_mm: float) -> None:
+    """The straight sides, which no longer lie on a plane of the grid, fall between two columns of samples."""
+    for scene, off in ((roomy, False), (weighted(roomy, PLAIN), True)):
+        found = web_volume_error(scene, cell_mm)
+        assert found.error_percent == pytest.approx(found.of_sides_percent, abs=0.015)
+        assert (abs(found.of_sides_percent) > 0.003) == off
 
 
 def test_thin_one_lies_on_its_own_face(roomy: Scene) -> None:
