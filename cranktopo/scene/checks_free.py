@@ -39,6 +39,7 @@ def check_free_dimensions(scene: Scene) -> None:
             _check_counterweight(scene, name, found)
             continue
         _check_own(scene, name, found)
+        _check_outlets(scene, name, found)
         if name == "web_thickness":
             _check_thickness(scene, found[0])
             continue
@@ -68,6 +69,16 @@ def _check_counterweight(scene: Scene, name: DimensionName, found: tuple[float, 
         least.web.counterweight.check_alone(least, "web.counterweight")
     except CranktopoError as error:
         raise _refused(name, found, f"its least gives {str(error).rstrip('.')}", "Narrow it.") from None
+
+
+def _check_outlets(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """No rounded outlet of a drilling is carried along by the journal that it is on."""
+    for index, drilling in enumerate(scene.throw.drilling):
+        if drilling.outlet_radius_mm:
+            allowed = f"throw.drilling[{index}] has rounded outlets, which cannot move with the journals"
+            raise _refused(
+                name, found, allowed, "Leave it out, or leave outlet_radius_mm of the drilling out."
+            )
 
 
 def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:

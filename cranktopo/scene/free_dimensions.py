@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
 
 from cranktopo.scene.geometry import Journal
@@ -69,6 +69,11 @@ def free_range_mm(scene: Scene, name: DimensionName) -> tuple[float, float] | No
 def free_key(name: DimensionName) -> str:
     """Key of a dimension in `[shape.free]`."""
     return f"{name}_{'deg' if name == 'counterweight_angle' else 'mm'}"
+
+
+def move_journals(names: Collection[DimensionName]) -> bool:
+    """Whether some of the dimensions change more of the throw than its web's section."""
+    return not all(map(is_of_counterweight, names))
 
 
 def is_of_counterweight(name: DimensionName) -> bool:

@@ -21,6 +21,7 @@ from cranktopo.meshing.curving import EDGES, least_jacobian_ratio
 from cranktopo.meshing.solid_mesh import TetMesh
 from cranktopo.remodel.family import Layout
 from cranktopo.scene import Scene
+from cranktopo.scene.free_dimensions import move_journals
 from cranktopo.shape.web_faces import Contact, FilletFace, WebFace, web_faces
 
 Array = NDArray[np.float64]
@@ -69,8 +70,9 @@ class MovedMesh:
     def __init__(self, mesh: TetMesh, scene: Scene, layout: Layout, values: Array) -> None:
         self.mesh, self.values = numbered(mesh), np.asarray(values, dtype=np.float64)
         self._faces = web_faces(scene, layout, mirrored=mesh.mirrored)
+        moving = (-np.inf, np.inf) if move_journals(layout.dimensions) else scene.web_z_mm
         self._surface, self._triangles, self._on, self._still = _surface_nodes(
-            self.mesh, self._faces, self.values, (-np.inf, np.inf) if layout.dimensions else scene.web_z_mm
+            self.mesh, self._faces, self.values, moving
         )
         self._ends = _edge_ends(self.mesh.cells)
         self._corners = int(self.mesh.cells[:4].max()) + 1

@@ -18,12 +18,13 @@ from cranktopo.remodel.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.scene import Scene
+from cranktopo.scene.drilling import channels
 from cranktopo.scene.features.counterweight import Sector
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.flank import Flank
 from cranktopo.scene.features.tangent_circle import flank_directions
 from cranktopo.scene.fillet_section import FilletSection
-from cranktopo.scene.free_dimensions import DimensionName
+from cranktopo.scene.free_dimensions import DimensionName, move_journals
 
 Array = NDArray[np.float64]
 _STEP = 1e-6
@@ -253,22 +254,22 @@ class OutlineFace(WebFace):
 def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
     """All faces of the web of a layout: those of the throw, its outline, those of its features.
 
-    With free dimensions of the throw those of the journals and their fillets as well.
+    With free dimensions of the journals theirs and those of their fillets as well.
 
     Args:
         scene: with the bores and fillets of the mesh.
         mirrored: the model is the half x >= 0, so that the plane x = 0 bounds it as well.
     """
-    found = _throw_faces(scene, layout, mirrored)
+    found = _throw_faces(scene, mirrored, move_journals(layout.dimensions))
     throw = [ThrowFace(name, scene, layout, distance) for name, distance in found]
-    fillets = fillet_faces(scene, layout) if layout.dimensions else []
+    fillets = fillet_faces(scene, layout) if move_journals(layout.dimensions) else []
     weight = scene.web.counterweight
     flanks = [FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
     return [*throw, *fillets, *flanks, OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
 def _throw_faces(
-    scene: Scene, layout: Layout, mirrored: bool
+    scene: Scene, mirrored: bool, with_journals: bool
 ) -> Iterator[tuple[str, Callable[[Scene, Array], Array]]]:
     if mirrored:
         yield "plane of symmetry", lambda _, at: at[0]
@@ -277,8 +278,10 @@ def _throw_faces(
     for k, (journal, _) in enumerate(scene.throw.journals):
         if journal.bore_radius_mm:
             yield "bore", partial(_off_bore, k)
+    for k in range(len(channels(scene))):
+        yield "drilling", partial(_off_drilling, k)
     yield from _counterweight_faces(scene)
-    if layout.dimensions:
+    if with_journals:
         yield "journal section", lambda _, at: at[2]
         yield "pin section", lambda scene, at: at[2] - scene.pitch_mm / 2
         yield from (("cylinder", partial(_off_journal, k)) for k in range(2))
@@ -319,6 +322,11 @@ def _above_web_face(number: int, scene: Scene, at: Array) -> Array:
 def _off_bore(number: int, scene: Scene, at: Array) -> Array:
     journal, y = scene.throw.journals[number]
     return np.asarray(np.hypot(at[0], at[1] - y) - journal.bore_radius_mm)
+
+
+def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
+    channel = channels(scene)[number]
+    return channel.distance_mm(at[0], at[1], at[2]) - channel.radius_mm
 
 
 def _off_journal(number: int, scene: Scene, at: Array) -> Array:

@@ -33,7 +33,7 @@ _SETTINGS = {
     "distributed.scheduler.allowed-failures": _DEATHS,
     "distributed.admin.large-graph-warning-threshold": "1 GiB",
     "distributed.nanny.pre-spawn-environ.DASK_LOGGING__DISTRIBUTED": "critical",
-    # By default a worker gives back all memory that it frees: its next array comes page by page from the system.
+    # By default a worker gives back all memory that it frees, and waits for the pages of its next array.
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
 }
 Done = Callable[[Job, Json], None]
