@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.errors import CranktopoError
+
 Array = NDArray[np.float64]
 HalfWidth = Callable[[Array], Array]
 _SAMPLES, _POINTS, _ROUNDS = 801, 65, 7
@@ -21,6 +23,7 @@ _SAMPLES, _POINTS, _ROUNDS = 801, 65, 7
 _STEP_MM = 1e-4
 """Half the step of the difference whose sign tells on which side of a place the nearest lies."""
 _NEWTON, _SETTLED_MM, _LEAST_RISE = 60, 1e-11, 0.05
+_TOUCHES_MM = 1e-6
 _BISECTIONS = 60
 
 
@@ -112,6 +115,9 @@ def tangent_circle(outline: OutlineSection, half_angle: float, radius_mm: float)
 
     Args:
         half_angle: of the flank to the direction away from the crankpin, rad.
+
+    Raises:
+        CranktopoError: the search for it does not settle.
     """
     along, across = flank_directions(half_angle)
     reach = outline.reach_mm + 2 * radius_mm
@@ -123,6 +129,11 @@ def tangent_circle(outline: OutlineSection, half_angle: float, radius_mm: float)
             break
         rise = float((centre - at) @ along) / max(away, _SETTLED_MM)
         reach -= (away - radius_mm) / max(rise, _LEAST_RISE)
+    if abs(away - radius_mm) > _TOUCHES_MM:
+        raise CranktopoError(
+            f"web.counterweight.fillet_mm {radius_mm:g}: no circle was found that touches flank and outline.",
+            hint="Change it, or half_angle_deg of the counterweight, slightly.",
+        )
     touches = reach * along
     pairs = ((float(x), float(y)) for x, y in (centre, touches, at))
     middle, on_flank, on_outline = pairs
