@@ -1,4 +1,4 @@
-"""Tests; beside each other each process has one core, for which threads of BLAS would only wait in a circle."""
+"""Tests; beside others each process has one core, on which more threads of BLAS would only wait."""
 
 import os
 
