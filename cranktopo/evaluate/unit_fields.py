@@ -23,6 +23,19 @@ Array = NDArray[np.float64]
 
 
 FieldKind = LoadKind | Literal["moment"]
+_PARITY: dict[FieldKind, Lateral] = {
+    "moment": "even",
+    "bending": "even",
+    "tangential": "odd",
+    "torsion": "odd",
+    "centrifugal": "even",
+}
+"""Of the loads in the mirror x -> -x."""
+_TAKEN: dict[Span, tuple[FieldKind, ...]] = {
+    "symmetric": ("moment", "bending", "tangential", "centrifugal"),
+    "whole": ("bending", "tangential", "torsion", "centrifugal"),
+}
+"""The loads that one condensation holds; no moment is asked of a whole throw."""
 
 
 @dataclass(frozen=True)
@@ -60,32 +73,15 @@ def unit_fields(
         CranktopoError: a spring support without its stiffness, or a failed solve.
     """
     if whole:
-        fields = _of_whole(model, scene, mirrored, set(kinds))
+        fields = _by_side(model, scene, mirrored, "whole", kinds)
     else:
         symmetric, twist = side_by_side(
-            lambda: _symmetric(model, scene, mirrored, set(kinds)),
+            lambda: _by_side(model, scene, mirrored, "symmetric", kinds),
             lambda: _twisted(model, scene, mirrored) if "torsion" in kinds else {},
         )
         fields = {**symmetric, **twist}
     order: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
     return tuple(fields[kind] for kind in order if kind in fields)
-
-
-def _of_whole(
-    model: Elasticity, scene: Scene, mirrored: bool, kinds: set[FieldKind]
-) -> dict[FieldKind, UnitField]:
-    """Fields of a whole throw: one condensation per lateral parity has all its loads."""
-    sides: tuple[tuple[Lateral, tuple[FieldKind, ...]], ...] = (
-        ("none", ("bending", "tangential", "torsion", "centrifugal")),
-    )
-    if mirrored:
-        sides = (("even", ("bending", "centrifugal")), ("odd", ("tangential", "torsion")))
-    found: dict[FieldKind, UnitField] = {}
-    for lateral, possible in sides:
-        wanted = [kind for kind in possible if kind in kinds]
-        if wanted:
-            found |= _loaded(model, scene, "whole", lateral, wanted)
-    return found
 
 
 def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
@@ -100,20 +96,16 @@ def twisted(block: Condensed, scene: Scene) -> UnitField:
     return UnitField("torsion", _units(block) @ motion, -1, -1)
 
 
-def _symmetric(
-    model: Elasticity, scene: Scene, mirrored: bool, kinds: set[FieldKind]
+def _by_side(
+    model: Elasticity, scene: Scene, mirrored: bool, span: Span, kinds: Collection[FieldKind]
 ) -> dict[FieldKind, UnitField]:
-    """Fields of the loads symmetric about the mid-pin plane: one condensation per lateral parity."""
-    sides: tuple[tuple[Lateral, tuple[FieldKind, ...]], ...] = (
-        ("none", ("moment", "bending", "tangential", "centrifugal")),
-    )
-    if mirrored:
-        sides = (("even", ("moment", "bending", "centrifugal")), ("odd", ("tangential",)))
+    """Fields of the loads that a span takes: one condensation per lateral parity has all of them."""
+    laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
     found: dict[FieldKind, UnitField] = {}
-    for lateral, possible in sides:
-        wanted = [kind for kind in possible if kind in kinds]
+    for lateral in laterals:
+        wanted = [kind for kind in _TAKEN[span] if kind in kinds and lateral in ("none", _PARITY[kind])]
         if wanted:
-            found |= _loaded(model, scene, "symmetric", lateral, wanted)
+            found |= _loaded(model, scene, span, lateral, wanted)
     return found
 
 

@@ -115,7 +115,7 @@ class ParametricWeb:
         by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
         by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))
         result = np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
-        fillet = self._fillet(values)
+        fillet = self.fillet(values)
         if fillet is not None:
             result += fillet.pulled_back(self._grid.axes, np.where(which == FILLET, weight, 0.0))
         return result
@@ -123,11 +123,11 @@ class ParametricWeb:
     def _added(self, values: Array) -> dict[int, Array]:
         """Signed distances of the cells from the counterweight and its fillets, by number of the field."""
         sector = self._moved_added(values) if self._weight else self._own_added
-        fillet = self._fillet(values)
+        fillet = self.fillet(values)
         fields = {} if sector is None else {ADDED: sector}
         return fields if fillet is None else {**fields, FILLET: fillet.inside_mm(self._grid.axes)}
 
-    def _fillet(self, values: Array) -> MovedFillet | None:
+    def fillet(self, values: Array) -> MovedFillet | None:
         """The counterweight's fillet, the last one kept."""
         if self._last[0] != values.tobytes():
             self._last = values.tobytes(), moved_fillet(self._scene, self.layout, values)
@@ -150,7 +150,7 @@ class ParametricWeb:
     def constraints(self, values: Array) -> Array:
         """Manufacturing constraints, kept where <= 0."""
         shape = self._outline.at(values)
-        fillet = self._fillet(values)
+        fillet = self.fillet(values)
         own = [] if fillet is None else [fillet.rule[1]]
         return np.concatenate([shape.constraints, self._part_constraints(shape.points, values), own])
 
@@ -158,7 +158,7 @@ class ParametricWeb:
         """Name of each constraint in plain English, several parts of one rule alike."""
         points = self._outline.at(values).points
         names = [name for name, _ in self._part_rules(points, values)]
-        fillet = self._fillet(values)
+        fillet = self.fillet(values)
         return (*self._outline.rule_names(values), *names, *([] if fillet is None else [fillet.rule[0]]))
 
     def slopes(self, values: Array) -> Array:
@@ -170,7 +170,7 @@ class ParametricWeb:
 
         steps = _DIFFERENCE * np.eye(len(values))
         below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
-        fillet = self._fillet(values)
+        fillet = self.fillet(values)
         own = [] if fillet is None else [fillet.rule_slopes]
         return np.vstack([shape.constraint_slopes, below, *own])
 

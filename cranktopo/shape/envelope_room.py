@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.envelope_section import envelope_bounds_mm, envelope_outline, envelope_sections
-from cranktopo.remodel.corner_fillet import moved_fillet
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.parametric_web import ParametricWeb
@@ -43,7 +42,7 @@ class EnvelopeRoom:
         bodies = [web.points(values)]
         if any(is_of_counterweight(name) for name in web.layout.dimensions):
             bodies.append(self._rim(web.layout, values))
-        fillet = moved_fillet(self._scene, web.layout, values)
+        fillet = web.fillet(values)
         if fillet is not None:
             arc = np.stack(fillet.circle.arc_mm(_RIM), axis=1)
             bodies.append((arc, np.broadcast_to(fillet.slopes, (_RIM, *fillet.slopes.shape))))

@@ -18,13 +18,12 @@ from cranktopo.remodel.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout, flank_of
 from cranktopo.scene import Scene
-from cranktopo.scene.drilling import channels
-from cranktopo.scene.features.counterweight import Sector
 from cranktopo.scene.features.fitted import FittedFeature
 from cranktopo.scene.features.flank import Flank
 from cranktopo.scene.features.tangent_circle import flank_directions
 from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.free_dimensions import DimensionName, move_journals
+from cranktopo.shape.throw_faces import DistanceOf, off_fillet, sector_of, throw_faces
 
 Array = NDArray[np.float64]
 _STEP = 1e-6
@@ -34,8 +33,6 @@ _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""
 _NEWTON = 12
 _THICKNESS: DimensionName = "web_thickness"
-_BESIDE_MM = 1e-3
-"""How far beyond its rims a point may lie that counts as on a fillet."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +83,7 @@ class ThrowFace(WebFace):
     name: str
     scene: Scene
     layout: Layout
-    distance_mm: Callable[[Scene, Array], Array]
+    distance_mm: DistanceOf
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
@@ -195,7 +192,7 @@ class FilletedFlank(WebFace):
     def slopes(self, points_mm: Array, values: Array) -> Array:
         fillet, first = self._fillet(values), len(values) - len(self.layout.dimensions)
         by_flank = _by_values(
-            lambda moved: _sector(scene_at(self.scene, self.layout, moved)).inside_flank_mm(*points_mm[:2]),
+            lambda moved: sector_of(scene_at(self.scene, self.layout, moved)).inside_flank_mm(*points_mm[:2]),
             values,
             range(first, len(values)),
         )
@@ -260,7 +257,7 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
         scene: with the bores and fillets of the mesh.
         mirrored: the model is the half x >= 0, so that the plane x = 0 bounds it as well.
     """
-    found = _throw_faces(scene, mirrored, move_journals(layout.dimensions))
+    found = throw_faces(scene, mirrored, move_journals(layout.dimensions))
     throw = [ThrowFace(name, scene, layout, distance) for name, distance in found]
     fillets = fillet_faces(scene, layout) if move_journals(layout.dimensions) else []
     weight = scene.web.counterweight
@@ -268,80 +265,13 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
     return [*throw, *fillets, *flanks, OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
-def _throw_faces(
-    scene: Scene, mirrored: bool, with_journals: bool
-) -> Iterator[tuple[str, Callable[[Scene, Array], Array]]]:
-    if mirrored:
-        yield "plane of symmetry", lambda _, at: at[0]
-    for k, name in enumerate(("journal face", "pin face")):
-        yield name, partial(_above_web_face, k)
-    for k, (journal, _) in enumerate(scene.throw.journals):
-        if journal.bore_radius_mm:
-            yield "bore", partial(_off_bore, k)
-    for k in range(len(channels(scene))):
-        yield "drilling", partial(_off_drilling, k)
-    yield from _counterweight_faces(scene)
-    if with_journals:
-        yield "journal section", lambda _, at: at[2]
-        yield "pin section", lambda scene, at: at[2] - scene.pitch_mm / 2
-        yield from (("cylinder", partial(_off_journal, k)) for k in range(2))
-
-
-def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, Callable[[Scene, Array], Array]]]:
-    """Rim and sharp flank of a counterweight that is one piece with the web, its face where it is thinner."""
-    weight = scene.web.counterweight
-    if weight is None or weight.bolted:
-        return
-    yield "counterweight rim", lambda scene, at: _sector(scene).below_rim_mm(at[0], at[1])
-    if weight.fillet_mm is None:
-        yield "counterweight flank", lambda scene, at: _sector(scene).inside_flank_mm(at[0], at[1])
-    if weight.thickness_mm is not None and weight.thickness_mm < scene.web.thickness_mm:
-        end = 1 if weight.face == "journal" else 0
-        yield "counterweight face", lambda scene, at: at[2] - _sector(scene).z_mm[end]
-
-
-def _sector(scene: Scene) -> Sector:
-    assert scene.web.counterweight is not None
-    return scene.web.counterweight.sector(scene)
-
-
 def fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
     """Both fillets of a scene; without one that is sharp."""
     return [
-        FilletFace("fillet", scene, layout, partial(_off_fillet, k), k)
+        FilletFace("fillet", scene, layout, partial(off_fillet, k), k)
         for k, (journal, _) in enumerate(scene.throw.journals)
         if journal.fillet_mm
     ]
-
-
-def _above_web_face(number: int, scene: Scene, at: Array) -> Array:
-    above: Array = at[2] - scene.web_z_mm[number]
-    return above
-
-
-def _off_bore(number: int, scene: Scene, at: Array) -> Array:
-    journal, y = scene.throw.journals[number]
-    return np.asarray(np.hypot(at[0], at[1] - y) - journal.bore_radius_mm)
-
-
-def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
-    channel = channels(scene)[number]
-    return channel.distance_mm(at[0], at[1], at[2]) - channel.radius_mm
-
-
-def _off_journal(number: int, scene: Scene, at: Array) -> Array:
-    journal, y = scene.throw.journals[number]
-    return np.asarray(np.hypot(at[0], at[1] - y) - journal.radius_mm)
-
-
-def _off_fillet(number: int, scene: Scene, at: Array) -> Array:
-    """Distance from the quarter of the ring that is the fillet, as its section has it; far from the rest."""
-    journal, y = scene.throw.journals[number]
-    section, side = journal.fillet, 1.0 if number else -1.0
-    across = np.hypot(at[0], at[1] - y) - journal.radius_mm - section.radial_mm
-    height = side * (at[2] - scene.web_z_mm[number]) - section.axial_mm
-    beyond = (across > _BESIDE_MM) | (height > _BESIDE_MM)
-    return np.asarray(section.off_mm(across, height) + np.where(beyond, section.radial_mm, 0.0))
 
 
 def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:

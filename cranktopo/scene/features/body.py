@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from cranktopo.scene.base import SceneTable
 from cranktopo.scene.features.primitives import FeatureDrawing, Solid
@@ -112,6 +113,26 @@ class Body(ABC):
     def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:
         """A prism of its section at the face it opens at, over an axial range from there; none by default."""
         return ()
+
+
+@dataclass(frozen=True)
+class MirroredPrism(Body):
+    """Material between both its heights that is symmetric in x, of one section."""
+
+    adds: ClassVar[bool] = True
+
+    @abstractmethod
+    def half_width_mm(self, y_mm: Array) -> Array:
+        """Half of its width at places along the throw; 0 beyond its ends."""
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        half = np.where((z_mm >= self.z_mm[0]) & (z_mm <= self.z_mm[1]), self.half_width_mm(y_mm), 0.0)
+        return [(-half, half)]
+
+    @override
+    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
+        return np.asarray(np.abs(x_mm) < self.half_width_mm(y_mm))
 
 
 class Feature(SceneTable, ABC):

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.scene.features.body import Array, Body, Mask, Span
+from cranktopo.scene.features.body import Array, MirroredPrism
 from cranktopo.scene.features.primitives import Arc, Extrusion, Line, Point, Solid
 from cranktopo.scene.features.tangent_circle import TangentCircle
 
 
 @dataclass(frozen=True)
-class CornerFillet(Body):
+class CornerFillet(MirroredPrism):
     """What lies between two arcs, from where they leave the flanks to where they reach the outline.
 
     Its inside lies in counterweight and web, with which it is one body.
@@ -25,19 +23,9 @@ class CornerFillet(Body):
     """
 
     circle: TangentCircle
-    adds: ClassVar[bool] = True
 
     @override
-    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
-        half = np.where((z_mm >= self.z_mm[0]) & (z_mm <= self.z_mm[1]), self.half_width_mm(y_mm), 0.0)
-        return [(-half, half)]
-
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        return np.asarray(np.abs(x_mm) < self.half_width_mm(y_mm))
-
     def half_width_mm(self, y_mm: Array) -> Array:
-        """Half of its width at places along the throw; 0 beyond its ends."""
         (x, y), (low, high) = self.circle.centre, self.y_range_mm
         chord = np.sqrt(np.maximum(self.circle.radius_mm**2 - (y_mm - y) ** 2, 0.0))
         return np.asarray(np.where((y_mm >= low) & (y_mm <= high), x - chord, 0.0))

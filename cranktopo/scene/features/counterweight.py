@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field
@@ -14,15 +13,7 @@ from typing_extensions import override
 
 from cranktopo.errors import CranktopoError, invalid
 from cranktopo.scene.base import Length
-from cranktopo.scene.features.body import (
-    Array,
-    Body,
-    Face,
-    Feature,
-    Mask,
-    Span,
-    least_shoulder_mm,
-)
+from cranktopo.scene.features.body import Array, Body, Face, Feature, MirroredPrism, least_shoulder_mm
 from cranktopo.scene.features.corner_fillet import CornerFillet
 from cranktopo.scene.features.primitives import (
     Arc,
@@ -195,7 +186,7 @@ class Counterweight(Feature):
 
 
 @dataclass(frozen=True)
-class Sector(Body):
+class Sector(MirroredPrism):
     """A sector about the crank axis, symmetric about the direction away from the crankpin.
 
     Attributes:
@@ -205,19 +196,9 @@ class Sector(Body):
 
     radius_mm: float
     half_angle: float
-    adds: ClassVar[bool] = True
 
     @override
-    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
-        half = np.where((z_mm >= self.z_mm[0]) & (z_mm <= self.z_mm[1]), self.half_width_mm(y_mm), 0.0)
-        return [(-half, half)]
-
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        return np.asarray(np.abs(x_mm) < self.half_width_mm(y_mm))
-
     def half_width_mm(self, y_mm: Array) -> Array:
-        """Half of its width at places along the throw; 0 beyond its ends."""
         chord = np.sqrt(np.maximum(self.radius_mm**2 - y_mm**2, 0.0))
         return np.asarray(np.minimum(chord, np.maximum(-y_mm, 0.0) * math.tan(self.half_angle)))
 
