@@ -16,15 +16,26 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import CORNERS
-from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
+from cranktopo.fem.lattice import Array, Cells, Lattice, Precision, layer_stiffness
 
 # A node itself and the half of its neighbours that come later; the rest of a symmetric operator follows.
 _OFFSETS = [offset for offset in product((-1, 0, 1), repeat=3) if offset >= (0, 0, 0)]
+# Corners a and b of a cell, and which later neighbour b is of a; the entries of their blocks in its matrix.
+_PAIRS = [
+    (a, b, _OFFSETS.index(offset))
+    for a, b in product(range(8), repeat=2)
+    if (offset := tuple(int(n) for n in CORNERS[b] - CORNERS[a])) in _OFFSETS
+]
+_PAIR_ENTRIES = np.array(
+    [((a * 3 + c) * 8 + b) * 3 + d for a, b, _ in _PAIRS for c in range(3) for d in range(3)]
+)
 # Empty planes before the first: one flat slice then finds the blocks of all earlier neighbours.
 _LEAD = 2
 # A matrix product has the layers first: with many cells turning its result around costs far more than
 # the sum of a few products, which is one program.
 _FEW_MOMENTS = 8
+# Slabs of a stencil's assembly: so many cut its memory to where nothing else is gained.
+_MOST_SLABS = 8
 
 
 class CoarseMap(NamedTuple):
@@ -32,8 +43,8 @@ class CoarseMap(NamedTuple):
 
     Attributes:
         weights_x: moments over the fine cells along x in a coarse cell (moments, cells).
-        matrices: per coarse layer, moment (x, y) and fine layer in it, the (8, 3, 8, 3) matrix of P^T K_e P,
-            shape (coarse nz, moments, 576).
+        matrices: per moment (x, y) and fine layer in a coarse layer, and per coarse layer, the (8, 3, 8, 3)
+            matrix of P^T K_e P, shape (moments, 576, coarse nz): sums over moments then run along memory.
         bound: bound of the Jacobi-scaled spectrum of the coarse operator, whatever the moduli.
     """
 
@@ -55,52 +66,72 @@ def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
     return CoarseMap(
         weights_x=_moment_weights(factors[0]),
         weights_y=_moment_weights(factors[1]),
-        matrices=np.stack([matrix for matrix, _ in layers]),
+        matrices=np.stack([matrix for matrix, _ in layers], axis=-1),
         bound=np.asarray(max(bound for _, bound in layers)),
     )
 
 
 def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
     """Stiffness matrices (8, 3, 8, 3, coarse cells...) of the Galerkin operator P^T K P."""
+    entries = _entries(coarse, jnp.asarray(coarse.matrices, moduli.dtype), moduli)
+    return entries.reshape(8, 3, 8, 3, *entries.shape[1:])
+
+
+def _entries(coarse: CoarseMap, matrices: jax.Array, moduli: jax.Array) -> jax.Array:
+    """Some entries of the stiffness matrices of coarse cells (entries, coarse cells...)."""
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
-    nz = coarse.matrices.shape[0]
-    nx, ny = moduli.shape[0] // across, moduli.shape[1] // along
-    weights_x, weights_y, matrices = (
-        jnp.asarray(a, moduli.dtype) for a in (coarse.weights_x, coarse.weights_y, coarse.matrices)
-    )
+    nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, matrices.shape[2]
+    weights_x, weights_y = (jnp.asarray(a, moduli.dtype) for a in (coarse.weights_x, coarse.weights_y))
     fine = moduli.reshape(nx, across, ny, along, nz, -1)
     moments = jnp.einsum("pi,qj,xiyjzk->pqkxyz", weights_x, weights_y, fine).reshape(-1, nx * ny, nz)
     if len(moments) <= _FEW_MOMENTS:
-        columns = jnp.moveaxis(matrices, 0, -1)[:, :, None]
-        terms = (column * moment for column, moment in zip(columns, moments, strict=True))
-        cells = reduce(jnp.add, terms)
+        terms = (column[:, None] * moment for column, moment in zip(matrices, moments, strict=True))
+        entries = reduce(jnp.add, terms)
     else:
-        cells = jnp.einsum("zmr,mcz->rcz", matrices, moments)
-    return cells.reshape(8, 3, 8, 3, nx, ny, nz)
+        entries = jnp.einsum("mrz,mcz->rcz", matrices, moments)
+    return entries.reshape(-1, nx, ny, nz)
 
 
-def assemble_stencil(cells: jax.Array) -> jax.Array:
-    """Stencil of cell matrices: the blocks that couple a node to itself and to its later neighbours.
+def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision) -> jax.Array:
+    """Stencil of the Galerkin operator: the blocks that couple a node to itself and to its later neighbours.
+
+    Slab by slab along x: matrices of all coarse cells at once would be the most memory that a solve takes.
 
     Returns:
         Array (14, 3, 3, 2 + nodes along x, nodes along y, nodes along z); its first two planes are 0.
     """
-    shape = cells.shape[4:]
-    offsets = {(a, b): tuple(int(n) for n in CORNERS[b] - CORNERS[a]) for a in range(8) for b in range(8)}
-    pairs = [(a, b, _OFFSETS.index(offset)) for (a, b), offset in offsets.items() if offset in _OFFSETS]
+    across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
+    nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
+    slabs = max(count for count in range(1, _MOST_SLABS + 1) if nx % count == 0)
+    depth = nx // slabs
+    matrices = jnp.asarray(coarse.matrices, moduli.dtype)[:, _PAIR_ENTRIES]
+
+    def add(number: jax.Array, stencil: jax.Array) -> jax.Array:
+        slab = jax.lax.dynamic_slice_in_dim(moduli, number * depth * across, depth * across)
+        part = _summed_pairs(_entries(coarse, matrices, slab).astype(precision))
+        there = jax.lax.dynamic_slice_in_dim(stencil, _LEAD + number * depth, depth + 1, 3)
+        return jax.lax.dynamic_update_slice_in_dim(stencil, there + part, _LEAD + number * depth, 3)
+
+    empty = jnp.zeros((len(_OFFSETS), 3, 3, _LEAD + nx + 1, ny + 1, nz + 1), precision)
+    return jax.lax.fori_loop(0, slabs, add, empty)
+
+
+def _summed_pairs(entries: jax.Array) -> jax.Array:
+    """Blocks (14, 3, 3, nodes...) from those of every pair of corners, (pairs x 9, cells...)."""
+    shape = entries.shape[1:]
+    blocks = entries.reshape(len(_PAIRS), 3, 3, *shape)
 
     # A loop: as one expression the shifted sums take seconds to compile.
     def add(number: jax.Array, stencil: jax.Array) -> jax.Array:
-        a, b, offset = jnp.asarray(pairs)[number]
+        a, _, offset = jnp.asarray(_PAIRS)[number]
         i, j, k = jnp.asarray(CORNERS)[a]
-        at = offset, 0, 0, _LEAD + i, j, k
+        at = offset, 0, 0, i, j, k
         there = jax.lax.dynamic_slice(stencil, at, (1, 3, 3, *shape))
-        part = jax.lax.dynamic_slice(cells, (a, 0, b, 0, 0, 0, 0), (1, 3, 1, 3, *shape))
-        return jax.lax.dynamic_update_slice(stencil, there + part.reshape(there.shape), at)
+        part = jax.lax.dynamic_slice_in_dim(blocks, number, 1)
+        return jax.lax.dynamic_update_slice(stencil, there + part, at)
 
-    nx, ny, nz = shape
-    empty = jnp.zeros((len(_OFFSETS), 3, 3, _LEAD + nx + 1, ny + 1, nz + 1), cells.dtype)
-    return jax.lax.fori_loop(0, len(pairs), add, empty)
+    empty = jnp.zeros((len(_OFFSETS), 3, 3, *(n + 1 for n in shape)), entries.dtype)
+    return jax.lax.fori_loop(0, len(_PAIRS), add, empty)
 
 
 def assemble_dense(cells: jax.Array) -> jax.Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks
 
 Array = NDArray[np.float64]
 Cells = tuple[int, int, int]
+Precision = Literal["float32", "float64"]
 
 # The dense inverse of the coarsest grid takes about as long as one V-cycle at this size.
 _DENSE_UNKNOWNS = 450

@@ -29,9 +29,12 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     Returns:
         Forces of the same shape and precision as `field`, N.
     """
-    # Without the barriers XLA recomputes what made the field, and the block products, once per corner.
-    classes = _parity_sums(jax.lax.optimization_barrier(field))
-    products = _multiply_blocks(blocks, moduli, classes)
+    # A ring of cells without stiffness around the grid: sums of slices then need no edges, at which XLA
+    # stops to use vectors. Without the barriers it recomputes sums and products once per corner.
+    ring, edges = ((1, 1),) * 3, ((0, 0),) * 3
+    field = jnp.pad(field, (*edges[:2], *ring))
+    classes = jax.lax.optimization_barrier(_parity_sums(jax.lax.optimization_barrier(field)))
+    products = _multiply_blocks(jnp.pad(blocks, (*edges, ring[0])), jnp.pad(moduli, ring), classes)
     return _parity_sums_transposed(jax.lax.optimization_barrier(products))
 
 
@@ -100,12 +103,14 @@ def _parity_sums(field: jax.Array) -> jax.Array:
 
 
 def _parity_sums_transposed(classes: jax.Array) -> jax.Array:
-    """Transpose of `_parity_sums`: cells back to nodes."""
+    """Transpose of `_parity_sums` without its outermost nodes: inner nodes have cells on all sides."""
     for axis in (2, 1, 0):
         pair = classes.reshape(classes.shape[0], -1, 2, *classes.shape[2:])
         first, second = pair[:, :, 0], pair[:, :, 1]
         near = _signs(axis, classes.dtype)[0] * (first - second)
-        classes = _pad(near, 3 + axis, 0, 1) + _pad(first + second, 3 + axis, 1, 0)
+        size = near.shape[3 + axis]
+        later = jax.lax.slice_in_dim(near, 1, size, axis=3 + axis)
+        classes = later + jax.lax.slice_in_dim(first + second, 0, size - 1, axis=3 + axis)
     return classes[:, 0]
 
 
@@ -124,9 +129,3 @@ def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, classes: jax.Array) -
         (columns[:, :, d] * classes[:, :, d, None] for d in range(1, 3)),
         start=columns[:, :, 0] * classes[:, :, 0, None],
     )
-
-
-def _pad(values: jax.Array, axis: int, low: int, high: int) -> jax.Array:
-    config = [(0, 0, 0)] * values.ndim
-    config[axis] = (low, high, 0)
-    return jax.lax.pad(values, jnp.zeros((), values.dtype), config)

@@ -28,9 +28,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
-from cranktopo.fem.lattice import layer_blocks
+from cranktopo.fem.equilibrium import METHODS
+from cranktopo.fem.lattice import Precision, layer_blocks
 from cranktopo.fem.model import ThrowModel
-from cranktopo.fem.multigrid import Precision, build_hierarchy, build_tables
+from cranktopo.fem.multigrid import build_hierarchy, build_tables
 from cranktopo.fem.operator import apply_stiffness
 from cranktopo.fem.precision import CompileClock, double_precision
 from tests.studies.cantilever import TOLERANCE, cantilever, moduli, optimise
@@ -109,7 +110,9 @@ def solve_s(model: ThrowModel, design: jax.Array, precision: Precision) -> float
 
     def solve() -> jax.Array:
         hierarchy = build_hierarchy(tables, model.supports, design, precision)
-        result = multigrid_cg(system, hierarchy, jnp.asarray(2), jnp.zeros_like(model.forces), *limits)
+        result = multigrid_cg(
+            system, hierarchy, jnp.asarray(METHODS[0].degree), jnp.zeros_like(model.forces), *limits
+        )
         if not float(jnp.max(result.relative_residual)) <= TOLERANCE:
             raise RuntimeError(f"{precision}: residual {result.relative_residual}")
         return result.displacements

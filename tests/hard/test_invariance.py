@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem.conjugate_gradients import System, multigrid_cg
+from cranktopo.fem.conjugate_gradients import CgResult, System, multigrid_cg
 from cranktopo.fem.equilibrium import METHODS, Method, run_method
-from cranktopo.fem.multigrid import Precision, build_hierarchy, build_tables
+from cranktopo.fem.lattice import Precision
+from cranktopo.fem.multigrid import GridTables, build_hierarchy, build_tables
 from cranktopo.fem.response import solve
 from tests.hard import fields
 from tests.hard.cases import Block
@@ -60,12 +63,31 @@ def test_precision_of_the_cycle(float64: None, void: float) -> None:
     assert abs(single[2] - double[2]) <= 0.1 * double[2] + 2
 
 
-def cycle(system: System, tables, precision: Precision) -> tuple[float, float, int]:
+def cycle(
+    system: System, tables: GridTables, precision: Precision, solver: Callable[..., CgResult] = multigrid_cg
+) -> tuple[float, float, int]:
     hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision)
     start, limits = jnp.zeros_like(system.forces), (jnp.asarray(1e-8), jnp.asarray(200))
-    result = multigrid_cg(system, hierarchy, jnp.asarray(2), start, *limits)
+    result = solver(system, hierarchy, jnp.asarray(METHODS[0].degree), start, *limits)
     work = float(jnp.sum(system.forces * result.displacements))
     return work, float(result.relative_residual[0]), int(result.iterations)
+
+
+def test_half_the_smoothing_of_large_grids(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same answer after more, cheaper cycles; far fewer than without the coarse levels."""
+    block = Block("", FIELD)
+    model = block.model()
+    tables = build_tables(model.lattice, model.levels)
+    system = System(jnp.asarray(tables.blocks), model.supports, jnp.asarray(block.moduli), model.forces)
+    found = {}
+    for nodes in (10**9, 0):
+        monkeypatch.setattr("cranktopo.fem.multigrid._LARGE_NODES", nodes)
+        afresh = jax.jit(lambda *given: multigrid_cg.__wrapped__(*given))
+        found[nodes] = cycle(system, tables, "float32", afresh)
+    whole, half = found.values()
+    assert max(whole[1], half[1]) <= 1e-8
+    assert half[0] == pytest.approx(whole[0], rel=1e-11)
+    assert whole[2] < half[2] <= 2 * whole[2]
 
 
 def test_precision_is_the_callers_choice(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
