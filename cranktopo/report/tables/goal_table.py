@@ -7,6 +7,7 @@ from typing import Any
 
 from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
 from cranktopo.scene.goal import QUANTITIES, GoalQuantity
+from cranktopo.scene.goal.outcome import ACTIVE
 
 _Entry = Mapping[str, Any]
 
@@ -96,7 +97,7 @@ def _reached(entry: _Entry) -> str:
 def _holds(entry: _Entry) -> str:
     if entry["holds"] is None:
         return "not told"
-    return ("yes, decides" if entry["active"] else "yes") if entry["holds"] else "NO"
+    return (f"yes, within {100 * ACTIVE:g} %" if entry["active"] else "yes") if entry["holds"] else "NO"
 
 
 _COLUMNS: tuple[Column[_Entry], ...] = (
