@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import CORNERS
-from cranktopo.fem.lattice import Array, Cells, Lattice, Precision, layer_stiffness
+from cranktopo.fem.lattice import Array, Cells, Lattice, Precision, layer_stiffness, most_slabs
 
 # A node itself and the half of its neighbours that come later; the rest of a symmetric operator follows.
 _OFFSETS = [offset for offset in product((-1, 0, 1), repeat=3) if offset >= (0, 0, 0)]
@@ -34,8 +34,6 @@ _LEAD = 2
 # A matrix product has the layers first: with many cells turning its result around costs far more than
 # the sum of a few products, which is one program.
 _FEW_MOMENTS = 8
-# Slabs of a stencil's assembly: so many cut its memory to where nothing else is gained.
-_MOST_SLABS = 8
 
 
 class CoarseMap(NamedTuple):
@@ -102,7 +100,7 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
     """
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
-    slabs = max(count for count in range(1, _MOST_SLABS + 1) if nx % count == 0)
+    slabs = most_slabs(nx)
     depth = nx // slabs
     matrices = jnp.asarray(coarse.matrices, moduli.dtype)[:, _PAIR_ENTRIES]
 

@@ -18,6 +18,8 @@ Precision = Literal["float32", "float64"]
 
 # The dense inverse of the coarsest grid takes about as long as one V-cycle at this size.
 _DENSE_UNKNOWNS = 450
+# More would save little: one slab is then an eighth of what else is kept.
+_MOST_SLABS = 8
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,11 @@ class Lattice:
 
     def _coarse_unknowns(self, factors: Cells) -> int:
         return 3 * math.prod(n // f + 1 for n, f in zip(self.cells, factors, strict=True))
+
+
+def most_slabs(layers: int) -> int:
+    """Into how many slabs of equal depth so many layers of cells are cut where memory counts, at most 8."""
+    return max(count for count in range(1, _MOST_SLABS + 1) if layers % count == 0)
 
 
 @lru_cache(maxsize=64)
