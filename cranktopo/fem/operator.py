@@ -31,7 +31,7 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
         Forces of the same shape and precision as `field`, N.
     """
     # A ring of cells without stiffness around the grid: sums of slices then need no edges, at which XLA
-    # stops to use vectors. Without the barriers it recomputes sums and products once per corner.
+    # stops using vectors. Without the barriers it recomputes sums and products once per corner.
     ring, edges = ((1, 1),) * 3, ((0, 0),) * 3
     field = jnp.pad(field, (*edges[:2], *ring))
     classes = jax.lax.optimization_barrier(_parity_sums(jax.lax.optimization_barrier(field)))
