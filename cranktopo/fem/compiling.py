@@ -10,8 +10,8 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
-from cranktopo.fem.lattice import Precision
 from cranktopo.fem.multigrid import GridTables, build_hierarchy
+from cranktopo.fem.precision import Precision
 
 
 def compile_multigrid(tables: GridTables, system: System, precision: Precision) -> None:

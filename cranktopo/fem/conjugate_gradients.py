@@ -11,6 +11,7 @@ Comput. Phys. Commun. 181, 2010, section 3.3.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -127,55 +128,66 @@ def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterat
     return _iterate(system, precondition, guess, tolerance, max_iterations, guess.dtype)
 
 
-def _iterate(
-    system: System,
-    precondition: Callable[[jax.Array], jax.Array],
-    guess: jax.Array,
-    tolerance: jax.Array,
-    max_iterations: jax.Array,
-    inner: jnp.dtype[Any],
-) -> CgResult:
-    """The iteration as one loop of two kinds of steps.
+@dataclass(frozen=True)
+class _Iteration:
+    """What all steps of an iteration share.
 
-    A measuring step scales u per case to the least energy of its error and computes the true residual, in
-    float64: it makes the most of the guess at the start, and at the end the work of the loads has an error
-    of second order. Where the recursive residual has drifted from the true one, the iteration goes on from
-    there, as long as that still helps; its direction is kept.
+    Attributes:
+        forces: projected, float64; their norms `load` (cases,) are the unit of the corrections, 1 where 0.
+        narrow: the system in the precision of the iteration.
     """
-    forces = project(system.supports, system.forces)
-    load = _norm(forces)
-    load = jnp.where(load > 0, load, 1.0)
-    narrow = system._replace(moduli=system.moduli.astype(inner))
 
-    def measured(s: _CgState) -> _CgState:
-        u = s.u + _wide(load) * project(system.supports, s.x.astype(s.u.dtype))
-        image = stiffness_product(system, u, apply_stiffness_in_slabs)
-        near = _norm(forces - image) <= tolerance * load
-        scale = _wide(jnp.where((s.done == 0) | near, _ratio(dot(forces, u), dot(u, image)), 1.0))
-        r = (forces - scale * image) / _wide(load)
+    system: System
+    narrow: System
+    precondition: Callable[[jax.Array], jax.Array]
+    forces: jax.Array
+    load: jax.Array
+    tolerance: jax.Array
+    max_iterations: jax.Array
+
+    def step(self, s: _CgState) -> _CgState:
+        """One loop has both kinds of steps."""
+        return jax.lax.cond(s.measure, self._measured, self._conjugate, s)
+
+    def _measured(self, s: _CgState) -> _CgState:
+        """The true residual, in float64.
+
+        At the start and at the end u is scaled per case to the least energy of its error: that makes the most
+        of the guess, and gives the work of the loads an error of second order. Where the recursive residual
+        has drifted from the true one, the iteration goes on from there, as long as that still helps; its
+        direction is kept.
+        """
+        u = s.u + _wide(self.load) * project(self.system.supports, s.x.astype(s.u.dtype))
+        image = stiffness_product(self.system, u, apply_stiffness_in_slabs)
+        near = _norm(self.forces - image) <= self.tolerance * self.load
+        least_energy = _ratio(dot(self.forces, u), dot(u, image))
+        scale = _wide(jnp.where((s.done == 0) | near, least_energy, 1.0))
+        r = (self.forces - scale * image) / _wide(self.load)
         error = _norm(r)
         stuck = (s.done > 0) & ~(jnp.max(error) <= 0.5 * jnp.max(s.true_error))  # also when not a number
         return s._replace(
             u=scale * u,
             x=jnp.zeros_like(s.x),
-            r=r.astype(inner),
+            r=r.astype(s.r.dtype),
             error=error,
             true_error=error,
             measure=jnp.asarray(False),
-            stop=jnp.all(error <= tolerance) | stuck | (s.done >= max_iterations),
+            stop=jnp.all(error <= self.tolerance) | stuck | (s.done >= self.max_iterations),
         )
 
-    def conjugate(s: _CgState) -> _CgState:
-        z = precondition(s.r)
+    def _conjugate(self, s: _CgState) -> _CgState:
+        """One step along the next conjugate direction."""
+        inner = s.r.dtype
+        z = self.precondition(s.r)
         rz = dot(s.r, z)
         p = z + _wide(_ratio(rz, s.rz)).astype(inner) * s.p
-        image = stiffness_product(narrow, p)
+        image = stiffness_product(self.narrow, p)
         curvature = dot(p, image)
         alpha = _wide(_ratio(rz, curvature)).astype(inner)
         r = s.r - alpha * image
         error = _norm(r)
         sound = jnp.all((rz > 0) & (curvature > 0) & (error < _DIVERGED) | (error == 0))
-        near = jnp.all((error <= _AIM * tolerance) | (error <= _FALL * s.true_error))
+        near = jnp.all((error <= _AIM * self.tolerance) | (error <= _FALL * s.true_error))
         done = s.done + 1
         return s._replace(
             x=s.x + alpha * p,
@@ -184,13 +196,26 @@ def _iterate(
             rz=rz,
             error=error,
             done=done,
-            measure=near | ~sound | (done >= max_iterations),
+            measure=near | ~sound | (done >= self.max_iterations),
         )
 
+
+def _iterate(
+    system: System,
+    precondition: Callable[[jax.Array], jax.Array],
+    guess: jax.Array,
+    tolerance: jax.Array,
+    max_iterations: jax.Array,
+    inner: jnp.dtype[Any],
+) -> CgResult:
+    """From the guess until a measurement tells to stop, in the precision `inner` between measurements."""
+    forces = project(system.supports, system.forces)
+    load = _norm(forces)
+    load = jnp.where(load > 0, load, 1.0)
+    narrow = system._replace(moduli=system.moduli.astype(inner))
+    iteration = _Iteration(system, narrow, precondition, forces, load, tolerance, max_iterations)
     first = _before_measuring(project(system.supports, guess), inner)
-    final = jax.lax.while_loop(
-        lambda s: ~s.stop, lambda s: jax.lax.cond(s.measure, measured, conjugate, s), first
-    )
+    final = jax.lax.while_loop(lambda s: ~s.stop, iteration.step, first)
     return CgResult(final.u, final.true_error, final.done)
 
 

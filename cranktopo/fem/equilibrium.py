@@ -16,8 +16,8 @@ from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.compiling import compile_multigrid
 from cranktopo.fem.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
 from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
-from cranktopo.fem.lattice import Precision
 from cranktopo.fem.multigrid import GridTables, build_hierarchy
+from cranktopo.fem.precision import Precision
 
 # An answer of which void decides more than this share is refused.
 _VOID_SHARE = 0.5

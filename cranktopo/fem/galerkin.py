@@ -16,7 +16,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import CORNERS
-from cranktopo.fem.lattice import Array, Cells, Lattice, Precision, layer_stiffness, most_slabs
+from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
+from cranktopo.fem.precision import Precision
+from cranktopo.fem.slabs import add_slabs
 
 # A node itself and the half of its neighbours that come later; the rest of a symmetric operator follows.
 _OFFSETS = [offset for offset in product((-1, 0, 1), repeat=3) if offset >= (0, 0, 0)]
@@ -100,18 +102,14 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
     """
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
-    slabs = most_slabs(nx)
-    depth = nx // slabs
     matrices = jnp.asarray(coarse.matrices, moduli.dtype)[:, _PAIR_ENTRIES]
 
-    def add(number: jax.Array, stencil: jax.Array) -> jax.Array:
-        slab = jax.lax.dynamic_slice_in_dim(moduli, number * depth * across, depth * across)
-        part = _summed_pairs(_entries(coarse, matrices, slab).astype(precision))
-        there = jax.lax.dynamic_slice_in_dim(stencil, _LEAD + number * depth, depth + 1, 3)
-        return jax.lax.dynamic_update_slice_in_dim(stencil, there + part, _LEAD + number * depth, 3)
+    def part(start: jax.Array, depth: int) -> jax.Array:
+        slab = jax.lax.dynamic_slice_in_dim(moduli, start * across, depth * across)
+        return _summed_pairs(_entries(coarse, matrices, slab).astype(precision))
 
     empty = jnp.zeros((len(_OFFSETS), 3, 3, _LEAD + nx + 1, ny + 1, nz + 1), precision)
-    return jax.lax.fori_loop(0, slabs, add, empty)
+    return add_slabs(empty, nx, part, axis=3, first=_LEAD)
 
 
 def _summed_pairs(entries: jax.Array) -> jax.Array:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +13,9 @@ from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks
 
 Array = NDArray[np.float64]
 Cells = tuple[int, int, int]
-Precision = Literal["float32", "float64"]
 
 # The dense inverse of the coarsest grid takes about as long as one V-cycle at this size.
 _DENSE_UNKNOWNS = 450
-# More would save little: one slab is then an eighth of what else is kept.
-_MOST_SLABS = 8
 
 
 @dataclass(frozen=True)
@@ -66,11 +62,6 @@ class Lattice:
 
     def _coarse_unknowns(self, factors: Cells) -> int:
         return 3 * math.prod(n // f + 1 for n, f in zip(self.cells, factors, strict=True))
-
-
-def most_slabs(layers: int) -> int:
-    """Into how many slabs of equal depth so many layers of cells are cut where memory counts, at most 8."""
-    return max(count for count in range(1, _MOST_SLABS + 1) if layers % count == 0)
 
 
 @lru_cache(maxsize=64)

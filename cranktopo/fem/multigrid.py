@@ -26,8 +26,9 @@ from cranktopo.fem.galerkin import (
     jacobi_bound,
     stencil_diagonal,
 )
-from cranktopo.fem.lattice import Array, Cells, Lattice, Precision, layer_blocks, layer_stiffness
+from cranktopo.fem.lattice import Array, Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
+from cranktopo.fem.precision import Precision
 
 _Smoothing = tuple[jax.Array, jax.Array, jax.Array]
 

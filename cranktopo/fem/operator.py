@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks
-from cranktopo.fem.lattice import most_slabs
+from cranktopo.fem.slabs import add_slabs
 
 # Entries of the reflection blocks that do not vanish by symmetry, the same for every box and material.
 _COUPLED = np.abs(reflection_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3))) > 1e-12
@@ -41,17 +41,12 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
 
 def apply_stiffness_in_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """`apply_stiffness` slab by slab along x: a fraction of its memory, about half its speed."""
-    slabs = most_slabs(moduli.shape[0])
-    depth = moduli.shape[0] // slabs
 
-    def add(number: jax.Array, forces: jax.Array) -> jax.Array:
-        cells = jax.lax.dynamic_slice_in_dim(moduli, number * depth, depth)
-        nodes = jax.lax.dynamic_slice_in_dim(field, number * depth, depth + 1, 2)
-        there = jax.lax.dynamic_slice_in_dim(forces, number * depth, depth + 1, 2)
-        part = apply_stiffness(blocks, cells, nodes)
-        return jax.lax.dynamic_update_slice_in_dim(forces, there + part, number * depth, 2)
+    def part(start: jax.Array, depth: int) -> jax.Array:
+        cells = jax.lax.dynamic_slice_in_dim(moduli, start, depth)
+        return apply_stiffness(blocks, cells, jax.lax.dynamic_slice_in_dim(field, start, depth + 1, 2))
 
-    return jax.lax.fori_loop(0, slabs, add, jnp.zeros_like(field))
+    return add_slabs(jnp.zeros_like(field), moduli.shape[0], part, axis=2)
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:

@@ -10,10 +10,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Literal
 from weakref import WeakSet
 
 from cranktopo.errors import CranktopoError, ExitCode, shown
 from cranktopo.store import user_cache
+
+Precision = Literal["float32", "float64"]
 
 _FOLDER_SETTING = "jax_compilation_cache_dir"
 

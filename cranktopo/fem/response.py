@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from cranktopo.fem.conjugate_gradients import System, dot
 from cranktopo.fem.equilibrium import Solution, solve_system
-from cranktopo.fem.lattice import Precision, layer_blocks
+from cranktopo.fem.lattice import layer_blocks
 from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
 from cranktopo.fem.multigrid import build_tables
 from cranktopo.fem.operator import strain_energy_densities, strain_energy_density
+from cranktopo.fem.precision import Precision
 from cranktopo.loads.load_case import LoadCase
 from cranktopo.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from cranktopo.fem.lattice import Precision
 from cranktopo.fem.model import ThrowModel
+from cranktopo.fem.precision import Precision
 from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.material import Interpolation
 from cranktopo.optimise.responses import Design

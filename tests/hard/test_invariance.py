@@ -12,8 +12,8 @@ import pytest
 
 from cranktopo.fem.conjugate_gradients import CgResult, System, multigrid_cg
 from cranktopo.fem.equilibrium import METHODS, Method, run_method
-from cranktopo.fem.lattice import Precision
 from cranktopo.fem.multigrid import GridTables, build_hierarchy, build_tables
+from cranktopo.fem.precision import Precision
 from cranktopo.fem.response import solve
 from tests.hard import fields
 from tests.hard.cases import Block
@@ -50,10 +50,7 @@ def test_loads(float64: None, factor: float) -> None:
 @pytest.mark.parametrize("void", [1e-3, 1e-9])
 def test_precision_of_the_cycle(float64: None, void: float) -> None:
     """float32 inside costs no accuracy, and no cycles."""
-    block = Block("", fields.two_phase(fields.blobs(0.4), void))
-    model, moduli = block.model(), jnp.asarray(block.moduli)
-    tables = build_tables(model.lattice, model.levels)
-    system = System(jnp.asarray(tables.blocks), model.supports, moduli, model.forces)
+    system, tables = assembled(Block("", fields.two_phase(fields.blobs(0.4), void)))
     results, precisions = {}, ("float32", "float64")
     for precision in precisions:
         results[precision] = cycle(system, tables, precision)
@@ -61,6 +58,12 @@ def test_precision_of_the_cycle(float64: None, void: float) -> None:
     assert max(single[1], double[1]) <= 1e-8
     assert single[0] == pytest.approx(double[0], rel=1e-11)
     assert abs(single[2] - double[2]) <= 0.1 * double[2] + 2
+
+
+def assembled(block: Block) -> tuple[System, GridTables]:
+    model = block.model()
+    tables = build_tables(model.lattice, model.levels)
+    return System(jnp.asarray(tables.blocks), model.supports, jnp.asarray(block.moduli), model.forces), tables
 
 
 def cycle(
@@ -75,10 +78,7 @@ def cycle(
 
 def test_half_the_smoothing_of_large_grids(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same answer after more, cheaper cycles; far fewer than without the coarse levels."""
-    block = Block("", FIELD)
-    model = block.model()
-    tables = build_tables(model.lattice, model.levels)
-    system = System(jnp.asarray(tables.blocks), model.supports, jnp.asarray(block.moduli), model.forces)
+    system, tables = assembled(Block("", FIELD))
     found = {}
     for nodes in (10**9, 0):
         monkeypatch.setattr("cranktopo.fem.multigrid._LARGE_NODES", nodes)
