@@ -25,7 +25,7 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, fo
     """Write the exact solid of DESIGN to FILE (.step or .stl), or its workshop drawing (.pdf, .svg or .png).
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
-    The drawing is an A3 sheet at a true scale, dimensions in mm.
+    The drawing is an A3 sheet at a true scale, dimensions in mm; of halves that differ, one each.
 
     Example: cranktopo export mikron-iiic throw.step
     """
@@ -41,8 +41,8 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, fo
     if file.suffix.lower() in PLOTS:
         from cranktopo.pipeline.drawing_file import export_drawing
 
-        export_drawing(scene, file)
-        click.echo(f"{file}: workshop drawing, A3")
+        sheets = export_drawing(scene, file)
+        click.echo(f"{file}: workshop drawing, {'A3' if sheets == 1 else 'A2: two sheets A3, one half each'}")
         return
     from cranktopo.cad.solid_files import export_solid
 

@@ -24,7 +24,7 @@ from cranktopo.report.pages.report_file import check_report_path, write_report
 from cranktopo.report.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.report.tables.fatigue_tables import FatigueComparison
 from cranktopo.report.tables.undercut_table import DesignUndercuts
-from cranktopo.report.viewer.scene3d import ShownBody
+from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.scene import Scene
 from cranktopo.scene.halves import difference, drilled_alike, halves
 from cranktopo.scene.scale import usual_scale
@@ -161,11 +161,16 @@ def comparison_record(
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
     stress_progress = _unless_halves_differ(found.targets, stress_progress)
-    known = [(half, _surface(half)) for target in found.targets for half in half_throws(target)]
+    throws = [half_throws(target) for target in found.targets]
+    shown = [
+        (half, _surface(half), partner)
+        for each in throws
+        for half, partner in zip(each, PARTNERS[len(each)], strict=True)
+    ]
     return ComparisonRecord(
         comparison=found.comparison,
-        bodies=tuple(_body(target, mesh, cases, stress_progress) for target, mesh in known),
-        undercuts=tuple(design_undercuts(target.name, mesh, target.scene) for target, mesh in known),
+        bodies=tuple(_body(half, mesh, partner, cases, stress_progress) for half, mesh, partner in shown),
+        undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
         effects=effects,
         cases=cases,
         loads=analyse(scene) if scene.engine else None,
@@ -207,10 +212,10 @@ def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> Design
 
 
 def _body(
-    target: Target, mesh: SurfaceMesh, cases: Sequence[LoadCase], stress_progress: Info | None
+    target: Target, mesh: SurfaceMesh, partner: int, cases: Sequence[LoadCase], stress_progress: Info | None
 ) -> ShownBody:
     stress = case_stress(target, cases, progress=stress_progress) if stress_progress else None
-    return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress)
+    return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress, partner)
 
 
 def _surface(target: Target) -> SurfaceMesh:

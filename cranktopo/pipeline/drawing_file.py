@@ -4,19 +4,45 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cranktopo.cad.half_surfaces import half_surfaces
 from cranktopo.cad.solid_files import surface_of
 from cranktopo.loads.balance import throw_balance
 from cranktopo.report.figures.drawing import write_drawing
+from cranktopo.report.figures.drawing_views import Sheet
 from cranktopo.scene import Scene
+from cranktopo.scene.halves import difference, halves
+from cranktopo.scene.symmetry import mirror_image
 from cranktopo.store.files import replacing
+from cranktopo.triangles.surface_mesh import solid_of
 
 
-def export_drawing(scene: Scene, path: Path) -> None:
-    """Write the drawing of a scene's half throw (.pdf, .svg or .png); the file appears only when complete.
+def export_drawing(scene: Scene, path: Path) -> int:
+    """Write the drawing of a scene's throw (.pdf, .svg or .png); the file appears only when complete.
+
+    Returns:
+        Number of its sheets.
 
     Raises:
         CranktopoError: impossible dimensions, or a file that cannot be written.
     """
-    half = surface_of(scene, "half")
+    sheets = throw_sheets(scene)
     with replacing(path) as temporary:
-        write_drawing(scene, throw_balance(scene), half, [temporary])
+        write_drawing(sheets, throw_balance(scene), [temporary])
+    return len(sheets)
+
+
+def throw_sheets(scene: Scene) -> list[Sheet]:
+    """What a drawing of a throw shows: half of it, or both halves where they differ.
+
+    The second half is turned half a turn about the throw direction, so that it too has its main journal on
+    the left and is seen from the crankpin.
+
+    Raises:
+        CranktopoError: impossible dimensions.
+    """
+    if not difference(scene):
+        return [Sheet(scene, solid_of(surface_of(scene, "half"), "half throw"))]
+    near, far = halves(scene)
+    first, second = (solid_of(mesh, "half throw") for mesh in half_surfaces(scene))
+    turned = second.mirror((1.0, 0.0, 0.0))
+    return [Sheet(near, first, half="first"), Sheet(mirror_image(far), turned, half="second")]

@@ -23,6 +23,7 @@ from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
 from cranktopo.remodel.shape_error import ShapeError, shape_error
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.report.figures.drawing import write_drawing
+from cranktopo.report.figures.drawing_views import Sheet
 from cranktopo.report.pages.remodel_page import remodel_page
 from cranktopo.report.pages.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
@@ -33,7 +34,7 @@ from cranktopo.store import check_destination, moved, open_run, unfinished_folde
 from cranktopo.store.files import write_json, write_text
 from cranktopo.store.manifest import timestamp, versions
 from cranktopo.triangles.surface_files import read_stl
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
 from cranktopo.units import density_kg_per_mm3
 
 SCHEMA_VERSION = 1
@@ -121,8 +122,9 @@ def write_remodel(
     export_solid(scene, "half", folder / files["step"], started=started)
     export_solid(scene, "half", folder / files["stl"])
     drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
-    half_throw = read_stl(folder / files["stl"])
-    write_drawing(scene, throw_balance(scene), half_throw, drawings, surface, started)
+    half_throw = solid_of(read_stl(folder / files["stl"]), "half throw")
+    sheet = Sheet(scene, half_throw, solid_of(surface, "surface to be re-modelled"))
+    write_drawing([sheet], throw_balance(scene), drawings, started)
     return files
 
 

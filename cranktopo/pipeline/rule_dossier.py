@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from cranktopo.cad.solid_files import surface_of
 from cranktopo.effects import plan
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.targets import Target
 from cranktopo.loads import analyse, load_cases
 from cranktopo.loads.balance import throw_balance
 from cranktopo.loads.histories import HistoryKind
+from cranktopo.pipeline.drawing_file import throw_sheets
 from cranktopo.pipeline.fatigue import FatigueAssessment, FatigueMethod
 from cranktopo.report.figures.drawing import drawing_figure
 from cranktopo.report.figures.plot import Picture
@@ -78,7 +78,7 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
 
 def _drawing(target: Target) -> Picture:
     scene = target.scene
-    figure = drawing_figure(scene, throw_balance(scene), surface_of(scene, "half"))
+    figure = drawing_figure(throw_sheets(scene), throw_balance(scene))
     return Picture(
         "drawing", figure, f"Workshop drawing of the half throw of {target.name} with its dimensions"
     )

@@ -13,10 +13,13 @@ from matplotlib.figure import Figure
 from cranktopo.cad.solid_files import surface_of
 from cranktopo.cli.main import main
 from cranktopo.loads.balance import throw_balance
+from cranktopo.pipeline.drawing_file import throw_sheets
 from cranktopo.report.figures.drawing import drawing_figure
+from cranktopo.report.figures.drawing_views import Sheet
 from cranktopo.scene import Scene, load_scene
 from cranktopo.surface.solids import web_region
 from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
+from tests.physics.test_two_webs import POCKET, lopsided
 from tests.unit.remodel_cases import WHOLE, known_scene
 
 A3_MM = (420.0, 297.0)
@@ -35,7 +38,7 @@ def texts(figure: Figure) -> list[str]:
 
 def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
     scene, half = drawn
-    found = "\n".join(texts(drawing_figure(scene, throw_balance(scene), half)))
+    found = "\n".join(texts(drawing_figure([Sheet(scene, solid_of(half))], throw_balance(scene))))
     throw = scene.throw
     for wanted in (scene.name, scene.material.name, "1:1", "first-angle", "ISO 2768", "Ra"):
         assert wanted in found
@@ -61,20 +64,20 @@ def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
 
 def test_views_have_the_scale_of_the_title_block(drawn: tuple[Scene, SurfaceMesh]) -> None:
     scene, half = drawn
-    figure = drawing_figure(scene, throw_balance(scene), half)
+    figure = drawing_figure([Sheet(scene, solid_of(half))], throw_balance(scene))
     scale = float(next(re.sub(":1", "", t) for t in texts(figure) if re.fullmatch(r"\d+:1", t)))
     assert np.allclose(figure.get_size_inches() * 25.4, A3_MM)
     for axes in figure.axes[:3]:
         (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
         box = axes.get_position()
         assert box.width * A3_MM[0] == pytest.approx(scale * (x1 - x0))
-        assert box.height * A3_MM[1] == pytest.approx(scale * (y1 - y0))
+        assert box.height * A3_MM[1] == pytest.approx(scale * abs(y1 - y0))
 
 
 def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> None:
     """Middles of all dimension lines, against the cut or outlined area of their view."""
     scene, half = drawn
-    for axes in drawing_figure(scene, throw_balance(scene), half).axes[:3]:
+    for axes in drawing_figure([Sheet(scene, solid_of(half))], throw_balance(scene)).axes[:3]:
         path = axes.patches[0].get_path()
         body = CrossSection([p[:-1] for p in path.to_polygons()], FillRule.EvenOdd)
         arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None) and not text.get_text()]
@@ -93,3 +96,23 @@ def test_export_writes_it(ending: str, tmp_path: Path, capsys: pytest.CaptureFix
     assert path.stat().st_size > 10_000
     assert main(["export", "mikron-iiic", str(path)]) == 2
     assert main(["export", "mikron-iiic", str(tmp_path / "drawing.dwg")]) == 2
+
+
+def test_halves_that_differ_have_a_sheet_each() -> None:
+    """The second pocket, at x = +9 of the throw, is at x = -9 of its sheet, in the solid and as a stroke."""
+    scene = lopsided()
+    sheets, balance = throw_sheets(scene), throw_balance(scene)
+    second = sheets[1]
+    floor = second.solid.translate((0.0, 0.0, 1.0 - second.scene.web_z_mm[1])).slice(0.0)
+    spot = CrossSection.circle(1.0, 8)
+    empty, full = ((spot.translate((x, POCKET["y_mm"])) ^ floor).area() for x in (-9.0, 9.0))
+    assert empty == 0.0
+    assert full == pytest.approx(spot.area())
+    figure = drawing_figure(sheets, balance)
+    assert np.allclose(figure.get_size_inches() * 25.4, (A3_MM[0], 2 * A3_MM[1]))
+    lines = [line.get_xydata() for line in figure.axes[4].lines]
+    assert any(np.allclose(line.mean(axis=0), (-9.0, POCKET["y_mm"]), atol=2.0) for line in lines)
+    found = "\n".join(texts(figure))
+    kg = f"first web {balance.web_kg:.3f} kg", f"second web {balance.second_web_kg:.3f} kg"
+    for wanted in ("sheet 1 of 2", "sheet 2 of 2", "this half 57 long", "this half 70 long", *kg):
+        assert wanted in found

@@ -40,6 +40,6 @@ def with_goal_tables(
     """
     if minimise is None and maximise is None and not limits:
         return tables
-    scene = scene_from_dict(tables, design)
+    scene = scene_from_dict(tables, design, whole=True)
     goal = with_goal(scene, minimise=minimise, maximise=maximise, limits=limits).goal
     return tables if goal is None else {**tables, "goal": goal.model_dump(mode="json", exclude_defaults=True)}

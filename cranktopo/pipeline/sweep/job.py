@@ -107,7 +107,7 @@ def row_of(job: Job, status: str, reason: str = "") -> Json:
 def _computed(job: Job, folder: Path) -> Json:
     began, point = time.perf_counter(), job.point
     try:
-        scene = _named(scene_from_dict(dict(point.tables), point.design), point.id)
+        scene = _named(scene_from_dict(dict(point.tables), point.design, whole=True), point.id)
         if job.function is not None:
             found = {str(name): value for name, value in job.function(scene).items()}
         else:

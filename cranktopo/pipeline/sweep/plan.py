@@ -12,6 +12,7 @@ from cranktopo.pipeline.sweep.fineness import Fineness
 from cranktopo.pipeline.sweep.goal_sweep import varied_limits, with_goal_tables
 from cranktopo.pipeline.sweep.variation import MOST, STAGE, Variation, as_json, from_json
 from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.scene.halves import require_equal_halves
 from cranktopo.scene.loading import (
     design_text,
     load_scene,
@@ -24,7 +25,8 @@ from cranktopo.store.manifest import SEED
 
 Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
 STAGES: tuple[Stage, ...] = get_args(Stage)
-_OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
+OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
+"""Stages that work on one web, which is that of both halves."""
 Sampling = Literal["grid", "latin", "sobol"]
 SAMPLINGS: tuple[Sampling, ...] = get_args(Sampling)
 Refine = Literal["all", "front"]
@@ -67,7 +69,7 @@ class SweepPlan:
     @property
     def original(self) -> Scene:
         """The scene that the points are compared with."""
-        return scene_from_dict(self.tables[0], self.designs[0])
+        return scene_from_dict(self.tables[0], self.designs[0], whole=True)
 
     @property
     def stages(self) -> tuple[Stage, ...]:
@@ -125,7 +127,7 @@ def sweep_plan(
     if not designs:
         raise invalid("scenes", list(designs), "at least one is needed", "Name a design.")
     for design in designs:
-        load_scene(design)
+        load_scene(design, whole=True)
     fixed, varied = varied_limits(limits)
     plan = SweepPlan(
         tuple(designs),
@@ -140,10 +142,13 @@ def sweep_plan(
         budget_s,
     )
     _check(plan)
-    if (minimise or maximise or limits) and not set(plan.stages) & set(_OPTIMISED):
+    if set(plan.stages) & set(OPTIMISED):
+        for design, tables in zip(plan.designs, plan.tables, strict=True):
+            require_equal_halves(scene_from_dict(tables, design, whole=True))
+    if (minimise or maximise or limits) and not set(plan.stages) & set(OPTIMISED):
         raise _misused(
             f"stage {plan.stage} has no goal",
-            f"Add --stage {', '.join(_OPTIMISED[:-1])} or {_OPTIMISED[-1]}.",
+            f"Add --stage {', '.join(OPTIMISED[:-1])} or {OPTIMISED[-1]}.",
         )
     return plan
 

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from cranktopo.errors import CranktopoError
 from cranktopo.pipeline.sweep.fineness import Fineness
-from cranktopo.pipeline.sweep.plan import Stage, SweepPlan
+from cranktopo.pipeline.sweep.plan import OPTIMISED, Stage, SweepPlan
 from cranktopo.pipeline.sweep.variation import STAGE, Value
 from cranktopo.scene import Scene, scene_from_dict
 from cranktopo.scene.loading import input_files
@@ -103,7 +103,7 @@ def _point(
     for key, value in varied.items():
         if key != STAGE:
             tables = with_value(tables, key, value)
-    scene, reason = _scene(tables, design)
+    scene, reason = _scene(tables, design, whole=stage not in OPTIMISED)
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
     known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
     sha256 = settings_hash(tables if scene is None else _given(scene), known)
@@ -115,8 +115,8 @@ def _given(scene: Scene) -> dict[str, Any]:
     return scene.model_dump(mode="json", exclude_defaults=True)
 
 
-def _scene(tables: dict[str, Any], design: str) -> tuple[Scene | None, str]:
+def _scene(tables: dict[str, Any], design: str, whole: bool) -> tuple[Scene | None, str]:
     try:
-        return scene_from_dict(tables, design), ""
+        return scene_from_dict(tables, design, whole=whole), ""
     except CranktopoError as error:
         return None, str(error)

@@ -42,13 +42,15 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
 
 def columns_of(entry: Mapping[str, Any]) -> Json:
     """The quantities of an entry of `evaluate --json`, units in the names, for the supports of its scene."""
-    supports, mass = entry["supports"], entry["mass_kg"]["throw"]
+    supports, masses = entry["supports"], entry["mass_kg"]
+    mass = masses["throw"]
     torsion = entry["torsion"][f"{supports['torsion']}_Nm_per_rad"]
     bending = entry["bending"][f"{supports['bending']}_N_per_mm"]
     errors = entry["error_estimate_percent"]
     return {
         "mass_kg": mass,
-        "web_mass_kg": entry["mass_kg"]["web"],
+        "web_mass_kg": masses["web"],
+        **({"second_web_mass_kg": masses["second_web"]} if "second_web" in masses else {}),
         "inertia_kg_mm2": entry["inertia_kg_mm2"],
         "unbalance_kg_mm": entry["unbalance_kg_mm"],
         "torsion_Nm_per_rad": torsion,

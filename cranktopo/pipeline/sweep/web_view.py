@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from cranktopo.cad.half_surfaces import half_surfaces
 from cranktopo.cad.solid_files import coarse_facet_mm, surface_of
 from cranktopo.evaluate.targets import Target
 from cranktopo.meshing.imported_body import half_throw_surface
-from cranktopo.report.viewer.scene3d import ShownBody
+from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.report.viewer.small_web import packed_web
+from cranktopo.scene.halves import difference, halves
+from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 VIEW = "view"
 """What a result calls it; only the page shows it, tables leave it out."""
@@ -15,10 +18,20 @@ _COARSER = 2
 
 
 def web_view(target: Target) -> str:
-    """The half throw of a target as text that a browser draws."""
+    """The half throw of a target, or both where they differ, as text that a browser draws."""
     scene = target.scene
-    if target.file is not None:
-        mesh = half_throw_surface(target.file, scene)
+    facet_mm = _COARSER * coarse_facet_mm(scene)
+    meshes: tuple[SurfaceMesh, ...]
+    if difference(scene):
+        meshes = half_surfaces(scene, facet_mm)
+    elif target.file is not None:
+        meshes = (half_throw_surface(target.file, scene),)
     else:
-        mesh = surface_of(scene, "half", _COARSER * coarse_facet_mm(scene))
-    return packed_web(ShownBody(target.name, mesh, scene.web_z_mm, scene.pitch_mm / 2))
+        meshes = (surface_of(scene, "half", facet_mm),)
+    shown = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
+    return packed_web(
+        *(
+            ShownBody(target.name, mesh, half.web_z_mm, half.pitch_mm / 2, partner=partner)
+            for mesh, half, partner in shown
+        )
+    )

@@ -1,5 +1,7 @@
 """Workshop drawing of a throw: views at a true scale on A3, title block, tolerances, table of dimensions.
 
+A throw whose halves differ has two sheets, one above the other on A2.
+
 Lengths are in mm. The projection is first angle (ISO 5456-2), the title block holds the fields of ISO 7200,
 general tolerances are those of ISO 2768.
 """
@@ -20,15 +22,19 @@ from cranktopo.scene.symmetry import web_asymmetry
 from cranktopo.store.dates import time_of_writing
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from cranktopo.triangles.surface_mesh import SurfaceMesh
+    from matplotlib.figure import Figure, SubFigure
 
 _WIDTH_MM, _HEIGHT_MM, _BORDER_MM = 420.0, 297.0, 10.0
 _TABLE_MM, _TITLE_MM = 112.0, 62.0
 _SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 """Scales of ISO 5455."""
 _MM_PER_INCH = 25.4
+_SHOWN = {
+    None: "half of it shown",
+    "first": "first half, sheet 1 of 2",
+    "second": "second half, sheet 2 of 2",
+}
+_TURNED = "Half a turn about the throw from where sheet 1 is drawn."
 _NOTES = (
     "General tolerances ISO 2768-mK unless stated.",
     "Journals and fillets ground, Ra 0.4 µm; bores Ra 3.2 µm;",
@@ -38,47 +44,39 @@ _NOTES = (
 
 
 def write_drawing(
-    scene: Scene,
-    balance: ThrowBalance,
-    half_throw: SurfaceMesh,
-    paths: Sequence[Path],
-    body: SurfaceMesh | None = None,
-    started: datetime | None = None,
+    sheets: Sequence[Sheet], balance: ThrowBalance, paths: Sequence[Path], started: datetime | None = None
 ) -> None:
-    """Draw the half throw of a scene with its dimensions.
+    """Draw a throw with its dimensions.
 
     Args:
+        sheets: its half throw, or both where they differ.
         balance: its masses, for the title block.
-        half_throw: its exact solid, triangulated.
         paths: files to write; each ending gives its format.
-        body: closed surface that the web was fitted to, drawn as dashed lines.
         started: when the work began that the drawing is a part of, its date; now by default.
     """
     import matplotlib as mpl
 
     written = time_of_writing(started)
-    figure = drawing_figure(scene, balance, half_throw, body, written)
-    with mpl.rc_context({"svg.hashsalt": scene.name}):  # the same names of parts in every drawing
+    figure = drawing_figure(sheets, balance, written)
+    with mpl.rc_context({"svg.hashsalt": sheets[0].scene.name}):  # the same names of parts in every drawing
         for path in paths:
             date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
             figure.savefig(path, dpi=150, metadata=date.get(path.suffix.lower()))
 
 
-def drawing_figure(
-    scene: Scene,
-    balance: ThrowBalance,
-    half_throw: SurfaceMesh,
-    body: SurfaceMesh | None = None,
-    written: datetime | None = None,
-) -> Figure:
-    """The drawing as a figure of A3, dated `written` or today; other arguments as `write_drawing`."""
+def drawing_figure(sheets: Sequence[Sheet], balance: ThrowBalance, written: datetime | None = None) -> Figure:
+    """The drawing as a figure, one A3 above the other, dated `written` or today."""
     from matplotlib.figure import Figure
 
-    from cranktopo.triangles.surface_mesh import solid_of
+    date = time_of_writing(written)
+    figure = Figure(figsize=(_WIDTH_MM / _MM_PER_INCH, len(sheets) * _HEIGHT_MM / _MM_PER_INCH))
+    parts = figure.subfigures(len(sheets), 1, squeeze=False)[:, 0]
+    for part, sheet in zip(parts, sheets, strict=True):
+        _draw(part, sheet, balance, date)
+    return figure
 
-    ghost = None if body is None else solid_of(body, "surface to be re-modelled")
-    sheet = Sheet(scene, solid_of(half_throw, "half throw"), ghost)
-    figure = Figure(figsize=(_WIDTH_MM / _MM_PER_INCH, _HEIGHT_MM / _MM_PER_INCH))
+
+def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datetime) -> None:
     views = (front_view, lengthwise_section, cross_section)
     scale = _scale(sheet)
     (front, long, across), (x, y) = (sheet.front, sheet.lengthwise, sheet.across), _origin(sheet, scale)
@@ -94,8 +92,7 @@ def drawing_figure(
     page.axis("off")
     frame(page, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
     _table(page, sheet)
-    _title_block(page, sheet, balance, scale, time_of_writing(written))
-    return figure
+    _title_block(page, sheet, balance, scale, written)
 
 
 def _scale(sheet: Sheet) -> float:
@@ -118,14 +115,14 @@ def _origin(sheet: Sheet, scale: float) -> tuple[float, float]:
     return _BORDER_MM + free_x / 2, _BORDER_MM + free_y / 2 + across[1]
 
 
-def _axes(figure: Figure, corner: tuple[float, float], size: tuple[float, float]) -> Any:
+def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, float]) -> Any:
     (x, y), (width, height) = corner, size
     return figure.add_axes((x / _WIDTH_MM, y / _HEIGHT_MM, width / _WIDTH_MM, height / _HEIGHT_MM))
 
 
 def _table(page: Any, sheet: Sheet) -> None:
     """Every number that the scene holds of the web: outline first, then its features."""
-    lines = [*_journal_lines(sheet.scene), *_outline_lines(sheet.scene)]
+    lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
     for feature in sheet.features:
         lines += feature.lines
     size = min(8.0, 8.0 * 60 / max(len(lines), 1))
@@ -133,14 +130,15 @@ def _table(page: Any, sheet: Sheet) -> None:
     page.text(left, top, "\n".join(lines), va="top", family="monospace", fontsize=size, linespacing=1.25)
 
 
-def _journal_lines(scene: Scene) -> list[str]:
-    lines = []
+def _journal_lines(sheet: Sheet) -> list[str]:
+    scene, lines = sheet.scene, []
     for (journal, _), name in zip(scene.throw.journals, ("MAIN JOURNAL", "CRANKPIN"), strict=True):
         bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ", solid"
         fillet = f", fillets {journal.fillet}" if journal.fillet_mm else ", no fillets"
         lines.append(f"{name:13}⌀{journal.outer_diameter_mm:g}{bore}")
         lines.append(f"{'':13}length {journal.length_mm:g}{fillet}")
-    throw = f"{'THROW':13}radius {scene.throw.radius_mm:g}, pitch {scene.pitch_mm:g}"
+    long = f"this half {scene.pitch_mm / 2:g} long" if sheet.half else f"pitch {scene.pitch_mm:g}"
+    throw = f"{'THROW':13}radius {scene.throw.radius_mm:g}, {long}"
     return [*lines, throw, *_drilling_lines(scene), ""]
 
 
@@ -181,10 +179,11 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
     """Fields of ISO 7200 in the lower right corner, the notes above them."""
     scene = sheet.scene
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
+    web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg
     rows = (
-        ("Title", f"{scene.name}: crank throw, half of it shown"),
+        ("Title", f"{scene.name}: crank throw, {_SHOWN[sheet.half]}"),
         ("Material", scene.material.name),
-        ("Mass", f"throw {balance.mass_kg:.3f} kg, one web {balance.web_kg:.3f} kg"),
+        ("Mass", f"throw {balance.mass_kg:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg"),
         ("Scale", f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"),
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
@@ -198,7 +197,8 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
         page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
     projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
     symmetric = () if web_asymmetry(scene) else ("Web symmetric in x.",)
-    notes = "\n".join((*_NOTES, *symmetric))
+    turned = (_TURNED,) if sheet.half == "second" else ()
+    notes = "\n".join((*_NOTES, *symmetric, *turned))
     page.text(left + 2, bottom + _TITLE_MM - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
     if sheet.body is not None:
         page.plot([left + 2, left + 12], [bottom + _TITLE_MM + 4] * 2, color=GHOST, lw=1, ls="--")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,11 +61,13 @@ class Sheet:
     Attributes:
         solid: the exact half throw, triangulated.
         body: another half throw, drawn as a ghost, or None.
+        half: which one of two that differ; None where they are alike.
     """
 
     scene: Scene
     solid: Manifold
     body: Manifold | None = None
+    half: Literal["first", "second"] | None = None
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
@@ -186,7 +188,10 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
 
 
 def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
-    """Section where a feature shows best, or half-way between the axes: x to the right, crank axis upward."""
+    """Section where a feature shows best, or half-way between the axes, looking toward the main journal.
+
+    x to the right, crank axis downward: what first-angle projection puts below the front view.
+    """
     scene, web = sheet.scene, sheet.scene.web
     start, end = scene.web_z_mm
     gap = _GAP_MM / scale
@@ -201,6 +206,7 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     if shown is not None:
         for one in shown.across:
             dimension(axes, one.start, one.end, one.shift, one.text)
+    axes.invert_yaxis()
     finish(axes, f"Section y = {y:.2f}")
 
 

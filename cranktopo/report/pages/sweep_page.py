@@ -21,6 +21,7 @@ _DIGITS = 6
 _SENSES = {
     "mass_kg": -1,
     "web_mass_kg": -1,
+    "second_web_mass_kg": -1,
     "inertia_kg_mm2": -1,
     "unbalance_kg_mm": -1,
     "torsion_Nm_per_rad": 1,

@@ -22,6 +22,8 @@ from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 SCRIPT = Path(__file__).with_name("viewer.js")
 """The browser's part: draws what `packed` holds."""
+PARTNERS: Mapping[int, tuple[int, ...]] = {1: (0,), 2: (1, -1)}
+"""`ShownBody.partner` of one half throw for both halves, and of two that differ."""
 MOST_FACES = 120_000
 """Of all bodies together; finer surfaces are simplified."""
 _SIMPLER_MM = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
@@ -35,7 +37,8 @@ class ShownBody:
     Attributes:
         mesh: half throw, mm.
         web_z_mm: axial range of the web; what lies outside is journal.
-        half_pitch_mm: the mid-pin plane, in which the whole throw is mirrored.
+        half_pitch_mm: the mid-pin plane, beyond which is the mirror image of the partner.
+        partner: how many bodies further its other half is: 0 where it is like this one.
         stress: stresses of the load cases, where they were solved.
     """
 
@@ -44,6 +47,7 @@ class ShownBody:
     web_z_mm: tuple[float, float]
     half_pitch_mm: float
     stress: CaseStress | None = None
+    partner: int = 0
 
 
 @dataclass(frozen=True)
@@ -128,6 +132,7 @@ def _body(arrays: Arrays, body: ShownBody, most: int, scales: Sequence[StressSca
     return {
         "name": body.name,
         "half_pitch_mm": body.half_pitch_mm,
+        "partner": body.partner,
         "low_mm": low.tolist(),
         "size_mm": (high - low).tolist(),
         "positions": arrays.add(scaled((shading.vertices_mm - low) / (high - low), 65535, np.uint16)),

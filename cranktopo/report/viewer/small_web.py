@@ -16,18 +16,24 @@ STEPS = 4095
 """Of a position along the body: 0.03 mm of a throw of 120 mm."""
 
 
-def packed_web(body: ShownBody) -> str:
-    """A body alone as `packed` of `scene3d` would hold it, in a quarter of the space.
+def packed_web(*halves: ShownBody) -> str:
+    """A half throw, or both where they differ, as `packed` of `scene3d`, in a quarter of the space.
 
     Positions are rounded to 1/4095 of the size. A corner is told by how many vertices came after its own, so
     that 0 is a new one: small numbers compress better.
     """
-    mesh = simplified(body.mesh, MOST_FACES)
+    arrays = Arrays()
+    bodies = [_small(arrays, body, MOST_FACES // len(halves)) for body in halves]
+    return arrays.packed_with({"bodies": bodies, "first": 0, "stress": None, "steps": None})
+
+
+def _small(arrays: Arrays, body: ShownBody, most: int) -> dict[str, Any]:
+    mesh = simplified(body.mesh, most)
     low, high = mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)
     points, faces = _in_order(scaled((mesh.vertices_mm - low) / (high - low), STEPS, np.uint16), mesh.faces)
-    arrays = Arrays()
-    shown = {
+    return {
         "half_pitch_mm": body.half_pitch_mm,
+        "partner": body.partner,
         "low_mm": low.tolist(),
         "size_mm": (high - low).tolist(),
         "sides_mm": web_sides_mm(body.web_z_mm),
@@ -35,7 +41,6 @@ def packed_web(body: ShownBody) -> str:
         "points": arrays.add(points),
         "corners": arrays.add(_newer(faces)),
     }
-    return arrays.packed_with({"bodies": [shown], "first": 0, "stress": None, "steps": None})
 
 
 def _in_order(points: NDArray[Any], faces: Faces) -> tuple[NDArray[Any], Faces]:

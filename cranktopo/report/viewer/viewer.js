@@ -53,7 +53,7 @@
     ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "lens", "depth", "ramp",
       "ramped", "sides", "beyond"].map((n) => [n, at(n)]),
   );
-  const bodies = header.bodies.map((body) => bodyBuffers(body, arrays));
+  const bodies = allBuffers(header.bodies, arrays);
   const steps = header.steps;
   const state = { ...START, body: header.first, colour: -1,
     step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
@@ -120,6 +120,19 @@
     gl.deleteVertexArray(shape.vao);
   }
 
+  function discardHalves(body) {
+    for (const half of new Set([body, body.beyond])) discard(half.web);
+  }
+
+  const pitch = (body) => body.half_pitch_mm + body.beyond.half_pitch_mm;
+
+  // Bodies ready to draw, each with the half beyond the crankpin: itself, or its partner where halves differ.
+  function allBuffers(packed, arrays) {
+    const ready = packed.map((body) => bodyBuffers(body, arrays));
+    ready.forEach((body, i) => (body.beyond = ready[i + body.partner]));
+    return ready;
+  }
+
   function bodyBuffers(body, arrays) {
     if (body.corners !== undefined) return smallBuffers(body, arrays);
     const journal = arrays[body.journal], faces = arrays[body.faces];
@@ -169,8 +182,8 @@
   async function show(text) {
     const mine = ++asked, found = text && await unpack(text);
     if (mine !== asked) return false;
-    if (other) discard(other.web);
-    other = found && bodyBuffers(found.header.bodies[0], found.arrays);
+    if (other) discardHalves(other);
+    [other] = found ? allBuffers(found.header.bodies, found.arrays) : [null];
     draw();
     return true;
   }
@@ -178,10 +191,10 @@
   // A picture of a packed body as the address of an image; the view stays as it is.
   async function picture(text) {
     const found = await unpack(text), before = other;
-    other = bodyBuffers(found.header.bodies[0], found.arrays);
+    [other] = allBuffers(found.header.bodies, found.arrays);
     draw();
     const address = canvas.toDataURL();
-    discard(other.web);
+    discardHalves(other);
     other = before;
     draw();
     return address;
@@ -271,11 +284,12 @@
     aim(bodies[state.body], width / height);
     box.dataset.triangles = (body.journals.count + (blocks ?? body.web).count) / 3;
     for (const mirrored of state.whole ? [false, true] : [false]) {
+      const half = mirrored ? body.beyond : body;
       gl.uniform3f(uniforms.flip, 1, 1, mirrored ? -1 : 1);
-      gl.uniform3f(uniforms.shift, 0, 0, mirrored ? 2 * body.half_pitch_mm : 0);
-      place(body.low_mm, body.size_mm, body.sides_mm);
-      paint(body.journals, JOURNAL, JOURNAL);
-      if (blocks === null) paint(body.web, WEB, WEB);
+      gl.uniform3f(uniforms.shift, 0, 0, mirrored ? pitch(body) : 0);
+      place(half.low_mm, half.size_mm, half.sides_mm);
+      paint(half.journals, JOURNAL, JOURNAL);
+      if (blocks === null) paint(half.web, WEB, WEB);
       else {
         place(steps.origin_mm, steps.cell_mm);
         paint(blocks, THIN, WEB);
@@ -298,7 +312,10 @@
     const turn = [0, 1, 2].flatMap((i) => [right[i], up[i], out[i]]);
     const size = [...body.size_mm];
     const target = body.low_mm.map((low, i) => low + size[i] / 2);
-    if (state.whole) [target[2], size[2]] = [body.half_pitch_mm, 2 * body.half_pitch_mm];
+    if (state.whole) {
+      [target[2], size[2]] = [pitch(body) / 2, pitch(body)];
+      for (const i of [0, 1]) size[i] = Math.max(size[i], body.beyond.size_mm[i]);
+    }
     const radius = Math.hypot(...size) / 2;
     const distance = radius / Math.sin(FIELD_OF_VIEW / 2) / state.zoom;
     const near = Math.max(distance - 1.2 * radius, 0.02 * distance), far = distance + 1.2 * radius;
