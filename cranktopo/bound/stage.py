@@ -93,7 +93,7 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     effects = plan(scene, goal=goal)
     scene = simulated_scene(scene, effects).with_optimise(resolution_mm=resolution_mm)
     cases = load_cases(scene, effects.enabled - _LEFT_OUT | _CASES)
-    domain = build_domain(scene, resolution_mm)
+    domain = build_domain(_unkept(scene), resolution_mm)
     model = build_model(scene, domain, cases)
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).fixed
     webs = webs_of(scene, domain, model)
@@ -101,6 +101,11 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     room[:, :, webs.layers] += webs.design
     outside = float((np.maximum(own - room, 0) * domain.volume_mm3).sum() / (own * domain.volume_mm3).sum())
     return BoundModel(scene, domain, model, webs, assess_original(model, scene, domain), outside)
+
+
+def _unkept(scene: Scene) -> Scene:
+    """The scene whose envelope keeps no counterweight solid: a search over dimensions puts pockets into it."""
+    return scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
 
 
 @dataclass(frozen=True)

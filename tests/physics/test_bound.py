@@ -15,10 +15,11 @@ from cranktopo.bound.proof import Plane, best_proof, plane_of
 from cranktopo.bound.sizing import next_densities
 from cranktopo.bound.stage import Bound, BoundModel, bound_model, prove
 from cranktopo.bound.wanted import STIFFNESSES, Ceiling
+from cranktopo.domain.build import build_domain
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import solve
 from cranktopo.optimise.material import CONTRAST
-from cranktopo.scene import Scene, load_scene
+from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.goal import Limit
 from cranktopo.scene.goal.changing import with_goal
 from cranktopo.scene.goal.wanted import wanted
@@ -146,6 +147,26 @@ def test_a_die_leaves_less(mikron: Scene, lightest: Bound) -> None:
         assert die.value > lightest.value
         for weights in np.random.default_rng(1).exponential(size=(20, 5)):
             assert all(plane.least(weights)[0] <= weights @ web for web in webs)
+
+
+def test_a_pocket_in_the_counterweight_is_among_the_webs() -> None:
+    """A density keeps the sector solid; a search over dimensions does not, and is judged by the same bound."""
+    pocket = {"shape": "box", "face": "pin", "y_mm": -48.0, "x_mm": 14.0, "depth_mm": 8.0}
+    scene = load_scene("car-diesel")
+    data = scene.model_dump(mode="json", exclude_none=True, by_alias=True)
+    data["web"]["pocket"] = [{**pocket, "size_x_mm": 20.0, "size_y_mm": 12.0}]
+    pocketed = scene_from_dict(data)
+    with double_precision():
+        model = bound_model(scene, CELL_MM)
+    domain = model.domain
+    own = own_body(model)
+    web = build_domain(pocketed, CELL_MM, "web", domain.extent, domain.grid).fixed
+    room = model.webs.fixed.copy()
+    room[:, :, model.webs.layers] += model.webs.design
+    assert own.sum() - web.sum() > 5.0
+    for fill in (own, web):
+        assert (fill >= model.webs.fixed - 1e-9).all()
+        assert (fill <= room + 1e-9).all()
 
 
 def test_the_best_bar_is_known() -> None:

@@ -67,8 +67,14 @@ def statement_line(bound: Mapping[str, Any]) -> str:
     reached = bound["reached_percent"]
     if bound["value"] is None:
         return "bound: no web of the envelope keeps these limits in the cells of the bound"
-    name, most = QUANTITIES[bound["quantity"]].label, bound["percent_of_original"] - 100
-    cell, at = bound["model"]["cell_mm"], " at this mass" if "at_mass_percent" in bound else ""
+    quantity, most = QUANTITIES[bound["quantity"]], bound["percent_of_original"] - 100
+    name, at = quantity.label, " at this mass" if "at_mass_percent" in bound else ""
+    cell = bound["model"]["cell_mm"]
+    if (reached - 100 - most) * (1 if quantity.better == "high" else -1) > 0:
+        return (
+            f"{name} {reached - 100:+.1f} %{at}: beyond {most:+.1f} %, the best that cells of {cell:.3g} mm can "
+            "hold; what is left to gain is less than their error"
+        )
     return (
         f"{name} {reached - 100:+.1f} % of at most {most:+.1f} %{at}, which no web of the envelope can beat, "
         f"however it is made (proven on cells of {cell:.3g} mm)"

@@ -23,12 +23,12 @@ def packed_web(*halves: ShownBody) -> str:
     that 0 is a new one: small numbers compress better.
     """
     arrays = Arrays()
-    bodies = [_small(arrays, body, MOST_FACES // len(halves)) for body in halves]
+    bodies = [_small(arrays, body) for body in halves]
     return arrays.packed_with({"bodies": bodies, "first": 0, "stress": None, "steps": None})
 
 
-def _small(arrays: Arrays, body: ShownBody, most: int) -> dict[str, Any]:
-    mesh = simplified(body.mesh, most)
+def _small(arrays: Arrays, body: ShownBody) -> dict[str, Any]:
+    mesh = simplified(body.mesh, MOST_FACES)
     low, high = mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)
     points, faces = _in_order(scaled((mesh.vertices_mm - low) / (high - low), STEPS, np.uint16), mesh.faces)
     return {
