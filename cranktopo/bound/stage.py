@@ -104,7 +104,7 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
 
 
 def _unkept(scene: Scene) -> Scene:
-    """The scene whose envelope keeps no counterweight solid: a search over dimensions puts pockets into it."""
+    """The scene whose envelope keeps no counterweight solid: a search over dimensions pockets it."""
     return scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
 
 

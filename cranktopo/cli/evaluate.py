@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options
+from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options, web_option
 from cranktopo.cli.verbosity import detail, info, verbosity_options
 from cranktopo.errors import ExitCode
 
 if TYPE_CHECKING:
     from cranktopo.pipeline.sensitivities import Sensitivities
+    from cranktopo.scene.one_web import WebName
 
 
 @click.command()
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Also print what a millimetre of each dimension of a parametric web is worth, and what holds it.",
 )
+@web_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
@@ -35,13 +37,15 @@ def command(
     design: str | None,
     align: bool,
     sensitivities: bool,
+    web: WebName | None,
     as_json: bool,
 ) -> None:
     """Evaluate each TARGET with quadratic finite elements on its exact solid.
 
     A TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design). Both
     stiffnesses are those of the full throw; each comes with a bound of its error.
-    With --sensitivities a TARGET is a design with a parametric web, or a run that has one.
+    With --sensitivities a TARGET is a design with a parametric web, or a run that has one; of a design with
+    two different webs --web names the one whose dimensions are meant.
 
     Example: cranktopo evaluate mikron-iiic --accuracy 1%
     """
@@ -49,7 +53,9 @@ def command(
     from cranktopo.pipeline.evaluate import MeshRequest, evaluate_targets
 
     wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
-    worth = _worth(texts, element_size_mm) if sensitivities else []
+    if web and not sensitivities:
+        raise click.UsageError("--web names the web of --sensitivities; both webs are evaluated without it")
+    worth = _worth(texts, element_size_mm, web) if sensitivities else []
     resolved = resolve_targets([w.file for w in worth] or texts, design, align=align, whole=True)
     found = evaluate_targets(resolved, wanted, info)
     for evaluation in found.evaluations:
@@ -78,11 +84,11 @@ def command(
     warn_missed(found.missed, accuracy)
 
 
-def _worth(targets: Sequence[str], element_size_mm: float | None) -> list[Sensitivities]:
+def _worth(targets: Sequence[str], element_size_mm: float | None, web: WebName | None) -> list[Sensitivities]:
     """What a millimetre is worth in each target; the search that it needs is loaded only here."""
     from cranktopo.pipeline.sensitivities import evaluate_sensitivities
 
-    return [evaluate_sensitivities(target, element_size_mm, info) for target in targets]
+    return [evaluate_sensitivities(target, element_size_mm, info, web) for target in targets]
 
 
 def warn_missed(missed: Sequence[str], accuracy: float | None) -> None:

@@ -73,7 +73,7 @@ def outlet_equivalent_MPa(bending_MPa: float, torsion_MPa: float) -> float:
 
 
 def check_outlets(
-    scene: Scene, kind: HistoryKind, enabled: frozenset[str], torque_Nmm: float
+    scene: Scene, kind: HistoryKind, enabled: frozenset[str], torque_Nmm: float, share: float = 0.5
 ) -> tuple[OutletCheck, ...]:
     """Every outlet of an oil drilling on the crankpin; none where the scene has no drilling.
 
@@ -81,6 +81,7 @@ def check_outlets(
         kind: the whole cycle, or its extremes joined, which bounds it.
         enabled: effects that are on; the tangential force always bends the pin here.
         torque_Nmm: alternating torque.
+        share: of the force on the pin that the bearing on this side takes.
 
     Raises:
         CranktopoError: the scene does not tell the loads.
@@ -94,11 +95,14 @@ def check_outlets(
     if not outlets:
         return ()
     history = load_history(scene, kind, enabled | {"tangential"})
-    return tuple(_check(scene, channel, mouth, kind, history, torque_Nmm) for channel, mouth in outlets)
+    return tuple(
+        _check(scene, share, channel, mouth, kind, history, torque_Nmm) for channel, mouth in outlets
+    )
 
 
 def _check(
     scene: Scene,
+    share: float,
     channel: Channel,
     mouth: Mouth,
     kind: HistoryKind,
@@ -109,7 +113,7 @@ def _check(
     size = pin.outer_diameter_mm
     gamma = outlet_factors(bore, size)
     modulus = math.pi / 32 * (size**4 - pin.bore_diameter_mm**4) / size
-    bending = _alternating_moment_Nmm(scene, mouth, kind, history) / modulus
+    bending = _alternating_moment_Nmm(scene, share, mouth, kind, history) / modulus
     torsion = torque_Nmm / (2 * modulus)
     settings = scene.fatigue
     # Factors of the process above 1, and treatments of the fillets, count in the fillets alone.
@@ -122,10 +126,13 @@ def _check(
     return OutletCheck(channel.key, angle, *gamma, bending, torsion, check, _outside(bore / size, mouth))
 
 
-def _alternating_moment_Nmm(scene: Scene, mouth: Mouth, kind: HistoryKind, history: LoadHistory) -> float:
+def _alternating_moment_Nmm(
+    scene: Scene, share: float, mouth: Mouth, kind: HistoryKind, history: LoadHistory
+) -> float:
     """Alternating moment at the outlet: triangular diagrams of radial and tangential force."""
     aside, along, _ = mouth.normal
-    lever = mouth.point_mm[2] / 2
+    # Largest at the pin's middle: an outlet beyond it counts as there.
+    lever = share * min(mouth.point_mm[2], scene.pitch_mm / 2)
     if kind == "cycle":
         at = history.tangential_N * aside - history.radial_N * along
         return lever * float(np.ptp(at)) / 2

@@ -30,6 +30,7 @@ from cranktopo.evaluate.targets import Target
 from cranktopo.loads.histories import HistoryKind, load_history
 from cranktopo.loads.torsional_stiffness import web_lever_mm
 from cranktopo.scene import Scene
+from cranktopo.scene.halves import drilled_alike, halves
 from cranktopo.units import NMM_PER_NM
 
 Array = NDArray[np.float64]
@@ -119,11 +120,48 @@ def check_rule(
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
     progress: Info = lambda _: None,
-) -> RuleCheck:
-    """Check a throw against the rule.
+) -> tuple[RuleCheck, ...]:
+    """Check a throw against the rule: once, or each of two different webs.
+
+    Such a web is judged in a throw that has it twice, as Appendix III models one web, under the share of the
+    radial force that its bearing takes.
 
     Raises:
         CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.
+    """
+    near, far = halves(target.scene)
+    if near is far:
+        return (_check(target, target.scene, 0.5, kind, fillet_fraction, progress),)
+    long = near.pitch_mm + far.pitch_mm
+    sides = (("first", near, far.pitch_mm / long), ("second", far, near.pitch_mm / long))
+    found = [
+        _check(
+            replace(target, name=f"{target.name}, {web} web", scene=drilled_alike(half)),
+            half,
+            share,
+            kind,
+            fillet_fraction,
+            progress,
+        )
+        for web, half, share in sides
+    ]
+    throw_kg = sum(check.throw_kg for check in found) / 2
+    return tuple(replace(check, throw_kg=throw_kg) for check in found)
+
+
+def _check(
+    target: Target,
+    half: Scene,
+    share: float,
+    kind: HistoryKind,
+    fillet_fraction: float,
+    progress: Info,
+) -> RuleCheck:
+    """Check one web.
+
+    Args:
+        half: the throw of two such webs, with every drilling of this half; the target may lack some.
+        share: of the radial force that the bearing beside this web takes.
     """
     scene = target.scene
     check_method(scene, "m53")
@@ -131,8 +169,8 @@ def check_rule(
     history = load_history(scene, kind, enabled)
     force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
     size = dimensions(scene)
-    moment = force / 2 * web_lever_mm(scene)
-    nominal = nominal_stresses(size, moment, force / 2, torque * NMM_PER_NM)
+    moment = force * share * web_lever_mm(scene)
+    nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
     progress(f"{target.name}: four-point bending, three-point bending and torsion")
     model = solve_stresses(_held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction)
     closed, elements = concentration_factors(size), element_factors(model)
@@ -148,7 +186,7 @@ def check_rule(
         _checks(scene, size, closed, nominal),
         _checks(scene, size, elements, nominal),
         model.quality,
-        check_outlets(scene, kind, enabled, torque * NMM_PER_NM),
+        check_outlets(half, kind, enabled, torque * NMM_PER_NM, share),
     )
 
 

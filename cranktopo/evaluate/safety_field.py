@@ -23,7 +23,6 @@ from cranktopo.evaluate.unit_fields import FieldKind
 from cranktopo.loads.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.loads.load_case import LoadKind
 from cranktopo.scene import Scene
-from cranktopo.scene.halves import require_equal_halves
 from cranktopo.units import NMM_PER_NM
 
 Array = NDArray[np.float64]
@@ -139,8 +138,7 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
     """Check everything that a user can get wrong, before the first solve.
 
     Raises:
-        CranktopoError: missing material data or loads, sharp fillets, or for the rule a body from CAD or
-            halves that differ.
+        CranktopoError: missing material data or loads, sharp fillets, or for the rule a body from CAD.
     """
     if method == "m53" and target.file is not None:
         raise CranktopoError(
@@ -149,8 +147,6 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
             hint="Take --method lsa or fkm, or give a design.",
             code=ExitCode.USAGE,
         )
-    if method == "m53":
-        require_equal_halves(target.scene)
     check_method(target.scene, method)
     check_fillets(target)
     load_history(target.scene, kind, load_kinds(target.scene, kind)[0])

@@ -22,7 +22,6 @@ from cranktopo.report.comparison import Comparison, Entry, check_same_supports, 
 from cranktopo.report.pages.comparison_page import ComparisonRecord, comparison_page
 from cranktopo.report.pages.report_file import check_report_path, write_report
 from cranktopo.report.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
-from cranktopo.report.tables.fatigue_tables import FatigueComparison
 from cranktopo.report.tables.undercut_table import DesignUndercuts
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.scene import Scene
@@ -58,8 +57,6 @@ def compare_targets(
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
 
-    Throws whose halves differ have no fatigue safety by the rule M53, which is told of half a throw.
-
     Args:
         names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
             them where it is not among them.
@@ -78,36 +75,17 @@ def compare_targets(
     safety = None
     if fatigue is not None:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        safety = _fatigue(filleted, fatigue, index, info)
+        safety = assess_fatigue(filleted, fatigue, baseline=index, info=info).compared()
     found = evaluate_targets(targets, wanted, info)
     published = [None if target.file else target.scene.published for target in targets]
     safeties = iter(safety.safeties if safety else ())
     entries = [
-        Entry(evaluation, printed, None if fatigue and _refused(target, fatigue) else next(safeties, None))
-        for target, evaluation, printed in zip(targets, found.evaluations, published, strict=True)
+        Entry(evaluation, printed, next(safeties, None))
+        for evaluation, printed in zip(found.evaluations, published, strict=True)
     ]
     comparison = compare(entries, entries[index].name, safety)
     comparison = replace(comparison, goals=evaluated_goals(targets, entries, index))
     return ComparedTargets(comparison, tuple(targets), found.missed)
-
-
-def _fatigue(
-    targets: Sequence[Target], method: FatigueMethod, baseline: int, info: Info
-) -> FatigueComparison | None:
-    """Fatigue of the targets that a method takes; None where the baseline is not among them."""
-    judged = [target for target in targets if not _refused(target, method)]
-    for target in targets:
-        if target not in judged:
-            why = f"{_refused(target, method)} makes the halves of its throw differ"
-            info(f"{target.name}: no fatigue safety by {method}: {why}")
-    if targets[baseline] not in judged:
-        return None
-    return assess_fatigue(judged, method, baseline=judged.index(targets[baseline]), info=info).compared()
-
-
-def _refused(target: Target, method: FatigueMethod) -> str:
-    """Key of what the rule cannot take: halves that differ; empty where a method takes the target."""
-    return difference(target.scene) if method == "m53" else ""
 
 
 def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Json | None:

@@ -33,10 +33,10 @@ class FatigueAssessment:
     Attributes:
         loads: extremes of the loads joined, or every angle of the cycle.
         fields: fields of safety; empty for M53.
-        checks: checks by the rule; empty for the other methods.
-        baseline: position of the target that counts as 100 %, if any.
-        assumed: what each target does not say and its safety depends on.
-        targets: what was assessed.
+        checks: checks by the rule, of two different webs one each; empty for the other methods.
+        baseline: position of the result that counts as 100 %, if any.
+        assumed: what the target of each result does not say and its safety depends on.
+        targets: what was assessed, for each result.
     """
 
     method: FatigueMethod
@@ -65,9 +65,20 @@ class FatigueAssessment:
         return data
 
     def compared(self) -> FatigueComparison:
-        """What a comparison shows of it; there must be a baseline."""
+        """What a comparison shows of it, of two different webs the worse one; there must be a baseline."""
         assert self.baseline is not None
-        return compare_fatigue(self.results, self.baseline, self.as_json())
+        if self.fields:
+            return compare_fatigue(self.fields, self.baseline, self.as_json())
+        worse = self._worse_webs
+        named = [check.name for check in worse].index(self.checks[self.baseline].name)
+        return compare_fatigue(worse, named, self.as_json())
+
+    @property
+    def _worse_webs(self) -> tuple[RuleCheck, ...]:
+        worse: dict[str, RuleCheck] = {}
+        for target, check in zip(self.targets, self.checks, strict=True):
+            worse[target.name] = min(worse.get(target.name, check), check, key=lambda one: one.safety)
+        return tuple(worse.values())
 
 
 def assess_fatigue(
@@ -110,8 +121,7 @@ def assess_fatigue(
     resolved = [with_throw_stiffness(target, info) for target in resolved]
     assumed = tuple(among(target.assumed, USED) for target in resolved)
     if method == "m53":
-        checks = tuple(check_rule(target, loads, fillet_fraction, info) for target in resolved)
-        return FatigueAssessment(method, loads, (), checks, baseline, assumed, tuple(resolved))
+        return _by_rule(resolved, loads, baseline, fillet_fraction, assumed, info)
     chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
     fields = []
     for target in resolved:
@@ -127,6 +137,33 @@ def assess_fatigue(
     if out is not None:
         write_json(out / "fatigue.json", found.as_json())
     return found
+
+
+def _by_rule(
+    targets: Sequence[Target],
+    loads: HistoryKind,
+    baseline: int | None,
+    fillet_fraction: float,
+    assumed: Sequence[tuple[Assumption, ...]],
+    info: Info,
+) -> FatigueAssessment:
+    """Checks of all targets; one with two different webs has two, and as the baseline it is its worse web."""
+    found = [check_rule(target, loads, fillet_fraction, info) for target in targets]
+    if baseline is not None:
+        before, own = sum(map(len, found[:baseline])), found[baseline]
+        baseline = before + min(range(len(own)), key=lambda web: own[web].safety)
+    each = [
+        (told, target) for told, target, checks in zip(assumed, targets, found, strict=True) for _ in checks
+    ]
+    return FatigueAssessment(
+        "m53",
+        loads,
+        (),
+        tuple(check for checks in found for check in checks),
+        baseline,
+        tuple(told for told, _ in each),
+        tuple(target for _, target in each),
+    )
 
 
 def _check_files(method: FatigueMethod, out: Path) -> None:

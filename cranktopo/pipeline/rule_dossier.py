@@ -56,11 +56,12 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
     Raises:
         CranktopoError: as `check_dossier`.
     """
-    check_dossier(found.method, len(found.targets), path)
+    check_dossier(found.method, len({target.name for target in found.targets}), path)
     target, scene = found.targets[0], found.targets[0].scene
     effects = plan(scene)
     record = RuleRecord(
-        check=found.checks[0],
+        name=target.name,
+        checks=found.checks,
         scene=scene,
         effects=effects,
         cases=load_cases(scene, effects.enabled),
@@ -79,6 +80,4 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
 def _drawing(target: Target) -> Picture:
     scene = target.scene
     figure = drawing_figure(throw_sheets(scene), throw_balance(scene))
-    return Picture(
-        "drawing", figure, f"Workshop drawing of the half throw of {target.name} with its dimensions"
-    )
+    return Picture("drawing", figure, f"Workshop drawing of {target.name} with its dimensions")

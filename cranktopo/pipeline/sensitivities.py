@@ -21,6 +21,7 @@ from cranktopo.remodel.read_web import WebRead
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene
 from cranktopo.scene.free_dimensions import own_dimension_mm
+from cranktopo.scene.one_web import WebName
 from cranktopo.scene.scale import default_element_size_mm
 from cranktopo.shape.holding import held_by
 from cranktopo.shape.meshed_webs import MeshedWebs
@@ -59,18 +60,22 @@ class Sensitivities:
 
 
 def evaluate_sensitivities(
-    target: str, element_size_mm: float | None = None, info: Info = lambda _: None
+    target: str,
+    element_size_mm: float | None = None,
+    info: Info = lambda _: None,
+    web: WebName | None = None,
 ) -> Sensitivities:
     """What a millimetre of each dimension of a parametric web is worth, by exact gradients.
 
     Args:
         target: a design, a run with a parametric web, or the folder of a re-model.
         element_size_mm: general element size; by default twice that of an evaluation.
+        web: of a design with two different webs the one that is meant, whose throw has it twice.
 
     Raises:
         CranktopoError: no such target, no parametric web, no valid mesh, or a failed solve.
     """
-    found = web_target(target)
+    found = web_target(target, web)
     scene = parametric_scene(target, found)
     limits = _limits(found, scene)
     layout, values = _with_free(_read(target, scene, limits), scene)
@@ -79,13 +84,13 @@ def evaluate_sensitivities(
     check_element_size(planned, size)
     info(f"{scene.name}: gradients of {len(values)} dimensions on elements of {size:.3g} mm")
     webs = MeshedWebs(planned, limits, size, _fraction(planned, info))
-    web = webs.web(layout)
-    rules = rules_at(planned, web, values)
+    parametric = webs.web(layout)
+    rules = rules_at(planned, parametric, values)
     if rules.broken:
         info(f"{scene.name}: keeps these rules not: {'; '.join(rules.broken)}")
-    responses = webs.responses(web, values)
-    holders = held_by(planned, web, values, rules)
-    worth = dimensions(web, values, responses, responses.values, holders)
+    responses = webs.responses(parametric, values)
+    holders = held_by(planned, parametric, values, rules)
+    worth = dimensions(parametric, values, responses, responses.values, holders)
     return Sensitivities(str(found.file or target), scene, worth, rules.broken)
 
 

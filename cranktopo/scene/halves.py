@@ -67,9 +67,9 @@ def require_equal_halves(scene: Scene) -> None:
     if key:
         raise CranktopoError(
             f"{key}: the halves of the throw differ, and this command or stage models half of it.",
-            hint="Taken by evaluate, compare, accuracy, fatigue (lsa, fkm), loads, plan, balance, shaft, "
-            "vibration, export of throw, crankshaft, web and second_web, and with --web by optimise, bound, "
-            "shape and iterate.",
+            hint="Taken by evaluate, compare, accuracy, fatigue, loads, plan, balance, shaft, vibration, "
+            "export (not of half), sweep to evaluate or fatigue, and with --web by optimise, bound, shape, "
+            "iterate and evaluate --sensitivities.",
         )
 
 

@@ -28,8 +28,8 @@ def one_web(scene: Scene, web: WebName | None) -> Scene:
     if web is None and key:
         raise CranktopoError(
             f"{key}: the halves of the throw differ, and one web is optimised at a time.",
-            hint="Give optimise, bound, shape or iterate --web first or --web second: the other half is then "
-            "taken as its mirror image.",
+            hint="Give optimise, bound, shape, iterate or evaluate --sensitivities --web first or "
+            "--web second: the other half is then taken as its mirror image.",
         )
     if web is None:
         return scene

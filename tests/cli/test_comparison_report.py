@@ -198,16 +198,17 @@ def test_plot_in_capitals(tmp_path: Path) -> None:
 def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
     """Invented safeties by the rule: the casting has 1.05 against 1.3 of the baseline."""
 
-    def checked(target: Target, *_: object) -> RuleCheck:
+    def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
         light = target.name.endswith("casting")
         fillet = {"pin": FilletCheck(200.0, 210.0 if light else 260.0), "journal": FilletCheck(200.0, 400.0)}
         factors, nominal = Factors(2.0, 1.5, 2.0, 3.0, 1.5), Nominal(50.0, 5.0, 20.0, 20.0)
         quality = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
         mass = 1.5 if light else 2.0
         size, loads = dimensions(target.scene), AlternatingLoads(100.0, 1.0, 1.0)
-        return RuleCheck(
+        check = RuleCheck(
             target.name, mass, size, loads, (), factors, factors, nominal, fillet, fillet, quality
         )
+        return (check,)
 
     monkeypatch.setattr("cranktopo.pipeline.fatigue.check_inputs", lambda *_: None)
     monkeypatch.setattr("cranktopo.pipeline.fatigue.check_rule", checked)

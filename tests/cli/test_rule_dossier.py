@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,22 +13,29 @@ from cranktopo.evaluate.m53 import FilletCheck, concentration_factors, nominal_s
 from cranktopo.evaluate.rule_check import AlternatingLoads, RuleCheck, dimensions
 from cranktopo.evaluate.stress_model import Quality
 from cranktopo.evaluate.targets import Target
+from cranktopo.scene.halves import difference, halves
 from cranktopo.scene.loading import designs_folder
 
 QUALITY = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
 
 
-def checked(target: Target, *_: object) -> RuleCheck:
-    """Closed forms for either set of factors, and a journal fillet that is a little too weak."""
+def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
+    """Closed forms for either set of factors, and a journal fillet a little too weak; each web a check."""
+    if difference(target.scene):
+        sides = zip(("first", "second"), halves(target.scene), strict=True)
+        return tuple(
+            checked(replace(target, name=f"{target.name}, {web} web", scene=half))[0] for web, half in sides
+        )
     size = dimensions(target.scene)
     factors = concentration_factors(size)
     loads = AlternatingLoads(18000.0, 265.5, 410.0)
     nominal = nominal_stresses(size, 265500.0, 9000.0, 410000.0)
     fillets = {"pin": FilletCheck(200.0, 400.0), "journal": FilletCheck(200.0, 229.0)}
     outside = outside_validity(size)
-    return RuleCheck(
+    check = RuleCheck(
         target.name, 1.6, size, loads, outside, factors, factors, nominal, fillets, fillets, QUALITY
     )
+    return (check,)
 
 
 @pytest.fixture
@@ -57,6 +65,20 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert row(text, "torsional vibration")[1] == "off"
     assert "signature" in text
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
+
+
+@pytest.mark.usefixtures("no_solve")
+def test_the_dossier_of_two_webs_has_both(tmp_path: Path) -> None:
+    path, scene = tmp_path / "dossier.md", tmp_path / "two.toml"
+    design = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    scene.write_text(f'{design}\n[second_web]\nthickness_mm = 25.0\noutline = "obround"\nwidth_mm = 54.0\n')
+    assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    text = path.read_text(encoding="utf-8").replace("\\", "")
+    for web, thickness in (("first web", "19.00"), ("second web", "25.00")):
+        size = text[text.index(f"## Dimensions by the rule, {web}") :]
+        assert row(size, "W")[2] == thickness
+        assert f"## Acceptability, {web}" in text
+    assert "Q = 1.145 at the journal, first web, 1.15 asked" in text
 
 
 @pytest.mark.usefixtures("no_solve")

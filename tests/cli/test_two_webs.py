@@ -5,16 +5,28 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from cranktopo.accuracy.level import EVALUATION, FILLET_STRESS
 from cranktopo.accuracy.study import planned_studies, run_studies
 from cranktopo.cli.main import main
+from cranktopo.errors import CranktopoError
+from cranktopo.evaluate import rule_check
+from cranktopo.evaluate.m53 import concentration_factors
+from cranktopo.evaluate.rule_check import dimensions
+from cranktopo.evaluate.stress_model import Quality
 from cranktopo.evaluate.targets import Target, resolve_targets
+from cranktopo.loads.balance import throw_balance
 from cranktopo.pipeline import compare
-from cranktopo.report.tables.fatigue_tables import FatigueComparison
+from cranktopo.pipeline.sweep.fineness import Fineness
+from cranktopo.pipeline.sweep.plan import sweep_plan
+from cranktopo.pipeline.sweep.stages import run_stage
+from cranktopo.pipeline.sweep.variation import read_option
+from cranktopo.scene import load_scene
 from cranktopo.scene.loading import designs_folder
+from tests.packed_scenes import unpacked
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 SECOND = """
@@ -24,6 +36,7 @@ outline = "tapered"
 main_radius_mm = 30.0
 pin_radius_mm = 26.0
 """
+QUALITY = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
 COARSE = ("--element-size-mm", "24", "--quiet")
 
 
@@ -49,34 +62,38 @@ def test_the_table_has_the_mass_of_both_webs(two: str, capsys: pytest.CaptureFix
     assert re.split(r"  +", lines[4])[3] == "-"
 
 
-def test_compare_says_in_the_row_what_it_cannot_tell(
+def test_the_rule_judges_each_web(
     two: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The rule tells the safety of half a throw: here of the baseline alone, by a stand-in for its solves."""
+    """In a throw that has it twice, here by a stand-in for its elements; a comparison takes the worse one."""
 
-    class Assessed:
-        def compared(self) -> FatigueComparison:
-            return FatigueComparison((1.5,), (), {"fatigue": []})
+    def solved(target: Target, *_: object) -> SimpleNamespace:
+        return SimpleNamespace(
+            scene=target.scene, throw_kg=throw_balance(target.scene).mass_kg, quality=QUALITY
+        )
 
-    judged: list[str] = []
-
-    def assess(targets: list[Target], *_: object, **__: object) -> Assessed:
-        judged.extend(target.name for target in targets)
-        return Assessed()
-
-    monkeypatch.setattr(compare, "assess_fatigue", assess)
-    options = ("--baseline", "mikron-iiic", "--element-size-mm", "24", "--fatigue", "m53")
-    assert main(["compare", two, *options]) == 0
-    out, err = capsys.readouterr()
-    assert judged == ["mikron-iiic"]
-    assert "two: no fatigue safety by m53: second_web makes the halves of its throw differ" in err
-    rows = [re.split(r"  +", line) for line in out.splitlines() if line.startswith(("two", "mikron"))]
-    assert [(row[0], row[-1]) for row in rows] == [
-        ("mikron-iiic", "1.500*"),
-        ("two", "-"),
-        ("mikron-iiic", "100.0*"),
-        ("two", "-"),
-    ]
+    monkeypatch.setattr(rule_check, "solve_stresses", solved)
+    monkeypatch.setattr(
+        rule_check, "element_factors", lambda model: concentration_factors(dimensions(model.scene))
+    )
+    data = json.loads(printed(capsys, "fatigue", two, "--method", "m53", "--json", "--quiet"))
+    first, second = data["fatigue"]
+    balance = json.loads(printed(capsys, "loads", two, "--json"))["balance"]
+    assert [first["target"], second["target"]] == ["two, first web", "two, second web"]
+    assert first["throw_kg"] == second["throw_kg"] == pytest.approx(balance["throw_mass_kg"], rel=1e-12)
+    # Half throws of 57 and 63 mm: the nearer bearing takes more; levers from it to the middle of each web.
+    radial, moments = (
+        first["alternating"]["radial_N"],
+        [c["alternating"]["moment_Nm"] for c in data["fatigue"]],
+    )
+    levers_mm = 63 / 120 * (20.0 + 19.0 / 2), 57 / 120 * (20.0 + 25.0 / 2)
+    assert moments == pytest.approx([radial * lever / 1e3 for lever in levers_mm])
+    lines = printed(
+        capsys, "compare", two, "--baseline", "mikron-iiic", *COARSE, "--fatigue", "m53"
+    ).splitlines()
+    row = next(line for line in lines if line.startswith("two"))
+    worse = min(first["safety"], second["safety"])
+    assert re.split(r"  +", row)[-1].rstrip("*") == f"{worse:.3f}"
 
 
 def test_the_page_of_a_comparison_shows_both_webs(two: str) -> None:
@@ -136,3 +153,17 @@ def test_pair_writes_a_design(two: str, tmp_path: Path, capsys: pytest.CaptureFi
     out = printed(capsys, "designs", "pair", two, str(file), "--second", "mikron-iiic")
     assert out == f"{file}: cranktopo evaluate {file}\n"
     assert "whole_throw" not in printed(capsys, "plan", str(file))
+
+
+def test_a_point_of_a_sweep_shows_both_halves(two: str, tmp_path: Path) -> None:
+    """Each the partner of the other; what optimises one web is refused before the first point."""
+    scene = load_scene(two, whole=True)
+    found = run_stage("evaluate", scene, tmp_path, Fineness(24.0, None))
+    assert found["second_web_mass_kg"] == pytest.approx(throw_balance(scene).second_web_kg)
+    header, _ = unpacked(found["view"])
+    assert [body["partner"] for body in header["bodies"]] == [1, -1]
+    assert [body["half_pitch_mm"] for body in header["bodies"]] == [57.0, 63.0]
+    ends = [body["low_mm"][2] + body["size_mm"][2] for body in header["bodies"]]
+    assert ends == pytest.approx([57.0, 63.0], abs=1e-4)
+    with pytest.raises(CranktopoError, match="second_web: the halves of the throw differ"):
+        sweep_plan([two], [read_option("web.thickness_mm=17,19")], stage="shape")

@@ -46,7 +46,7 @@ def test_where_there_is_no_bound() -> None:
 
 
 def test_a_result_beyond_the_best_of_the_cells_says_so() -> None:
-    """The web is judged by another model than the bound: that the two disagree is told, not printed as gain."""
+    """The web is judged by another model than the bound: that the two disagree is told."""
     (line,) = bound_lines({"bound": {**BOUND, "reached_percent": 81.2}})
     assert line.startswith("mass -18.8 %: beyond -18.6 %, the best that cells of 3 mm can hold")
     (line,) = bound_lines({"bound": {"statements": [{**AT_MASS, "reached_percent": 120.3}]}})

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from cranktopo.effects import EffectPlan
@@ -27,6 +27,7 @@ class RuleRecord:
     """A finished check with everything that its dossier shows.
 
     Attributes:
+        checks: of the throw, or of each of its two different webs.
         effects: which of them the loads hold, torsional vibration among them.
         cases: load cases of the plan.
         loads: None without gas and inertia forces over the cycle.
@@ -37,7 +38,8 @@ class RuleRecord:
         written: when, ISO 8601.
     """
 
-    check: RuleCheck
+    name: str
+    checks: tuple[RuleCheck, ...]
     scene: Scene
     effects: EffectPlan
     cases: tuple[LoadCase, ...]
@@ -53,40 +55,56 @@ class RuleRecord:
 
 def rule_page(record: RuleRecord) -> Page:
     """The dossier as a page."""
-    check = record.check
+    checks = record.checks
     return Page(
-        title=f"Crankshaft {check.name} against IACS UR M53",
+        title=f"Crankshaft {record.name} against IACS UR M53",
         subtitle=f"Calculation of the crank throw, {record.written[:10]}",
-        headline=_headline(check),
-        facts=_facts(check),
+        headline=_headline(checks),
+        facts=tuple(fact for check in checks for fact in _facts(check, _of_web(check, checks))),
         sections=(
-            _acceptability(check),
+            *_each(checks, _acceptability),
             _input(record),
+            *_each(checks, _size),
             loads_section(record.loads, [case.as_json() for case in record.cases]),
             effects_section(record.effects.as_json()),
-            _nominal(check, record.history),
-            _factors(check),
-            _mesh(check),
+            *_each(checks, lambda check: _nominal(check, record.history)),
+            *_each(checks, _factors),
+            *_each(checks, _mesh),
             _assumptions(record),
             versions_section(record.versions),
         ),
     )
 
 
-def _headline(check: RuleCheck) -> str:
-    answer = "is accepted" if check.accepted else "is NOT accepted"
-    place = min(check.places, key=lambda name: check.places[name].acceptability)
+def _each(checks: Sequence[RuleCheck], section: Callable[[RuleCheck], Section]) -> Iterator[Section]:
+    """A section of each check, named after its web where there are two."""
+    for number, check in enumerate(checks):
+        found = section(check)
+        if number:
+            found = replace(found, anchor=f"{found.anchor}-{number + 1}")
+        yield replace(found, title=found.title + _of_web(check, checks))
+
+
+def _of_web(check: RuleCheck, checks: Sequence[RuleCheck]) -> str:
+    return "" if len(checks) == 1 else f", {check.name.rpartition(', ')[2]}"
+
+
+def _headline(checks: Sequence[RuleCheck]) -> str:
+    worst = min(checks, key=lambda check: check.safety)
+    answer = "is accepted" if worst.accepted else "is NOT accepted"
+    place = min(worst.places, key=lambda name: worst.places[name].acceptability)
     return (
-        f"The throw {answer}: least acceptability factor Q = {check.safety:.3f} at the {place}, "
-        f"{LEAST_FACTOR:g} asked, with concentration factors from finite elements."
+        f"The throw {answer}: least acceptability factor Q = {worst.safety:.3f} at the "
+        f"{place}{_of_web(worst, checks)}, {LEAST_FACTOR:g} asked, with concentration factors from finite "
+        "elements."
     )
 
 
-def _facts(check: RuleCheck) -> tuple[Fact, ...]:
+def _facts(check: RuleCheck, of_web: str) -> tuple[Fact, ...]:
     asked = f"at least {LEAST_FACTOR:g}"
     facts = [
         Fact(
-            f"Q at the {place}",
+            f"Q at the {place}{of_web}",
             f"{found.acceptability:.3f}",
             asked,
             "good" if found.accepted else "bad",
@@ -96,7 +114,7 @@ def _facts(check: RuleCheck) -> tuple[Fact, ...]:
     outside, within = len(check.outside), check.quality.within_rule
     facts.append(
         Fact(
-            "Ratios in the range of the polynomials",
+            f"Ratios in the range of the polynomials{of_web}",
             f"{len(ratios(check.size)) - outside} of {len(ratios(check.size))}",
             "; ".join(check.outside) or "closed forms are valid",
             "bad" if outside else "good",
@@ -105,7 +123,7 @@ def _facts(check: RuleCheck) -> tuple[Fact, ...]:
     mesh = "kept" if within else check.quality.shortfall
     return (
         *facts,
-        Fact("Mesh checks of Appendix III", "kept" if within else "missed", mesh, _status(within)),
+        Fact(f"Mesh checks of Appendix III{of_web}", "kept" if within else "missed", mesh, _status(within)),
     )
 
 
@@ -126,18 +144,25 @@ def _acceptability(check: RuleCheck) -> Section:
 
 
 def _input(record: RuleRecord) -> Section:
-    check, scene = record.check, record.scene
     drawings = () if record.drawing is None else (record.drawing,)
     return Section(
         "input",
         "Input data",
-        f"Design {check.name}, SHA-256 of the resolved scene {record.scene_sha256}.",
+        f"Design {record.name}, SHA-256 of the resolved scene {record.scene_sha256}.",
+        (("Material and factors", pairs(_material(record.scene))),),
+        drawings,
+    )
+
+
+def _size(check: RuleCheck) -> Section:
+    return Section(
+        "size",
+        "Dimensions by the rule",
+        "",
         (
             ("Throw in the symbols of the rule", tables.size_table(check.size)),
             ("Ratios, and where the polynomials are valid", tables.ratio_table(check.size)),
-            ("Material and factors", pairs(_material(scene))),
         ),
-        drawings,
     )
 
 

@@ -72,8 +72,8 @@ def statement_line(bound: Mapping[str, Any]) -> str:
     cell = bound["model"]["cell_mm"]
     if (reached - 100 - most) * (1 if quantity.better == "high" else -1) > 0:
         return (
-            f"{name} {reached - 100:+.1f} %{at}: beyond {most:+.1f} %, the best that cells of {cell:.3g} mm can "
-            "hold; what is left to gain is less than their error"
+            f"{name} {reached - 100:+.1f} %{at}: beyond {most:+.1f} %, the best that cells of {cell:.3g} mm "
+            "can hold; what is left to gain is less than their error"
         )
     return (
         f"{name} {reached - 100:+.1f} % of at most {most:+.1f} %{at}, which no web of the envelope can beat, "
