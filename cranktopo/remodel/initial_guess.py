@@ -59,7 +59,7 @@ def _extents(problem: FitProblem) -> Array:
 
 
 def _solid(problem: FitProblem) -> NDArray[np.bool_]:
-    """Cells that the body fills beside the counterweight, (nx, ny, nz)."""
+    """Cells that the body fills clear of the counterweight, whose rim cuts cells, (nx, ny, nz)."""
     cells = problem.target
     added = added_mm(problem.scene, (cells.x_mm, cells.y_mm, cells.z_mm))
-    return cells.solid if added is None else cells.solid & (added < 0)
+    return cells.solid if added is None else cells.solid & (added < -cells.cell_mm.max())

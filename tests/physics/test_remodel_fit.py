@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from cranktopo.cad.solid_files import surface_of
 from cranktopo.errors import CranktopoError
 from cranktopo.remodel.constraints import part_rules
 from cranktopo.remodel.family import Layout, web_of
@@ -22,13 +23,13 @@ from cranktopo.remodel.search import Fit, search
 from cranktopo.remodel.select import Candidate, fit_from, model_fill
 from cranktopo.remodel.shape_error import shape_error, surface_distance_mm
 from cranktopo.remodel.voxel_fill import voxel_fill
-from cranktopo.scene import Scene
+from cranktopo.scene import Scene, load_scene, scene_from_dict
 from cranktopo.scene.features import ProfileWeb
 from cranktopo.scene.features.bevel import FittedBevel
 from cranktopo.scene.features.box_pocket import FittedBox
 from cranktopo.scene.features.cylinder_pocket import FittedCylinder
 from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.triangles.surface_mesh import mesh_of
+from cranktopo.triangles.surface_mesh import mesh_of, solid_of
 from tests.unit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, recovered, values_of
 
 COARSE = ManufacturingLimits(cell_mm=2.0)
@@ -132,6 +133,21 @@ def test_the_outline_of_a_square_body_does_not_fold_back(
     web = scene_with_web(mikron, web_of(found.layout, found.values, mikron)).web
     assert web.outline == "profile"
     assert web.flank.derivatives(np.linspace(0, 1, 501))[0][..., 1].min() > -1e-9
+
+
+@pytest.mark.parametrize("fillet", [{}, {"fillet_mm": 8.0}], ids=["sharp", "rounded"])
+def test_an_outline_is_found_beside_a_counterweight(fillet: dict[str, float]) -> None:
+    """The rim of the sector cuts cells, which are not taken for the lower end of the outline."""
+    data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True)
+    data["web"]["counterweight"] |= fillet
+    scene = scene_from_dict(data)
+    problem = fit_problem(solid_of(surface_of(scene, "half")), scene, ManufacturingLimits(), 2.0)
+    guess = outline_guess(problem, 7)
+    assert -40.0 < guess[0] < -28.0  # its own end, at -35, is inside the sector
+    assert guess[1] == pytest.approx(79.0, abs=2.0)
+    found = fit_from(problem, Layout(7), guess, "outline")
+    assert found is not None
+    assert found.overlap > 0.97
 
 
 def test_pockets_keep_a_wall_between_each_other(mikron: Scene) -> None:
