@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -150,9 +150,7 @@ def _cycle(
     nodes = (residual.shape[2], residual.shape[3], residual.shape[4])
     step = hierarchy.steps[level] * interior_mask(supports, nodes, residual.dtype)
 
-    # Coarse levels cost little: smoothing them more saves a third of the cycles.
-    halved = level < 2 and math.prod(hierarchy.steps[0].shape[1:]) > _LARGE_NODES
-    count = degree * (level + 1) // (2 if halved else 1)
+    count = smoothing_steps(degree, level, math.prod(hierarchy.steps[0].shape[1:]))
 
     def sweep(index: jax.Array, state: _Smoothing) -> _Smoothing:
         field, residual, correction = state
@@ -170,6 +168,13 @@ def _cycle(
     first = 4 / 3 * step * residual
     field, _, last = jax.lax.fori_loop(0, 2 * count, sweep, (jnp.zeros_like(first), residual, first))
     return field + last
+
+
+def smoothing_steps(degree: jax.Array | int, level: int, nodes: int) -> Any:
+    """Smoothing steps before and after the coarse correction of a level; nodes are those of the finest."""
+    # Coarse levels cost little: smoothing them more saves a third of the cycles.
+    halved = level < 2 and nodes > _LARGE_NODES
+    return degree * (level + 1) // (2 if halved else 1)
 
 
 def _coarser_nodes(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Cells:

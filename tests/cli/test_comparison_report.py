@@ -45,6 +45,7 @@ def _without_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cranktopo.pipeline.compare.bounds_beside", lambda *_: None)
 
 
+@pytest.mark.slow
 def test_what_no_web_can_beat(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the leading web at its mass, as a curve in the plots; not asked for where it is switched off."""
     asked: list[dict[str, float]] = []

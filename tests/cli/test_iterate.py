@@ -203,6 +203,7 @@ def test_interrupted_loop_goes_on_where_it_was(
         assert {**one, "seconds": 0} == {**other, "seconds": 0}
 
 
+@pytest.mark.slow
 def test_a_lost_step_keeps_the_earlier_ones_and_says_which_is_best(
     quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:

@@ -298,6 +298,7 @@ def test_the_evaluation_takes_the_run(
         assert 0.85 < ratio < 1.02, name
 
 
+@pytest.mark.slow
 def test_a_solver_fallback_is_announced(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -139,6 +139,7 @@ def test_limits_that_no_web_meets_name_what_the_nearest_reaches(
         assert 0.3 * required < float(reached[1]) < 3 * required
 
 
+@pytest.mark.slow
 def test_an_envelope_that_holds_no_web_names_the_rule(mikron: Scene) -> None:
     """Narrower than the shoulders beside the fillets."""
     data = mikron.model_dump(mode="json", exclude_none=True)

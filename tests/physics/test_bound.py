@@ -134,6 +134,7 @@ def test_what_no_web_reaches_is_refuted(mikron: Scene, model: BoundModel) -> Non
     assert found(mikron, model, ("torsion >= 400 %",), minimise="mass").value is None
 
 
+@pytest.mark.slow
 def test_a_die_leaves_less(mikron: Scene, lightest: Bound) -> None:
     scene = forged(mikron)
     with double_precision():

@@ -99,6 +99,7 @@ def test_gradients_by_each_dimension_are_those_of_differences(case: Case) -> Non
             assert found.slopes[name][i] == exact, f"{name} by {case.layout.names[i]}"
 
 
+@pytest.mark.slow
 def test_a_mesh_there_and_a_mesh_here_tell_the_same_change(case: Case) -> None:
     """Each moved to the other's dimensions: their own scatter cancels. Masses are exact on a new mesh."""
     changed = case.values.copy()

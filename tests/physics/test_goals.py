@@ -82,6 +82,7 @@ def test_least_mass(mikron: Scene, domain: Domain) -> None:
 LENGTHS = {"min_member_mm": 12.0, "min_gap_mm": 12.0}
 
 
+@pytest.mark.slow
 def test_limits_hold_for_the_web_as_made(mikron: Scene, domain: Domain) -> None:
     """With least lengths the eroded design gives the slopes; it is softer, and no limit is its."""
     scene = asked(mikron, {"minimise": "mass"}, **LENGTHS)
@@ -187,6 +188,7 @@ def test_limits_that_exclude_each_other_end_the_run(mikron: Scene, domain: Domai
     assert "bending >= 115 %: reached" in state.reason
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_bit_for_bit(mikron: Scene, domain: Domain) -> None:
     """Asymptotes and adjoint solutions are state: a checkpoint in the middle leads to the same design.
 
@@ -206,6 +208,7 @@ def test_a_run_goes_on_bit_for_bit(mikron: Scene, domain: Domain) -> None:
     assert "adjoint_3" in resumed.memory
 
 
+@pytest.mark.slow
 def test_a_load_case_a_response_and_a_limit_of_ones_own(mikron: Scene, domain: Domain) -> None:
     scene = asked(mikron, projection_first=4.0)  # fewer stages: the way to the result is not the subject
     # The lines that the page on extending shows.

@@ -78,6 +78,7 @@ def slope(value: Callable[[jax.Array], Any], x: jax.Array, direction: jax.Array,
     return (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step)
 
 
+@pytest.mark.slow
 def test_responses_by_density(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
     """All of the same displacements, each with an adjoint solve of its own."""
     model, chain, x = setting

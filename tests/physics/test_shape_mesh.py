@@ -160,6 +160,7 @@ def test_gradients_by_each_parameter_are_those_of_the_moved_mesh(case: Case) -> 
             assert case.found.slopes[quantity][i] == exact, f"{quantity} by {name}"
 
 
+@pytest.mark.slow
 def test_a_moved_mesh_tells_the_change_that_a_new_mesh_tells(case: Case) -> None:
     """Meshes graded for stiffness scatter by 0.1 % at this size; masses are exact on them."""
     change = 0.3 * directions(case, 1)[0]

@@ -54,7 +54,7 @@ SPRINGS = {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": 
     [
         (SPRINGS, ("quarter", "half")),
         (FREE, ("quarter", "half")),
-        (SPRINGS, ("half", "full")),
+        pytest.param(SPRINGS, ("half", "full"), marks=pytest.mark.slow),
         pytest.param(FREE, ("half", "full"), marks=pytest.mark.slow),
     ],
 )

@@ -32,6 +32,7 @@ def test_step_keeps_the_volume(part: SolidPart, mikron: Scene, tmp_path: Path) -
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
+@pytest.mark.slow
 def test_throws_of_a_shaft_are_turned_in_the_sense_of_rotation(mikron: Scene) -> None:
     """In line, three cylinders, firing 1-2-3: throw 2 fires next but one third of two turns later.
 

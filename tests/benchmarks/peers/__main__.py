@@ -4,12 +4,15 @@ The peers run in an environment of their own (`--environment`, made on the first
 `requirements.txt` beside this file), every code in its own process, one after the other: same grid, load,
 volume fraction 0.3, filter of 1.5 cells, move 0.2, optimality criteria, number of iterations. Seconds are the
 medians of the design iterations after the first. The last design of every code is assessed by one solver.
+Grids of `--own-grids` are cranktopo's alone. `--plot FILE` draws seconds and peak memory over the cells, with
+the least seconds that cranktopo's products with the stiffness would take at the bandwidth of a copy.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import resource
 import statistics
 import subprocess
@@ -22,8 +25,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.fem.equilibrium import METHODS
+from cranktopo.fem.model import ThrowModel
+from cranktopo.fem.multigrid import smoothing_steps
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve
+from tests.benchmarks.peers.picture import save_picture
+from tests.benchmarks.solver import ideal_ns, stream_GB_s
 from tests.studies.cantilever import TOLERANCE, cantilever, optimise, physical
 
 GRIDS = ("48x24x24", "96x48x48")
@@ -44,17 +52,21 @@ def main() -> None:
     print("| cells | code | s per iteration | to cranktopo | peak MiB | volume fraction | compliance |")
     print("|" + "---|" * 7, flush=True)
     rows: list[Row] = []
-    for grid in options.grids or GRIDS:
+    shared = options.grids or GRIDS
+    for grid in (*shared, *options.own_grids):
         own = [sys.executable, "-m", "tests.benchmarks.peers", grid, "--iterations", str(options.iterations)]
         cells = [str(n) for n in _cells(grid)]
         commands = {"cranktopo": [*own, "--own"]}
-        for code, script in PEERS.items():
+        for code, script in PEERS.items() if grid in shared else ():
             commands[code] = [str(python), str(HERE / script), *cells, str(options.iterations)]
         for code, command in commands.items():
-            rows.append({"grid": grid, "code": code} | _run(command, _cells(grid), options.limit_s))
+            size = {"grid": grid, "cells": math.prod(_cells(grid)), "code": code}
+            rows.append(size | _run(command, _cells(grid), options.limit_s))
             _print_row(rows[-1], next(r for r in rows if r["grid"] == grid))
     if options.json:
         Path(options.json).write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    if options.plot:
+        save_picture(rows, Path(options.plot))
 
 
 def own_run(cells: Cells, iterations: int, density_file: str) -> Row:
@@ -65,7 +77,15 @@ def own_run(cells: Cells, iterations: int, density_file: str) -> Row:
         density = np.asarray(physical(chain, x))
     np.save(density_file, density.transpose(2, 0, 1))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    return {"seconds": [r.seconds for r in rows], "peak_MiB": peak}
+    steps = statistics.median(row.cg for row in rows[1:])
+    limit_s = steps * _least_step_s(model, METHODS[0].degree)
+    return {"seconds": [r.seconds for r in rows], "peak_MiB": peak, "limit_s": limit_s}
+
+
+def _least_step_s(model: ThrowModel, degree: int) -> float:
+    """Least seconds of a step's products with the stiffness of the finest grid, at a copy's bandwidth."""
+    products = 1 + 2 * smoothing_steps(degree, 0, math.prod(model.forces.shape[2:]))
+    return products * 1e-9 * ideal_ns(model, 4, stream_GB_s()) * model.forces.size
 
 
 def compliance(density: NDArray[np.float64], cells: Cells) -> float:
@@ -91,9 +111,10 @@ def _run(command: list[str], cells: Cells, limit_s: float) -> Row:
             return {"failure": f"exit {done.returncode}: {last[:80]}"}
         found: Row = json.loads(done.stdout.splitlines()[-1])
         density = np.load(file)
+    seconds = found.pop("seconds")
     return {
-        "iteration_s": statistics.median(found["seconds"][1:]),
-        "peak_MiB": found["peak_MiB"],
+        "iteration_s": statistics.median(seconds[1:]),
+        **found,
         "volume_fraction": float(density.mean()),
         "compliance": compliance(density, cells),
     }
@@ -131,7 +152,9 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--iterations", type=int, default=6)
     parser.add_argument("--environment", default=".venv-peers", help="folder of the peers' environment")
     parser.add_argument("--limit-s", type=float, default=1200.0, help="longest time of one code on one grid")
+    parser.add_argument("--own-grids", nargs="*", default=[], help="grids of cranktopo alone")
     parser.add_argument("--json", metavar="FILE")
+    parser.add_argument("--plot", metavar="FILE", help="picture, .svg or .png")
     parser.add_argument("--own", metavar="FILE", help=argparse.SUPPRESS)
     return parser.parse_args()
 
