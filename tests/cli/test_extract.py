@@ -35,6 +35,7 @@ def extract(capsys: Capture, *arguments: str) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 def test_the_last_design_is_the_run_s_surface_bit_for_bit(run: Path, capsys: Capture) -> None:
     found = extract(capsys, str(run))
     path = Path(found["files"]["stl"])

@@ -173,6 +173,7 @@ def page_holds(data: dict[str, Any], text: str) -> None:
     assert f"{change:+.1f} %" in text
 
 
+@pytest.mark.slow
 def test_interrupted_loop_goes_on_where_it_was(
     whole: Whole, quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:

@@ -174,6 +174,7 @@ def same(run: Path, other: Path) -> bool:
     )
 
 
+@pytest.mark.slow
 def test_stopped_run_continues_to_the_same_result(short: Path, tmp_path: Path) -> None:
     out = tmp_path / "stopped"
     arguments = ["--volume-fraction", "0.3", *COARSE, "--out", str(out), "--max-iterations", "9"]
@@ -285,6 +286,7 @@ def test_damaged_checkpoint_says_so(run: Path, tmp_path: Path, capsys: pytest.Ca
     assert "corrupted" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_evaluation_takes_the_run(
     run: Path, metrics: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:

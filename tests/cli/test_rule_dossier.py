@@ -82,7 +82,9 @@ def test_the_dossier_of_two_webs_has_both(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("no_solve")
-@pytest.mark.parametrize("source", ["", "rolled, tests of the forge 12/2025"])
+@pytest.mark.parametrize(
+    "source", [pytest.param("", marks=pytest.mark.slow), "rolled, tests of the forge 12/2025"]
+)
 def test_a_factor_of_the_surface_treatment_is_told_with_its_source(
     source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

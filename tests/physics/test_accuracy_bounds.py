@@ -44,7 +44,8 @@ def test_the_evaluations_bounds_on_a_coarse_mesh() -> None:
         assert bound / 3 < error < bound, pairs
 
 
-@pytest.mark.parametrize("cell_mm", [4.0, pytest.param(2.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("cell_mm", [4.0, 2.0])
 def test_the_optimisers_bound_on_the_mikron(float64: None, cell_mm: float) -> None:
     """Against the reference of another program; the bound is no more than three times the error."""
     scene = load_scene("mikron-iiic")

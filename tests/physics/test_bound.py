@@ -102,6 +102,7 @@ def test_a_bad_proof_is_a_proof(planes: tuple[Plane, Plane], lightest: Bound) ->
     assert 0 < bad < 0.98 * good
 
 
+@pytest.mark.slow
 def test_stiffness_at_a_mass_and_per_mass(mikron: Scene, model: BoundModel, made: list[Array]) -> None:
     torsion = found(mikron, model, ("bending none", "mass <= 100 %"), maximise="torsion")
     per_mass = found(mikron, model, maximise="torsion_per_mass")

@@ -135,7 +135,9 @@ def test_the_outline_of_a_square_body_does_not_fold_back(
     assert web.flank.derivatives(np.linspace(0, 1, 501))[0][..., 1].min() > -1e-9
 
 
-@pytest.mark.parametrize("fillet", [{}, {"fillet_mm": 8.0}], ids=["sharp", "rounded"])
+@pytest.mark.parametrize(
+    "fillet", [pytest.param({}, marks=pytest.mark.slow), {"fillet_mm": 8.0}], ids=["sharp", "rounded"]
+)
 def test_an_outline_is_found_beside_a_counterweight(fillet: dict[str, float]) -> None:
     """The rim of the sector cuts cells, which are not taken for the lower end of the outline."""
     data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True)
@@ -272,6 +274,7 @@ def test_distance_of_a_ball_from_itself_shifted() -> None:
     assert largest == pytest.approx(1.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_shape_error_of_a_web_against_itself_is_its_facets(mikron: Scene, body: Manifold) -> None:
     same = shape_error(known_scene(mikron, MORE), mesh_of(body))
     assert same.web_iou == pytest.approx(1.0, abs=5e-4)

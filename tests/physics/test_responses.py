@@ -147,6 +147,7 @@ def differences(
     return np.asarray((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step))
 
 
+@pytest.mark.slow
 def test_jit_and_grad_work_around_a_response(setting: tuple[ThrowModel, Interpolation]) -> None:
     model, chain = setting
     design, known = solved(model, chain, lopsided(chain)), responses(model, chain)

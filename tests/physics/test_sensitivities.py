@@ -55,7 +55,8 @@ def test_mass_is_that_of_the_exact_solid(found: tuple[Dimension, ...], name: str
     )
 
 
-@pytest.mark.parametrize("name", ["half_width_3", pytest.param("groove.floor", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["half_width_3", "groove.floor"])
 def test_stiffness_is_that_of_new_meshes(found: tuple[Dimension, ...], name: str) -> None:
     """Evaluations of webs 1.5 mm apart on each side, on new meshes that scatter by some 0.2 %."""
     (row,) = [row for row in found if row.name == name]

@@ -38,7 +38,9 @@ class Case:
     found: MeshResponses
 
 
-@pytest.fixture(scope="module", params=WEBS)
+@pytest.fixture(
+    scope="module", params=["every-feature", pytest.param("solid-journals", marks=pytest.mark.slow)]
+)
 def case(request: pytest.FixtureRequest) -> Case:
     scene, layout, values = WEBS[request.param]()
     model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET)

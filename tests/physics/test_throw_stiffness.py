@@ -52,8 +52,8 @@ SPRINGS = {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": 
 @pytest.mark.parametrize(
     ("supports", "extents"),
     [
-        (SPRINGS, ("quarter", "half")),
-        (FREE, ("quarter", "half")),
+        pytest.param(SPRINGS, ("quarter", "half"), marks=pytest.mark.slow),
+        pytest.param(FREE, ("quarter", "half"), marks=pytest.mark.slow),
         pytest.param(SPRINGS, ("half", "full"), marks=pytest.mark.slow),
         pytest.param(FREE, ("half", "full"), marks=pytest.mark.slow),
     ],

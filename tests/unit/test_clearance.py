@@ -88,6 +88,7 @@ def test_rooms_are_told(clear: Scene) -> None:
     assert told in loads_text(loads)
 
 
+@pytest.mark.slow
 def test_the_page_tells_the_room(clear: Scene) -> None:
     """Silhouettes of surfaces against the closed form of outline and counterweight."""
     smaller = weighted(clear, {**PLAIN, "outer_radius_mm": 55.0})

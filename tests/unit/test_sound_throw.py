@@ -50,7 +50,13 @@ def farthest_mm(grid: DensityGrid, surface: WebSurface) -> float:
     return float(iso_surface_distances_mm(cutter, field, usual.iso_value, surface.web).max())
 
 
-@pytest.mark.parametrize("way", [way for way in WAYS if not way.spared], ids=lambda way: way.name)
+@pytest.mark.parametrize(
+    "way",
+    [
+        pytest.param(way, id=way.name, marks=pytest.mark.slow if number % 2 else ())
+        for number, way in enumerate(way for way in WAYS if not way.spared)
+    ],
+)
 def test_every_way_keeps_volume_and_place(
     way: Way, grid: DensityGrid, faults: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

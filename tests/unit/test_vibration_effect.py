@@ -175,6 +175,7 @@ def test_a_resonance_turns_the_verdict_and_a_damper_turns_it_back() -> None:
         assert acceptability(turning({**PROPELLER, "damper": damper})) > LEAST_FACTOR
 
 
+@pytest.mark.slow
 def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyPatch) -> None:
     """Asked for where the vibration is on and the design does not give it, and nowhere else."""
     asked: list[str] = []
