@@ -1,4 +1,4 @@
-"""Two rods on a pin: what each web feels by the lever rule, against the whole throw loaded on one half of its pin.
+"""Two rods on a pin: each web by the lever rule, against the whole throw loaded on one half of its pin.
 
 The half model under the share of the bearing beside the web leaves out that the pin is not loaded alike on
 both sides of its middle. Here the whole throw has it.
