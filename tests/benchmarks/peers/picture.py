@@ -33,10 +33,10 @@ def save_picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
     (limit,) = seconds.plot(cells, least, "--", color="grey")
     seconds.annotate(
         _LIMIT,
-        limit.get_xydata()[-1],
-        (0, -16),
+        limit.get_xydata()[0],
+        (14, 0),
         textcoords="offset points",
-        ha="right",
+        ha="left",
         va="top",
         color="grey",
         fontsize=8,
