@@ -73,7 +73,12 @@ def outlet_equivalent_MPa(bending_MPa: float, torsion_MPa: float) -> float:
 
 
 def check_outlets(
-    scene: Scene, kind: HistoryKind, enabled: frozenset[str], torque_Nmm: float, share: float = 0.5
+    scene: Scene,
+    kind: HistoryKind,
+    enabled: frozenset[str],
+    torque_Nmm: float,
+    half: Scene | None = None,
+    share: float = 0.5,
 ) -> tuple[OutletCheck, ...]:
     """Every outlet of an oil drilling on the crankpin; none where the scene has no drilling.
 
@@ -81,23 +86,23 @@ def check_outlets(
         kind: the whole cycle, or its extremes joined, which bounds it.
         enabled: effects that are on; the tangential force always bends the pin here.
         torque_Nmm: alternating torque.
+        half: the throw of two webs as on this side, where they differ; its drillings are checked.
         share: of the force on the pin that the bearing on this side takes.
 
     Raises:
         CranktopoError: the scene does not tell the loads.
     """
+    half = half or scene
     outlets = [
         (channel, mouth)
-        for channel in channels(scene)
+        for channel in channels(half)
         for mouth in channel.mouths
         if mouth.journal == "crankpin" and not mouth.in_bore
     ]
     if not outlets:
         return ()
     history = load_history(scene, kind, enabled | {"tangential"})
-    return tuple(
-        _check(scene, share, channel, mouth, kind, history, torque_Nmm) for channel, mouth in outlets
-    )
+    return tuple(_check(half, share, channel, mouth, kind, history, torque_Nmm) for channel, mouth in outlets)
 
 
 def _check(

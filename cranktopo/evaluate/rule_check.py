@@ -131,12 +131,13 @@ def check_rule(
     """
     near, far = halves(target.scene)
     if near is far:
-        return (_check(target, target.scene, 0.5, kind, fillet_fraction, progress),)
+        return (_check(target, target.scene, target.scene, 0.5, kind, fillet_fraction, progress),)
     long = near.pitch_mm + far.pitch_mm
     sides = (("first", near, far.pitch_mm / long), ("second", far, near.pitch_mm / long))
     found = [
         _check(
             replace(target, name=f"{target.name}, {web} web", scene=drilled_alike(half)),
+            target.scene,
             half,
             share,
             kind,
@@ -151,6 +152,7 @@ def check_rule(
 
 def _check(
     target: Target,
+    throw: Scene,
     half: Scene,
     share: float,
     kind: HistoryKind,
@@ -160,13 +162,14 @@ def _check(
     """Check one web.
 
     Args:
+        throw: tells the loads.
         half: the throw of two such webs, with every drilling of this half; the target may lack some.
         share: of the radial force that the bearing beside this web takes.
     """
     scene = target.scene
     check_method(scene, "m53")
-    enabled = load_kinds(scene, kind)[0]
-    history = load_history(scene, kind, enabled)
+    enabled = load_kinds(throw, kind)[0]
+    history = load_history(throw, kind, enabled)
     force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
     size = dimensions(scene)
     moment = force * share * web_lever_mm(scene)
@@ -186,7 +189,7 @@ def _check(
         _checks(scene, size, closed, nominal),
         _checks(scene, size, elements, nominal),
         model.quality,
-        check_outlets(half, kind, enabled, torque * NMM_PER_NM, share),
+        check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
     )
 
 

@@ -69,15 +69,15 @@ class FatigueAssessment:
         assert self.baseline is not None
         if self.fields:
             return compare_fatigue(self.fields, self.baseline, self.as_json())
-        worse = self._worse_webs
-        named = [check.name for check in worse].index(self.checks[self.baseline].name)
-        return compare_fatigue(worse, named, self.as_json())
+        worse, base = self._worse_webs, self.checks[self.baseline]
+        index = next(number for number, check in enumerate(worse) if check is base)
+        return compare_fatigue(worse, index, self.as_json())
 
     @property
     def _worse_webs(self) -> tuple[RuleCheck, ...]:
-        worse: dict[str, RuleCheck] = {}
-        for target, check in zip(self.targets, self.checks, strict=True):
-            worse[target.name] = min(worse.get(target.name, check), check, key=lambda one: one.safety)
+        worse: dict[int, RuleCheck] = {}
+        for target, check in zip(map(id, self.targets), self.checks, strict=True):
+            worse[target] = min(worse.get(target, check), check, key=lambda one: one.safety)
         return tuple(worse.values())
 
 

@@ -56,7 +56,7 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
     Raises:
         CranktopoError: as `check_dossier`.
     """
-    check_dossier(found.method, len({target.name for target in found.targets}), path)
+    check_dossier(found.method, len({id(target) for target in found.targets}), path)
     target, scene = found.targets[0], found.targets[0].scene
     effects = plan(scene)
     record = RuleRecord(

@@ -129,7 +129,7 @@
   // Bodies ready to draw, each with the half beyond the crankpin: itself, or its partner where halves differ.
   function allBuffers(packed, arrays) {
     const ready = packed.map((body) => bodyBuffers(body, arrays));
-    ready.forEach((body, i) => (body.beyond = ready[i + body.partner]));
+    ready.forEach((body, i) => (body.beyond = ready[i + (body.partner ?? 0)])); // pages of older sweeps name none
     return ready;
   }
 
