@@ -88,7 +88,7 @@ def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> No
             assert (spot ^ body).area() == 0.0, (axes.get_title(loc="left"), middle)
 
 
-@pytest.mark.parametrize("ending", [".svg", ".pdf", ".png"])
+@pytest.mark.parametrize("ending", [pytest.param(".svg", marks=pytest.mark.slow), ".pdf", ".png"])
 def test_export_writes_it(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / f"drawing{ending}"
     assert main(["export", "mikron-iiic", str(path)]) == 0

@@ -103,6 +103,7 @@ def test_a_body_elsewhere_is_refused(body_of: Callable[..., Path], mikron: Scene
         check_original(naming(mikron, body_of(mikron.model_copy(update={"throw": throw}))))
 
 
+@pytest.mark.slow
 def test_a_lopsided_body_needs_both_sides(body_of: Callable[..., Path], mikron: Scene) -> None:
     path = body_of(mikron_with(2.5, pocket=[LOPSIDED]))
     with pytest.raises(CranktopoError, match=r"original\.file.*the side x >= 0 only"):

@@ -47,6 +47,7 @@ def test_loads(float64: None, factor: float) -> None:
     assert np.abs(scaled / factor - reference).max() < 1e-9 * np.abs(reference).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("void", [1e-3, 1e-9])
 def test_precision_of_the_cycle(float64: None, void: float) -> None:
     """float32 inside costs no accuracy, and no cycles."""

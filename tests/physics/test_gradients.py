@@ -132,6 +132,7 @@ def test_compliance_of_a_forged_web(float64: None, mikron: Scene) -> None:
     assert float(jnp.sum(by_x * direction)) == pytest.approx(slope(work, x, direction), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_compliance_under_the_body_force(float64: None, mikron: Scene) -> None:
     """The density changes stiffness and centrifugal load alike."""
     domain = build_domain(mikron, CELL_MM)

@@ -38,6 +38,7 @@ def solved(mesh: TetMesh, scene: Scene) -> tuple[Elasticity, Condensed, Condense
     return model, twist, condense(model, scene, "symmetric", "even" if mesh.mirrored else "none")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pocket", [[], [HOLE]], ids=["symmetric", "lopsided"])
 def test_what_straight_elements_add(pocket: list[dict[str, object]]) -> None:
     scene = mikron_with(fillet_mm=2.5, pocket=pocket)

@@ -73,7 +73,8 @@ def along_a_wall(cells: float) -> tuple[Array, Array]:
     return filtered, within
 
 
-@pytest.mark.parametrize("eroded", [0.6, pytest.param(0.75, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("eroded", [0.6, 0.75])
 def test_a_wall_thins_no_member_that_lies_along_it(float64: None, eroded: float) -> None:
     """A plate on the wall whose eroded design just vanishes; without the void beyond it is half as thick."""
 

@@ -54,6 +54,7 @@ def made(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> Interp
     return chain_of(mikron, **PROCESSES[request.param])[1]
 
 
+@pytest.mark.slow
 def test_a_full_design_stays_full(made: Interpolation) -> None:
     free = np.asarray(made.design) > 0
     np.testing.assert_allclose(

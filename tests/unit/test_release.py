@@ -56,6 +56,7 @@ def pocket(x: Array, y: Array, z: Array) -> Array:
     return np.minimum(11.0 + SLOPE * (z - floor) - np.hypot(x - 22.0, y - 24.0), z - floor)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [FACES, FACES | {"process": "cast"}, {"process": "milled"}])
 def test_a_shallow_pocket_stays_open(settings: dict[str, Any]) -> None:
     """Its depth is less than the three cells by which the field goes on beyond the face."""

@@ -227,6 +227,7 @@ def test_full_density_fills_the_exact_envelope(envelope: dict[str, Any], area_mm
     assert _extract_full(scene, exact).volume_mm3 == pytest.approx(exact, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_sides_of_the_envelope_are_met_squarely() -> None:
     # A bar that runs into the envelope's side wall: its section at the wall is that of its inside.
     scene = scene_with(envelope__half_width_mm=36.0)

@@ -62,6 +62,7 @@ def computed(scene: Scene) -> float:
     return float(swings[0] / swings[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shaft", "name", "engine"),
     [
