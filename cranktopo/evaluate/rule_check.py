@@ -59,6 +59,7 @@ class RuleCheck:
         size: the throw in the symbols of the rule, mm.
         outside: dimensions outside the validity of the rule's polynomials.
         closed, elements: concentration factors by polynomial and by finite elements.
+        web: which one of two that differ; empty where they are alike.
         closed_checks, element_checks: pin and journal fillet with either set of factors.
     """
 
@@ -74,6 +75,7 @@ class RuleCheck:
     element_checks: dict[str, FilletCheck]
     quality: Quality
     outlets: tuple[OutletCheck, ...] = ()
+    web: str = ""
 
     @property
     def places(self) -> dict[str, FilletCheck]:
@@ -130,43 +132,33 @@ def check_rule(
         CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.
     """
     near, far = halves(target.scene)
+    share = far.pitch_mm / (near.pitch_mm + far.pitch_mm)
+    sides = [("first web", near, share), ("second web", far, 1 - share)]
     if near is far:
-        return (_check(target, target.scene, target.scene, 0.5, kind, fillet_fraction, progress),)
-    long = near.pitch_mm + far.pitch_mm
-    sides = (("first", near, far.pitch_mm / long), ("second", far, near.pitch_mm / long))
-    found = [
-        _check(
-            replace(target, name=f"{target.name}, {web} web", scene=drilled_alike(half)),
-            target.scene,
-            half,
-            share,
-            kind,
-            fillet_fraction,
-            progress,
-        )
-        for web, half, share in sides
-    ]
-    throw_kg = sum(check.throw_kg for check in found) / 2
+        sides = [("", near, 0.5)]
+    found = [_check(target, *side, kind, fillet_fraction, progress) for side in sides]
+    throw_kg = sum(check.throw_kg for check in found) / len(found)
     return tuple(replace(check, throw_kg=throw_kg) for check in found)
 
 
 def _check(
     target: Target,
-    throw: Scene,
+    web: str,
     half: Scene,
     share: float,
     kind: HistoryKind,
     fillet_fraction: float,
     progress: Info,
 ) -> RuleCheck:
-    """Check one web.
+    """Check one web, under the loads of the target's throw.
 
     Args:
-        throw: tells the loads.
-        half: the throw of two such webs, with every drilling of this half; the target may lack some.
+        half: the throw of two such webs, with every drilling of this half.
         share: of the radial force that the bearing beside this web takes.
     """
-    scene = target.scene
+    throw, scene = target.scene, drilled_alike(half)
+    name = f"{target.name}, {web}" if web else target.name
+    target = replace(target, name=name, scene=scene)
     check_method(scene, "m53")
     enabled = load_kinds(throw, kind)[0]
     history = load_history(throw, kind, enabled)
@@ -190,6 +182,7 @@ def _check(
         _checks(scene, size, elements, nominal),
         model.quality,
         check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
+        web,
     )
 
 

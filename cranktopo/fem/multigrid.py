@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -30,6 +30,7 @@ from cranktopo.fem.lattice import Array, Cells, Lattice, layer_blocks, layer_sti
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.fem.precision import Precision
 
+_Count = TypeVar("_Count", int, jax.Array)
 _Smoothing = tuple[jax.Array, jax.Array, jax.Array]
 
 # On grids that do not stay in the cache the two finest levels take nearly all time. With half the smoothing
@@ -170,7 +171,7 @@ def _cycle(
     return field + last
 
 
-def smoothing_steps(degree: jax.Array | int, level: int, nodes: int) -> Any:
+def smoothing_steps(degree: _Count, level: int, nodes: int) -> _Count:
     """Smoothing steps before and after the coarse correction of a level; nodes are those of the finest."""
     # Coarse levels cost little: smoothing them more saves a third of the cycles.
     halved = level < 2 and nodes > _LARGE_NODES

@@ -24,7 +24,7 @@ def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
     if difference(target.scene):
         sides = zip(("first", "second"), halves(target.scene), strict=True)
         return tuple(
-            checked(replace(target, name=f"{target.name}, {web} web", scene=half))[0] for web, half in sides
+            replace(checked(replace(target, scene=half))[0], web=f"{web} web") for web, half in sides
         )
     size = dimensions(target.scene)
     factors = concentration_factors(size)

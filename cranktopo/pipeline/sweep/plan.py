@@ -126,8 +126,7 @@ def sweep_plan(
     """
     if not designs:
         raise invalid("scenes", list(designs), "at least one is needed", "Name a design.")
-    for design in designs:
-        load_scene(design, whole=True)
+    scenes = [load_scene(design, whole=True) for design in designs]
     fixed, varied = varied_limits(limits)
     plan = SweepPlan(
         tuple(designs),
@@ -143,8 +142,8 @@ def sweep_plan(
     )
     _check(plan)
     if set(plan.stages) & set(OPTIMISED):
-        for design, tables in zip(plan.designs, plan.tables, strict=True):
-            require_equal_halves(scene_from_dict(tables, design, whole=True))
+        for scene in scenes:
+            require_equal_halves(scene)
     if (minimise or maximise or limits) and not set(plan.stages) & set(OPTIMISED):
         raise _misused(
             f"stage {plan.stage} has no goal",

@@ -60,7 +60,7 @@ def rule_page(record: RuleRecord) -> Page:
         title=f"Crankshaft {record.name} against IACS UR M53",
         subtitle=f"Calculation of the crank throw, {record.written[:10]}",
         headline=_headline(checks),
-        facts=tuple(fact for check in checks for fact in _facts(check, _of_web(check, checks))),
+        facts=tuple(fact for check in checks for fact in _facts(check)),
         sections=(
             *_each(checks, _acceptability),
             _input(record),
@@ -82,11 +82,11 @@ def _each(checks: Sequence[RuleCheck], section: Callable[[RuleCheck], Section]) 
         found = section(check)
         if number:
             found = replace(found, anchor=f"{found.anchor}-{number + 1}")
-        yield replace(found, title=found.title + _of_web(check, checks))
+        yield replace(found, title=found.title + _of_web(check))
 
 
-def _of_web(check: RuleCheck, checks: Sequence[RuleCheck]) -> str:
-    return "" if len(checks) == 1 else f", {check.name.rpartition(', ')[2]}"
+def _of_web(check: RuleCheck) -> str:
+    return f", {check.web}" if check.web else ""
 
 
 def _headline(checks: Sequence[RuleCheck]) -> str:
@@ -95,13 +95,13 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
     place = min(worst.places, key=lambda name: worst.places[name].acceptability)
     return (
         f"The throw {answer}: least acceptability factor Q = {worst.safety:.3f} at the "
-        f"{place}{_of_web(worst, checks)}, {LEAST_FACTOR:g} asked, with concentration factors from finite "
+        f"{place}{_of_web(worst)}, {LEAST_FACTOR:g} asked, with concentration factors from finite "
         "elements."
     )
 
 
-def _facts(check: RuleCheck, of_web: str) -> tuple[Fact, ...]:
-    asked = f"at least {LEAST_FACTOR:g}"
+def _facts(check: RuleCheck) -> tuple[Fact, ...]:
+    asked, of_web = f"at least {LEAST_FACTOR:g}", _of_web(check)
     facts = [
         Fact(
             f"Q at the {place}{of_web}",

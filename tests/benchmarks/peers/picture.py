@@ -30,10 +30,10 @@ def save_picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
         _line(memory, cells, [row["peak_MiB"] for row in own], colour, code)
     limits = [row for row in done if "limit_s" in row]
     cells, least = [row["cells"] for row in limits], [row["limit_s"] for row in limits]
-    (limit,) = seconds.plot(cells, least, "--", color="grey")
+    seconds.plot(cells, least, "--", color="grey")
     seconds.annotate(
         _LIMIT,
-        limit.get_xydata()[0],
+        (cells[0], least[0]),
         (14, 0),
         textcoords="offset points",
         ha="left",
