@@ -1,47 +1,34 @@
 """From a scene to the domain of the optimiser: grid, solid fractions, design cells.
 
-Every shape is an extrusion along the crank axis, so the solid fraction of a cell is a sampled plane
-fraction (32 x 32 points) times an exact overlap in z: stiffness does not jump with the cell size.
+Most bodies are prisms along the crank axis: the solid fraction of a cell is a plane fraction times an overlap
+in z, both exact, so stiffness does not jump with the cell size. Where a section changes along the axis, Gauss
+quadrature goes through each layer of cells.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
-from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.domain.drilled_cells import drill_cells
-from cranktopo.domain.envelope_section import (
-    SECTIONS,
-    disc,
-    envelope_bounds_mm,
-    envelope_outline,
-    envelope_sections,
-)
+from cranktopo.domain.envelope_section import envelope_bounds_mm
 from cranktopo.domain.grid import Extent, Grid, plan_grid
-from cranktopo.domain.stl_envelope import bounds_mm, envelope_from_file
+from cranktopo.domain.layers import ORIGINAL_KEY, GridContent, Layer, design_envelope, half_throw_layers
+from cranktopo.domain.plane_fractions import plane_fractions, slab_fractions
+from cranktopo.domain.stl_envelope import bounds_mm
 from cranktopo.errors import invalid
 from cranktopo.scene.checks_sizes import check_envelope_reach
-from cranktopo.scene.checks_web import check_counterweight_inside
-from cranktopo.scene.clearance import clearance_limit
-from cranktopo.scene.features import Body, kept_bodies, web_bodies, web_contains
-from cranktopo.scene.geometry import Envelope, Journal
+from cranktopo.scene.features import web_bodies
 from cranktopo.scene.halves import require_equal_halves
-from cranktopo.scene.polygons import Coordinates, Shape, polygons
 from cranktopo.scene.schema import Scene
+from cranktopo.scene.spans import Section
 from cranktopo.scene.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 
-ORIGINAL_KEY = "original.file"
-GridContent = Literal["envelope", "web"]
 Array = NDArray[np.float64]
-SAMPLES = 32
 
 
 @dataclass(frozen=True)
@@ -95,17 +82,6 @@ class Domain:
         return self.grid.cell_volume_mm3[None, None, :]
 
 
-@dataclass(frozen=True)
-class _Layer:
-    """What fills the plane between two z values of the half throw."""
-
-    z: tuple[float, float]
-    fixed: Shape | None
-    design: Shape | None
-    pin: Shape | None
-    web: Shape | None
-
-
 def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
     """Whether the geometry is its own mirror image in x and the scene allows the mirror.
 
@@ -136,14 +112,11 @@ def build_domain(
     require_equal_halves(scene)
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
-    layers = _layers(scene, target)
+    layers = half_throw_layers(scene, target)
     grid = grid or _grid(scene, resolution_mm, target, extent)
-    sampled: dict[Shape, Array] = {}  # a shape serves as design and as web: sample it once
-    planes = {
-        kind: _fractions(grid, [(layer.z, getattr(layer, kind)) for layer in layers], sampled)
-        for kind in ("fixed", "design", "pin", "web")
-    }
-    planes = drill_cells(scene, grid, planes)
+    planes = drill_cells(scene, grid, layers, _fractions(grid, layers))
+    planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
+    planes["design"] = np.minimum(planes["design"], 1.0 - planes["fixed"])
     if extent == "full":
         half = len(grid.z_mm) // 2
         planes = {k: np.concatenate([v[..., :half], v[..., :half][..., ::-1]], -1) for k, v in planes.items()}
@@ -151,99 +124,6 @@ def build_domain(
     if target == "envelope":
         _check_touches(scene, domain)
     return domain
-
-
-def _layers(scene: Scene, target: GridContent) -> list[_Layer]:
-    """The half throw as layers along z: main journal, web (cut where its section changes), crankpin."""
-    start, stop = scene.web_z_mm
-    pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
-    layers = [_Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
-    layers += _own_web(scene) if target == "web" else _design_space(scene)
-    layers.append(_Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
-    return layers
-
-
-def _annulus(journal: Journal, y_mm: float) -> Shape:
-    outer, bore = disc(journal.radius_mm, y_mm), disc(journal.bore_radius_mm, y_mm)
-    if journal.bore_radius_mm == 0:
-        return outer
-    return lambda x, y: outer(x, y) & ~bore(x, y)
-
-
-def _own_web(scene: Scene) -> list[_Layer]:
-    """The web of the scene, or the body named as the original, as layers with the section in their middle."""
-    if scene.original is not None:
-        return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
-    bodies, found = web_bodies(scene), []
-    for z in _ranges_mm(scene, [z for body in bodies for z in body.layers_mm(SECTIONS)]):
-        shape = _section(bodies, sum(z) / 2)
-        found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
-    return found
-
-
-def _body_from_file(scene: Scene, body: Manifold) -> list[_Layer]:
-    found = []
-    for z in _ranges_mm(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
-        shape = polygons([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
-        found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
-    return found
-
-
-def _section(bodies: Sequence[Body], z_mm: float) -> Shape:
-    return lambda x, y: web_contains(bodies, x, y, z_mm)
-
-
-def _design_space(scene: Scene) -> list[_Layer]:
-    """The envelope less the bores as layers, a counterweight solid; in a clearance the journal alone."""
-    (start, stop), envelope, throw = scene.web_z_mm, _envelope(scene), scene.throw
-    low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
-    bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
-    weights, found = kept_bodies(scene), []
-    heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
-    for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
-        middle = sum(z) / 2
-        if low < middle < high:
-            outline = _turning_free(scene, envelope_outline(envelope, middle))
-            check_counterweight_inside(scene, outline, middle)
-            web = _without(outline, bores)
-            here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
-            fixed = _without(_section(here, middle), bores) if here else None
-            design = _without(web, [fixed]) if fixed else web
-            found.append(_Layer(z, fixed=fixed, design=design, pin=None, web=web))
-            continue
-        journal, y = throw.journals[0 if middle < low else 1]
-        shape = _without(disc(journal.radius_mm, y), bores)
-        found.append(_Layer(z, fixed=shape, design=None, pin=None, web=shape))
-    return found
-
-
-def _turning_free(scene: Scene, outline: Shape) -> Shape:
-    """The part of an outline that piston and crankcase leave free."""
-    limit = clearance_limit(scene)
-    if limit is None:
-        return outline
-    return lambda x, y: outline(x, y) & (limit.outside_mm(x, y) <= 0)
-
-
-def _ranges_mm(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:
-    start, stop = scene.web_z_mm
-    return list(pairwise(sorted({start, stop, *(z for z in cuts if start < z < stop)})))
-
-
-def _without(outline: Shape, holes: Sequence[Shape]) -> Shape:
-    def inside(x: Coordinates, y: Coordinates) -> NDArray[np.bool_]:
-        result = outline(x, y)
-        for hole in holes:
-            result = result & ~hole(x, y)
-        return result
-
-    return inside
-
-
-def _envelope(scene: Scene) -> Envelope:
-    if scene.envelope is None:
-        raise invalid("envelope", None, "an optimisation needs a design envelope", "Add an [envelope] table.")
-    return scene.envelope
 
 
 def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -259,7 +139,7 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     if scene.original is not None:
         bounds.append(bounds_mm(Path(scene.original.file), key=ORIGINAL_KEY))
     if target == "envelope":
-        bounds.append(envelope_bounds_mm(_envelope(scene)))
+        bounds.append(envelope_bounds_mm(design_envelope(scene)))
         check_envelope_reach(scene, bounds[-1])
     x_low, x_high, y_low, y_high = zip(*bounds, strict=True)
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
@@ -271,44 +151,30 @@ def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Exten
     return plan_grid(x_range, y_range, planes, resolution_mm, extent)
 
 
-def _fractions(
-    grid: Grid, layers: list[tuple[tuple[float, float], Shape | None]], sampled: dict[Shape, Array]
-) -> Array:
-    """Filled fraction of every cell for shapes extruded between z values."""
+def _fractions(grid: Grid, layers: Sequence[Layer]) -> dict[str, Array]:
+    """Filled fraction of every cell by each kind of section."""
+    result = {kind: np.zeros(grid.cells) for kind in ("fixed", "design", "pin", "web")}
+    for layer in layers:
+        filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
+        for kind, section in layer.sections.items():
+            result[kind] += filled[section]
+    return result
+
+
+def _filled(grid: Grid, layer: Layer, section: Section) -> Array:
+    """Filled fraction of every cell by a section of a layer."""
+    low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
+    shares = (high - low) / np.diff(grid.z_mm)
+    # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
+    shares[shares < 1e-9] = 0.0
+    if not layer.changes:
+        middle = np.array([sum(layer.z_mm) / 2])
+        return plane_fractions(grid.x_mm, grid.y_mm, middle, section) * shares
     result = np.zeros(grid.cells)
-    heights = np.diff(grid.z_mm)
-    for (low, high), shape in layers:
-        if shape is None:
-            continue
-        overlap = (
-            np.clip(np.minimum(grid.z_mm[1:], high) - np.maximum(grid.z_mm[:-1], low), 0, None) / heights
-        )
-        # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
-        overlap[overlap < 1e-9] = 0.0
-        if shape not in sampled:
-            sampled[shape] = _plane_fraction(grid, shape)
-        result += sampled[shape][:, :, None] * overlap
-    return np.minimum(result, 1.0)
-
-
-def _plane_fraction(grid: Grid, shape: Shape) -> Array:
-    """Filled fraction of every (x, y) cell from SAMPLES x SAMPLES points."""
-    nx, ny, _ = grid.cells
-    x = _sample_points(grid.x_mm)
-    y = _sample_points(grid.y_mm)
-    fraction = np.empty((nx, ny))
-    rows = max(1, math.floor(2e6 / (len(y) * SAMPLES)))  # bounded memory
-    for first in range(0, nx, rows):
-        part = x[first * SAMPLES : (first + rows) * SAMPLES]
-        hits = shape(part[:, None], y[None, :]).reshape(-1, SAMPLES, ny, SAMPLES)
-        fraction[first : first + rows] = hits.mean(axis=(1, 3))
-    return fraction
-
-
-def _sample_points(edges: Array) -> Array:
-    step = np.diff(edges)[:, None]
-    offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    return np.asarray((edges[:-1, None] + step * offsets).ravel())
+    for cells in np.flatnonzero(shares):
+        slab = float(low[cells]), float(high[cells])
+        result[:, :, cells] = slab_fractions(grid.x_mm, grid.y_mm, slab, section) * shares[cells]
+    return result
 
 
 def _check_touches(scene: Scene, domain: Domain) -> None:

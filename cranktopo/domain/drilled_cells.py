@@ -1,50 +1,118 @@
-"""Oil drillings on the cells: void that no optimiser fills, and a wall around it that none takes away."""
+"""Oil drillings on the cells: void that no optimiser fills, and a wall around it that none takes away.
+
+At each height a drilling is a section like any other, which changes along the crank axis.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.domain.envelope_section import envelope_outline
+from cranktopo.domain.envelope_section import envelope_section
 from cranktopo.domain.grid import Grid
+from cranktopo.domain.layers import Layer
+from cranktopo.domain.plane_fractions import slab_fractions
 from cranktopo.errors import invalid
 from cranktopo.scene.drilling import Channel, channels
 from cranktopo.scene.schema import Scene
+from cranktopo.scene.spans import Section, common, holds, together, without
 
 Array = NDArray[np.float64]
 WALL = 1.0
 """Thickness of the wall over the drilling's radius."""
-_POINTS = 8
-"""Sample points of a cell along each axis."""
+_ROUNDING = 1e-6
+"""Largest fraction that is left of a cell by rounding."""
 _HEIGHTS = 24
 """Heights of the web at which the envelope must hold the drilling."""
 
 
-def drill_cells(scene: Scene, grid: Grid, planes: dict[str, Array]) -> dict[str, Array]:
+def drill_cells(
+    scene: Scene, grid: Grid, layers: Sequence[Layer], fractions: dict[str, Array]
+) -> dict[str, Array]:
     """Fractions of the cells after drilling; the same ones where the scene has no drilling.
 
     Args:
-        planes: fractions `fixed`, `design`, `pin` and `web`, each (nx, ny, nz).
+        layers: of the half throw.
+        fractions: `fixed`, `design`, `pin` and `web`, each (nx, ny, nz).
 
     Raises:
         CranktopoError: a drilling leaves the design envelope.
     """
-    for channel in channels(scene):
-        if planes["design"].any():
+    found = channels(scene)
+    if not found:
+        return fractions
+    if any(layer.design for layer in layers):
+        for channel in found:
             _check_held(scene, channel)
-            planes = _with_wall(grid, channel, planes)
-        hole = _fraction(grid, channel, channel.radius_mm)
-        planes = {kind: fraction * (1 - hole) for kind, fraction in planes.items()}
-    return planes
+    drilled = {kind: fraction.copy() for kind, fraction in fractions.items()}
+    for layer in layers:
+        for slab in _slabs(grid, found, layer.z_mm):
+            for kind, gained in slab.gains(grid, found, layer).items():
+                drilled[kind][slab.x, slab.y, slab.cells] += gained
+    # Rounding must leave neither void nor solid that is not there.
+    return {kind: np.where(fraction < _ROUNDING, 0.0, fraction) for kind, fraction in drilled.items()}
 
 
-def _with_wall(grid: Grid, channel: Channel, planes: dict[str, Array]) -> dict[str, Array]:
-    """The fractions with what is designable around a drilling fixed, the drilling itself included."""
-    wall = _fraction(grid, channel, (1 + WALL) * channel.radius_mm)
-    kept = wall * planes["design"]
-    return {**planes, "fixed": planes["fixed"] + kept, "design": planes["design"] - kept}
+@dataclass(frozen=True)
+class _Slab:
+    """What lies between two heights, in one layer of cells.
+
+    Attributes:
+        z_mm: the heights.
+        share: of the height of the cells.
+        x, y: cells that drillings or their walls may reach.
+        cells: their layer.
+    """
+
+    z_mm: tuple[float, float]
+    share: float
+    x: slice
+    y: slice
+    cells: int
+
+    def gains(self, grid: Grid, found: Sequence[Channel], layer: Layer) -> dict[str, Array]:
+        """What is added to each kind of fraction in its cells, negative where it is taken away."""
+        hole = together(*(channel.section(channel.radius_mm) for channel in found))
+        wall = together(*(channel.section((1 + WALL) * channel.radius_mm) for channel in found))
+        kinds = {kind: section for kind, section in layer.sections.items() if kind != "design"}
+        known = {section: self._fractions(grid, common(section, hole)) for section in {*kinds.values()}}
+        gains = {kind: -known[section] for kind, section in kinds.items()}
+        if layer.design:
+            kept = self._fractions(grid, common(layer.design, without(wall, hole)))
+            gains["design"] = -self._fractions(grid, common(layer.design, wall))
+            gains["fixed"] = gains.get("fixed", 0.0) + kept
+        return gains
+
+    def _fractions(self, grid: Grid, section: Section) -> Array:
+        x, y = (nodes[s.start : s.stop + 1] for nodes, s in ((grid.x_mm, self.x), (grid.y_mm, self.y)))
+        return slab_fractions(x, y, self.z_mm, section) * self.share
+
+
+def _slabs(grid: Grid, found: Sequence[Channel], z_mm: tuple[float, float]) -> Iterator[_Slab]:
+    """Slabs between two heights that drillings or their walls reach."""
+    tools = [(channel, share * channel.radius_mm) for channel in found for share in (1, 1 + WALL)]
+    ends = [float(end[2]) for channel, radius in tools for end in channel.box_mm(radius)]
+    low, high = max(z_mm[0], min(ends)), min(z_mm[1], max(ends))
+    planes = sorted({low, high, *(z for z in (*grid.z_mm.tolist(), *ends) if low < z < high)})
+    for start, end in pairwise(planes if low < high else ()):
+        cells = int(np.searchsorted(grid.z_mm, (start + end) / 2)) - 1
+        share = (end - start) / float(grid.z_mm[cells + 1] - grid.z_mm[cells])
+        corners = np.array([channel.box_mm(radius, (start, end)) for channel, radius in tools])
+        first, last = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
+        x, y = (_cells(nodes, first[i], last[i]) for i, nodes in enumerate((grid.x_mm, grid.y_mm)))
+        yield _Slab((start, end), share, x, y, cells)
+
+
+def _cells(nodes: Array, low: float, high: float) -> slice:
+    """Cells that a range touches; at least one."""
+    first = int(np.searchsorted(nodes, low, side="right")) - 1
+    last = int(np.searchsorted(nodes, high, side="left"))
+    first = min(max(first, 0), len(nodes) - 2)
+    return slice(first, min(max(last, first + 1), len(nodes) - 1))
 
 
 def _check_held(scene: Scene, channel: Channel) -> None:
@@ -54,42 +122,11 @@ def _check_held(scene: Scene, channel: Channel) -> None:
     edges = np.linspace(start, end, _HEIGHTS + 1)
     assert envelope is not None  # or there is nothing to design
     for low, high in pairwise(edges.tolist()):
-        here = points[(points[:, 2] > low) & (points[:, 2] < high)]
-        if len(here) and not envelope_outline(envelope, (low + high) / 2)(here[:, 0], here[:, 1]).all():
+        x, y, z = points[(points[:, 2] > low) & (points[:, 2] < high)].T
+        if not holds(envelope_section(envelope, (low + high) / 2)(y, z), x).all():
             raise invalid(
                 "envelope",
                 envelope.shape,
                 f"does not hold {channel.key} and the wall of {WALL * channel.radius_mm:.3g} mm around it",
                 "Enlarge the envelope, or move the drilling.",
             )
-
-
-def _fraction(grid: Grid, channel: Channel, radius_mm: float) -> Array:
-    """Share of each cell within a distance of the drilling's axis, from 8 x 8 x 8 points."""
-    result = np.zeros(grid.cells)
-    points = channel.surface_mm(radius_mm)
-    low, high = points.min(axis=0), points.max(axis=0)
-    nodes = grid.x_mm, grid.y_mm, grid.z_mm
-    ranges = [_cells(n, low[axis], high[axis]) for axis, n in enumerate(nodes)]
-    if any(first >= last for first, last in ranges):
-        return result
-    x, y = (_samples(n[first : last + 1]) for n, (first, last) in zip(nodes[:2], ranges[:2], strict=True))
-    (x0, x1), (y0, y1), (z0, z1) = ranges
-    for layer in range(z0, z1):
-        z = _samples(grid.z_mm[layer : layer + 2])
-        away = channel.distance_mm(x[:, None, None], y[None, :, None], z[None, None, :])
-        inside = (away < radius_mm).reshape(x1 - x0, _POINTS, y1 - y0, _POINTS, _POINTS)
-        result[x0:x1, y0:y1, layer] = inside.mean(axis=(1, 3, 4))
-    return result
-
-
-def _cells(nodes: Array, low: float, high: float) -> tuple[int, int]:
-    """First and past-the-last cell that a range touches."""
-    first = int(np.searchsorted(nodes, low, side="right")) - 1
-    last = int(np.searchsorted(nodes, high, side="left"))
-    return max(first, 0), min(last, len(nodes) - 1)
-
-
-def _samples(nodes: Array) -> Array:
-    offsets = (np.arange(_POINTS) + 0.5) / _POINTS
-    return np.asarray((nodes[:-1, None] + np.diff(nodes)[:, None] * offsets).ravel())

@@ -1,29 +1,22 @@
-"""Cross-sections of the design envelope, and discs, as point membership.
-
-Each shape is a function of coordinate arrays x, y (mm) that returns a boolean array.
-"""
+"""Cross-sections of the design envelope."""
 
 from __future__ import annotations
 
 from cranktopo.domain.stl_envelope import bounds_mm, section
 from cranktopo.scene.geometry import Envelope
-from cranktopo.scene.polygons import Shape, polygons
+from cranktopo.scene.polygons import polygon_section
+from cranktopo.scene.spans import Section
 
 SECTIONS = 32
-"""Layers of a body whose section changes along the crank axis."""
+"""Layers of a body of triangles, whose section changes along the crank axis."""
 
 
-def disc(radius_mm: float, y_mm: float = 0.0, x_mm: float = 0.0) -> Shape:
-    """Disc around the point (x, y)."""
-    return lambda x, y: (x - x_mm) ** 2 + (y - y_mm) ** 2 <= radius_mm**2
-
-
-def envelope_outline(envelope: Envelope, z_mm: float) -> Shape:
+def envelope_section(envelope: Envelope, z_mm: float) -> Section:
     """Cross-section of the design envelope at a height; only a mesh changes along the crank axis."""
     return (
-        polygons(section(envelope.stl_file, z_mm, not envelope.asymmetry))
+        polygon_section(section(envelope.stl_file, z_mm, not envelope.asymmetry))
         if envelope.stl_file
-        else envelope.contains
+        else envelope.spans
     )
 
 

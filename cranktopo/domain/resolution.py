@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from cranktopo.domain.build import GridContent, throw_ranges_mm
+from cranktopo.domain.build import throw_ranges_mm
+from cranktopo.domain.layers import GridContent
 from cranktopo.errors import invalid
 from cranktopo.scene.schema import Scene
 

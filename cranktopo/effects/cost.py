@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from cranktopo.domain.build import GridContent
+from cranktopo.domain.layers import GridContent
 from cranktopo.domain.resolution import estimated_cells
 from cranktopo.scene import Scene
 from cranktopo.scene.geometry import Journal

@@ -19,7 +19,8 @@ from cranktopo.optimise.forging_constraint import Die, Parting, reachable
 from cranktopo.optimise.material import web_cell_mm
 from cranktopo.optimise.tool_access import ONE_CELL, Direction, Offsets, ToolAccess
 from cranktopo.scene import Scene
-from cranktopo.scene.polygons import polygons
+from cranktopo.scene.polygons import polygon_section
+from cranktopo.scene.spans import holds
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
@@ -88,7 +89,10 @@ def open_cells(scene: Scene, domain: Domain) -> Cells:
     for journal, centre in scene.throw.journals:
         bored |= np.hypot(x[:, None], y[None, :] - centre) < journal.bore_radius_mm
     filled = (domain.design > 0) | (domain.fixed > 0)
-    holes = [polygons(contours)(x[:, None], y[None, :]) for contours in through_holes(scene, z.tolist())]
+    holes = [
+        holds(polygon_section(contours)(y, np.full_like(y, height)), x[:, None])
+        for contours, height in zip(through_holes(scene, z.tolist()), z, strict=True)
+    ]
     return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
 
 

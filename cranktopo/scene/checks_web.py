@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +10,7 @@ from cranktopo.scene.checks_drilling import check_drillings
 from cranktopo.scene.features.body import ROUNDING_MM, least_shoulder_mm
 from cranktopo.scene.geometry import Journal
 from cranktopo.scene.schema import Scene
+from cranktopo.scene.spans import Section, holds
 
 Array = NDArray[np.float64]
 
@@ -48,16 +47,14 @@ def check_counterweight(scene: Scene) -> None:
     weight.check_alone(scene, "web.counterweight")
     weight.check_in_web(scene, "web.counterweight")
     if envelope is not None and envelope.stl_file is None:
-        check_counterweight_inside(scene, envelope.contains)
+        check_counterweight_inside(scene, envelope.spans)
 
 
-def check_counterweight_inside(
-    scene: Scene, section: Callable[[Array, Array], NDArray[np.bool_]], z_mm: float | None = None
-) -> None:
+def check_counterweight_inside(scene: Scene, section: Section, z_mm: float | None = None) -> None:
     """Check that a section of the design space holds the counterweight: no optimiser takes it away.
 
     Args:
-        section: whether points (x, y), mm, lie in the design space.
+        section: of the design space.
         z_mm: height of the section; None where all are alike.
 
     Raises:
@@ -71,7 +68,8 @@ def check_counterweight_inside(
         return
     x, y = sector.rim_mm()
     inward = 1 - 1e-6
-    outside = ~(section(inward * x, inward * y) & section(-inward * x, inward * y))
+    spans = section(inward * y, np.full_like(y, sum(sector.z_mm) / 2 if z_mm is None else z_mm))
+    outside = ~(holds(spans, inward * x) & holds(spans, -inward * x))
     if outside.any():
         at = int(np.flatnonzero(outside)[0])
         raise invalid(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from cranktopo.scene.base import Length, LengthOrZero, SceneTable
+from cranktopo.scene.spans import Section, Span
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
@@ -26,7 +27,10 @@ Surface = Literal["main_journal", "crankpin", "main_journal_bore", "crankpin_bor
 SURFACES: tuple[Surface, ...] = get_args(Surface)
 _BORE = "_bore"
 _DIGITS = 6
+_PARALLEL = 1e-9
+"""Sine of an angle that counts as none."""
 _CIRCLE = 180
+_ALL = -math.inf, math.inf
 _BEYOND = 0.25
 """What the tool reaches beyond the surface over the drilling's radius."""
 
@@ -208,6 +212,35 @@ class Channel:
         points = start + places * self.direction + radius_mm * self.around[None]
         return points.reshape(-1, 3)
 
+    def section(self, radius_mm: float) -> Section:
+        """Section of a cylinder of a radius about its axis, as long as the tool."""
+        (x0, y0, z0), (dx, dy, dz) = self.mouths[0].point_mm, self.direction.tolist()
+        across, (first, last) = max(1 - dx**2, _PARALLEL), self.extent_mm
+
+        def spans(y_mm: Array, z_mm: Array) -> list[Span]:
+            along = (y_mm - y0) * dy + (z_mm - z0) * dz
+            middle = dx * along / across
+            free = radius_mm**2 - (y_mm - y0) ** 2 - (z_mm - z0) ** 2 + along**2
+            half = np.sqrt(np.maximum(free / across + middle**2, 0.0))
+            low, high = _between(dx, first - along, last - along)
+            return [(x0 + np.maximum(middle - half, low), x0 + np.minimum(middle + half, high))]
+
+        return spans
+
+    def box_mm(self, radius_mm: float, z_mm: tuple[float, float] = _ALL) -> tuple[Array, Array]:
+        """Least and largest x, y and z of such a cylinder between two heights, in which it must be."""
+        start, along = np.array(self.mouths[0].point_mm), self.direction
+        reach = radius_mm * np.sqrt(np.maximum(1 - along**2, 0.0))
+        ends = start + np.outer(self.extent_mm, along)
+        low, high = ends.min(axis=0) - reach, ends.max(axis=0) + reach
+        heights = np.clip(z_mm, low[2], high[2])
+        if abs(along[2]) > _PARALLEL:
+            middles = start + np.outer((heights - start[2]) / along[2], along)
+            wide = radius_mm * np.hypot(1.0, along / along[2])
+            low = np.maximum(low, middles.min(axis=0) - wide)
+            high = np.minimum(high, middles.max(axis=0) + wide)
+        return low, high
+
     def distance_mm(self, x_mm: Array, y_mm: Array, z_mm: Array) -> Array:
         """Distance of points from the axis of the tool, broadcastable."""
         start, along = np.array(self.mouths[0].point_mm), self.direction
@@ -215,6 +248,15 @@ class Channel:
         place = np.clip(sum(o * d for o, d in zip(offset, along, strict=True)), *self.extent_mm)
         square = sum((o - place * d) ** 2 for o, d in zip(offset, along, strict=True))
         return cast(Array, np.sqrt(square))
+
+
+def _between(slope: float, low: Array, high: Array) -> tuple[Array, Array]:
+    """Interval in which slope times a value lies between two ends."""
+    if abs(slope) < _PARALLEL:
+        inside = (low <= 0) & (high >= 0)
+        return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
+    ends = low / slope, high / slope
+    return np.minimum(*ends), np.maximum(*ends)
 
 
 def across(direction: Array) -> tuple[Array, Array]:

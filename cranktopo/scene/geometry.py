@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from typing_extensions import override
 
@@ -14,7 +14,8 @@ from cranktopo.errors import invalid
 from cranktopo.scene.base import Length, LengthOrZero, Place, SceneTable
 from cranktopo.scene.drilling import Drilling
 from cranktopo.scene.fillet_section import FilletSection
-from cranktopo.scene.polygons import Coordinates, polygons, self_intersection
+from cranktopo.scene.polygons import Coordinates, polygon_section, self_intersection
+from cranktopo.scene.spans import Span, disc
 
 
 class Journal(SceneTable):
@@ -107,8 +108,8 @@ class _EnvelopeBase(SceneTable):
         """Ranges that hold its section: (x_min, x_max, y_min, y_max)."""
         raise NotImplementedError
 
-    def contains(self, x_mm: Coordinates, y_mm: Coordinates) -> NDArray[np.bool_]:
-        """Whether points lie in its section."""
+    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+        """Lateral intervals of its section, the same at all heights, at places along the throw, mm."""
         raise NotImplementedError
 
     @property
@@ -141,9 +142,9 @@ class BoxEnvelope(_EnvelopeBase):
         return -self.half_width_mm, self.half_width_mm, self.y_min_mm, self.y_max_mm
 
     @override
-    def contains(self, x_mm: Coordinates, y_mm: Coordinates) -> NDArray[np.bool_]:
-        inside = (np.abs(x_mm) <= self.half_width_mm) & (y_mm >= self.y_min_mm) & (y_mm <= self.y_max_mm)
-        return np.asarray(inside)
+    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+        half = np.where((y_mm >= self.y_min_mm) & (y_mm <= self.y_max_mm), self.half_width_mm, 0.0)
+        return [(-half, half)]
 
     @override
     def check(self) -> None:
@@ -165,8 +166,8 @@ class CylinderEnvelope(_EnvelopeBase):
         return -self.radius_mm, self.radius_mm, -self.radius_mm, self.radius_mm
 
     @override
-    def contains(self, x_mm: Coordinates, y_mm: Coordinates) -> NDArray[np.bool_]:
-        return np.asarray(x_mm**2 + y_mm**2 <= self.radius_mm**2)
+    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+        return disc(self.radius_mm)(y_mm, z_mm)
 
 
 class OutlineEnvelope(_EnvelopeBase):
@@ -185,8 +186,8 @@ class OutlineEnvelope(_EnvelopeBase):
         return min(x), max(x), min(y), max(y)
 
     @override
-    def contains(self, x_mm: Coordinates, y_mm: Coordinates) -> NDArray[np.bool_]:
-        return polygons([np.array(self.points_mm)])(x_mm, y_mm)
+    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+        return polygon_section([np.array(self.points_mm)])(y_mm, z_mm)
 
     @override
     def check(self) -> None:

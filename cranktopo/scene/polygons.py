@@ -1,34 +1,47 @@
-"""Closed contours: which points lie inside, and where one crosses itself."""
+"""Closed contours: what lies inside, and where one crosses itself."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.scene.spans import Section, Span
+
 Coordinates = NDArray[np.float64]
 Indices = NDArray[np.intp]
-Shape = Callable[[Coordinates, Coordinates], NDArray[np.bool_]]
-"""Whether points, x and y in mm, lie inside."""
 
 
-def polygons(contours: list[Coordinates]) -> Shape:
-    """Inside of closed contours (n, 2) by the even-odd rule, for increasing x (n, 1) and any y (1, m)."""
+def polygon_section(contours: list[Coordinates]) -> Section:
+    """Inside of closed contours (n, 2) by the even-odd rule, at all heights."""
     starts = np.concatenate([np.zeros((0, 2)), *contours])
     ends = np.concatenate([np.zeros((0, 2)), *(np.roll(contour, -1, axis=0) for contour in contours)])
 
-    def inside(x: Coordinates, y: Coordinates) -> NDArray[np.bool_]:
-        edge, row = np.nonzero((starts[:, None, 1] <= y.ravel()) != (ends[:, None, 1] <= y.ravel()))
+    def spans(y_mm: Coordinates, _: Coordinates) -> Sequence[Span]:
+        edge, row = _crossings(starts[:, 1], ends[:, 1], y_mm.ravel())
         (x1, y1), (x2, y2) = starts[edge].T, ends[edge].T
-        cuts = x1 + (y.ravel()[row] - y1) * (x2 - x1) / (y2 - y1)
-        # A point is inside if the ray towards -x crosses the boundary an odd number of times.
-        first = np.searchsorted(x.ravel(), cuts, side="right")
-        turns = np.zeros((x.size + 1, y.size), dtype=bool)
-        np.logical_xor.at(turns, (first, row), True)
-        return np.logical_xor.accumulate(turns, axis=0)[:-1]
+        cuts = x1 + (y_mm.ravel()[row] - y1) * (x2 - x1) / (y2 - y1)
+        order = np.lexsort((cuts, row))
+        count = np.bincount(row, minlength=y_mm.size)
+        rank = np.arange(row.size) - np.repeat(np.cumsum(count) - count, count)
+        table = np.zeros((max(2, int(count.max(initial=0))), y_mm.size))
+        table[rank, row[order]] = cuts[order]
+        table = table.reshape(len(table), *y_mm.shape)
+        return list(zip(table[::2], table[1::2], strict=True))
 
-    return inside
+    return spans
+
+
+def _crossings(start: Coordinates, end: Coordinates, places: Coordinates) -> tuple[Indices, Indices]:
+    """Edges and places of all pairs in which an edge passes a place; a corner belongs to the edge above."""
+    order = np.argsort(places, kind="stable")
+    first = np.searchsorted(places, np.minimum(start, end), sorter=order)
+    last = np.searchsorted(places, np.maximum(start, end), sorter=order)
+    count = last - first
+    edge = np.repeat(np.arange(len(start)), count)
+    within = np.arange(edge.size) - np.repeat(np.cumsum(count) - count, count)
+    return edge, order[first[edge] + within]
 
 
 def self_intersection(points: Coordinates) -> tuple[float, float] | None:

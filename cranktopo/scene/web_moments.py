@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.scene.features import Body, web_bodies
+from cranktopo.scene.features import Body, web_bodies, web_spans
 from cranktopo.scene.schema import Scene
 from cranktopo.units import density_kg_per_mm3
 
@@ -26,8 +26,6 @@ _TOLERANCE = 1e-11
 _HALVINGS = 40
 _MOST_INTERVALS = 1000
 """Open at a time; more are open only where rounding is all that is left to gain."""
-_REMOVED = -1000
-"""Weight of a body that takes material away, among those that add it."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +137,7 @@ def _heights(bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
     half = np.max([right for body in material for _, right in body.spans(y, middle)], axis=0)
     breaks = np.stack([z for body in bodies for z in body.z_breaks_mm(y, half)], axis=1)
     breaks = np.sort(np.clip(breaks, low, high), axis=1)
-    share, weights = _rule(_HEIGHTS)
+    share, weights = gauss_rule(_HEIGHTS)
     size = np.diff(breaks, axis=1)[..., None]
     heights = breaks[:, :-1, None] + size * share
     return heights.reshape(len(y), -1), (size * weights).reshape(len(y), -1)
@@ -147,28 +145,12 @@ def _heights(bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
 
 def _moments_at(bodies: Sequence[Body], y: Array, z: Array) -> Array:
     """Integrals over x of 1, x, y and x2 + y2 through the material, on the last axis."""
-    left, right = _material(bodies, y, z)
+    left, right = web_spans(bodies, y, z)
     length = (right - left).sum(axis=0)
     squares = right * right, left * left  # products, as powers of three take five times as long
     first = (squares[0] - squares[1]).sum(axis=0) / 2
     second = (squares[0] * right - squares[1] * left).sum(axis=0) / 3
     return np.stack([length, first, length * y, second + length * y**2], axis=-1)
-
-
-def _material(bodies: Sequence[Body], y: Array, z: Array) -> tuple[Array, Array]:
-    """Lateral intervals of material, (intervals, ...): where a body adds and none takes away."""
-    shape = np.broadcast_shapes(y.shape, z.shape)
-    ends, steps = [], []
-    for body in bodies:
-        weight = 1 if body.adds else _REMOVED
-        for start, stop in body.spans(y, z):
-            ends += [np.broadcast_to(start, shape), np.broadcast_to(np.maximum(stop, start), shape)]
-            steps += [weight, -weight]
-    places = np.stack(ends)
-    order = places.argsort(axis=0, kind="stable")
-    places = np.take_along_axis(places, order, axis=0)
-    solid = np.array(steps)[order].cumsum(axis=0)[:-1] > 0
-    return places[:-1], np.where(solid, places[1:], places[:-1])
 
 
 def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE) -> Array:
@@ -195,14 +177,14 @@ def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: floa
 
 def _quadrature(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """Integral over each interval, (intervals, n)."""
-    share, weights = _rule(_PLACES)
+    share, weights = gauss_rule(_PLACES)
     size = (high - low)[:, None]
     values = function((low[:, None] + size * share).ravel()).reshape(len(low), _PLACES, -1)
     return np.asarray((values * (size * weights)[..., None]).sum(axis=1))
 
 
-@lru_cache(maxsize=2)
-def _rule(points: int) -> tuple[Array, Array]:
+@lru_cache(maxsize=4)
+def gauss_rule(points: int) -> tuple[Array, Array]:
     """Gauss points of 0 .. 1 and weights, through 3 u2 - 2 u3, which takes square roots at both ends."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
     u = (nodes + 1) / 2

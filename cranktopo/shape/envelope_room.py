@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.domain.envelope_section import envelope_bounds_mm, envelope_outline, envelope_sections
+from cranktopo.domain.envelope_section import envelope_bounds_mm, envelope_section, envelope_sections
 from cranktopo.remodel.dimensions import scene_at
 from cranktopo.remodel.family import Layout
 from cranktopo.remodel.parametric_web import ParametricWeb
@@ -16,6 +16,7 @@ from cranktopo.scene.clearance import clearance_limit
 from cranktopo.scene.features.fitted import CLEAR_MM
 from cranktopo.scene.free_dimensions import is_of_counterweight
 from cranktopo.scene.geometry import BoxEnvelope, CylinderEnvelope, Envelope
+from cranktopo.scene.spans import holds
 
 Array = NDArray[np.float64]
 _RIM = 25
@@ -106,7 +107,9 @@ class EnvelopeRoom:
         heights = start + (end - start) * (np.arange(sections) + 0.5) / sections
         inside = np.ones((x.size, y.size), dtype=bool)
         for z in heights:
-            inside &= envelope_outline(self._envelope, float(z))(np.abs(x)[:, None], y[None, :])
+            inside &= holds(
+                envelope_section(self._envelope, float(z))(y, np.full_like(y, z)), np.abs(x)[:, None]
+            )
         outer, inner = distance_transform_edt(~inside), distance_transform_edt(inside)
         return x, y, np.asarray(step * (outer - inner))
 

@@ -2,8 +2,8 @@
 
 - `python -m tests.benchmarks.voxel_accuracy`: error and time on finer and finer cells, the Mikron's own web.
 - `... --throws [NAME...]`: errors and their bound on built-in designs and random throws (random-SEED).
-- `... --features`: the same and the volume's error, with counterweights and oil drillings.
-- `... --volumes`: error of a web's volume, without and with a counterweight, and its straight sides' part.
+- `... --features`: the same with counterweights and oil drillings.
+- `... --volumes`: errors of the half throw's volume on cells and of its exact solid, with every feature.
 - `... --ranking`: whether the ranking of eleven webs is kept at the default cell size.
 """
 
@@ -18,19 +18,18 @@ from cranktopo.fem.precision import double_precision
 from cranktopo.scene import load_scene
 from tests.studies.cell_models import (
     REFERENCE,
+    every_feature,
     featured,
     model_errors,
     own_model,
     ranking,
+    solid_error,
     volume_error,
-    web_volume_error,
 )
 from tests.studies.error_bounds import held_text, target_of
-from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted
 
 CELLS_MM = (4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
 FEATURE_CELLS = (4, 6, 9)
-VOLUME_CELLS = (4, 5, 6, 8, 12)
 """Cells through the web."""
 DESIGNS = ("opposed-piston", "opposed-piston-casting", "opposed-piston-forging")
 DESIGNS += tuple(f"random-{seed}" for seed in (0, 2, 4, 5, 7))
@@ -69,32 +68,31 @@ def print_throws(names: Sequence[str]) -> None:
 
 
 def print_features() -> None:
-    """Errors of volume and stiffness with counterweights and oil drillings."""
-    print("| Mikron with | cell mm | volume error % | torsion error % | bound | bending error % | bound |")
-    print("|---" * 7 + "|")
+    """Errors of stiffness with counterweights and oil drillings."""
+    print("| Mikron with | cell mm | torsion error % | bound | bending error % | bound |")
+    print("|---" * 6 + "|")
     rows = []
     for name, scene in featured().items():
         found = list(model_errors(scene, FEATURE_CELLS))
         rows += found
-        for count, bending, torsion in zip(FEATURE_CELLS, found[::2], found[1::2], strict=True):
-            volume = 100 * volume_error(scene, scene.web.thickness_mm / count)
+        for bending, torsion in zip(found[::2], found[1::2], strict=True):
             pairs = " | ".join(
                 f"{row.error_percent:+.2f} | {row.bound_percent:.2f}" for row in (torsion, bending)
             )
-            print(f"| {name} | {bending.cell_mm:.2f} | {volume:+.3f} | {pairs} |", flush=True)
+            print(f"| {name} | {bending.cell_mm:.2f} | {pairs} |", flush=True)
     print(held_text(rows))
 
 
 def print_volumes() -> None:
-    """Errors of a web's volume, without and with a counterweight."""
-    print("| web of the Mikron | cell mm | volume error % | of it the straight sides |")
+    """Errors of the half throw's volume on cells, and of its exact solid, for every feature."""
+    print("| Mikron with | cell mm | cells, ppm | exact solid, ppm |")
     print("|---" * 4 + "|")
-    bare = roomy_scene(load_scene("mikron-iiic"))
-    for name, scene in (("as it is", bare), ("with a counterweight", weighted(bare, PLAIN))):
-        for count in VOLUME_CELLS:
-            found = web_volume_error(scene, scene.web.thickness_mm / count)
-            errors = f"{found.error_percent:+.3f} | {found.of_sides_percent:+.3f}"
-            print(f"| {name} | {found.cell_mm:.2f} | {errors} |", flush=True)
+    for name, scene in every_feature().items():
+        solid = 1e6 * solid_error(scene)
+        for count in FEATURE_CELLS:
+            cell_mm = scene.web.thickness_mm / count
+            cells = 1e6 * volume_error(scene, cell_mm)
+            print(f"| {name} | {cell_mm:.2f} | {cells:+.3f} | {solid:+.3f} |", flush=True)
 
 
 def print_ranking() -> None:

@@ -19,8 +19,9 @@ from cranktopo.remodel.model_fill import FILLET
 from cranktopo.remodel.parametric_web import ParametricWeb
 from cranktopo.remodel.usual_size import usual_limits
 from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.features import web_bodies, web_contains
+from cranktopo.scene.features import web_bodies, web_spans
 from cranktopo.scene.features.box_pocket import FittedBox
+from cranktopo.scene.spans import holds
 from cranktopo.shape.mesh_model import MeshModel
 from cranktopo.shape.rules import rules_at
 from cranktopo.shape.start import scene_start
@@ -116,9 +117,9 @@ def test_cells_follow_the_fillet(filleted: Scene, filleted_web: tuple[Layout, np
     assert (which == FILLET).sum() > 10
     exact = scene_with_web(filleted, exact_web_of(layout, values, filleted))
     sampled = exact.model_copy(update={"web": exact.web.model_copy(update={"bevel": (), "pocket": ()})})
-    here = web_contains(
-        [body for body in web_bodies(sampled) if body.adds], axes[0][:, None], axes[1][None, :], 25.0
-    )
+    added = [body for body in web_bodies(sampled) if body.adds]
+    spans = list(zip(*web_spans(added, axes[1], np.full_like(axes[1], 25.0)), strict=True))
+    here = holds(spans, axes[0][:, None])
     clear = np.abs(inside[:, :, 0]) > 0.1  # the outline of the cells is made of chords
     np.testing.assert_array_equal((inside[:, :, 0] > 0)[clear], here[clear])
     weight = np.random.default_rng(4).normal(size=inside.shape) * (np.abs(inside) < 3.0) * (which == FILLET)

@@ -138,11 +138,11 @@ def test_cells_and_surface_have_it() -> None:
     assert lost == pytest.approx(parts, rel=2e-3)
     assert web_bores(scene).volume() > web_bores(bare).volume()
     sharp = mikron({**LEANING, "outlet_radius_mm": 0.0})
-    for cell, share in ((4.0, 0.03), (2.0, 0.01)):
+    for cell in (4.0, 2.0):
         domain = build_domain(sharp, cell, "web")
         whole = build_domain(bare, cell, "web", domain.extent, domain.grid)
         gone = float(((whole.fixed - domain.fixed) * domain.volume_mm3).sum())
-        assert gone == pytest.approx(drilled(sharp).volume, rel=share)
+        assert gone == pytest.approx(drilled(sharp).volume, rel=2e-4)
 
 
 def test_design_space_keeps_hole_and_wall() -> None:
@@ -153,10 +153,10 @@ def test_design_space_keeps_hole_and_wall() -> None:
     hole = ((whole.web - domain.web) * domain.volume_mm3)[:, :, between].sum()
     wall = (domain.fixed * domain.volume_mm3)[:, :, between].sum()
     assert hole == pytest.approx(
-        drilled(mikron({**LEANING, "outlet_radius_mm": 0.0}), "web").volume, rel=0.03
+        drilled(mikron({**LEANING, "outlet_radius_mm": 0.0}), "web").volume, rel=2e-4
     )
     assert wall == pytest.approx(3 * hole, rel=0.25)  # twice the radius: four times the section
-    assert ((domain.fixed + domain.design) <= whole.fixed + whole.design + 1e-12).all()
+    assert ((domain.fixed + domain.design) <= whole.fixed + whole.design + 1e-5).all()
 
 
 def test_mirror() -> None:

@@ -16,9 +16,10 @@ import pytest
 from cranktopo.cad.session import cad_session
 from cranktopo.cad.web_solid import add_bodies
 from cranktopo.scene import Scene
-from cranktopo.scene.features import Body, web_bodies, web_contains
+from cranktopo.scene.features import Body, web_bodies, web_spans
 from cranktopo.scene.features.body import Array, Span
 from cranktopo.scene.features.primitives import Box, Cylinder, Solid
+from cranktopo.scene.spans import holds
 from cranktopo.scene.web_moments import moments
 
 RADIUS, LEAN = 3.0, math.radians(35.0)
@@ -122,4 +123,5 @@ def test_sections_follow(mikron: Scene, bodies: list[Body]) -> None:
         (shift, 24.0, start + 1.5): True,
     }
     for (x, y, z), solid in expected.items():
-        assert bool(web_contains(bodies, np.array([x]), np.array([y]), z)[0]) == solid, (x, y, z)
+        spans = zip(*web_spans(bodies, np.array([y]), np.array([z])), strict=True)
+        assert bool(holds(list(spans), np.array([x]))[0]) == solid, (x, y, z)

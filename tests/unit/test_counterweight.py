@@ -18,7 +18,6 @@ from cranktopo.scene import Scene
 from cranktopo.scene.web_moments import bolted_mass, web_moments
 from cranktopo.surface.solids import counterweight_solid
 from tests.step_volume import step_volume_mm3
-from tests.studies.cell_models import web_volume_error
 from tests.unit.counterweight_cases import DISC, PLAIN, THIN, roomy_scene, weighted
 
 END_MM = 25.0
@@ -59,25 +58,16 @@ def test_adds_a_ring_sector(roomy: Scene, counterweight: dict[str, Any]) -> None
 def test_solid_cells_and_sections_agree(
     roomy: Scene, counterweight: dict[str, Any], features: dict[str, Any], tmp_path: Any
 ) -> None:
-    """The CAD kernel, its STEP file and sections to 1e-6, cells to their steps."""
+    """The CAD kernel, its STEP file, sections and cells to 1e-6."""
     web = {key: value for key, value in features.items() if value is not None}
     base = {"thickness_mm": 19.0, "outline": "obround"} | ({} if "outline" in web else {"width_mm": 50.0})
     scene = scene_with_web(roomy, {**base, **web, "counterweight": counterweight})
     volume = export_solid(scene, "web", tmp_path / "web.step")
     assert volume == pytest.approx(web_volume_mm3(scene), rel=1e-6)
     assert step_volume_mm3(tmp_path / "web.step") == pytest.approx(volume, rel=1e-6)
-    for cell_mm, error in ((8.0, 2e-3), (3.0, 6e-4)):
+    for cell_mm in (8.0, 3.0):
         domain = build_domain(scene, cell_mm, "web", extent="quarter")
-        assert 2 * float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=error)
-
-
-@pytest.mark.parametrize("cell_mm", [5.0, 4.0, 3.0])
-def test_what_the_volume_on_cells_is_off_by(roomy: Scene, cell_mm: float) -> None:
-    """The straight sides, which no longer lie on a plane of the grid, fall between two columns of samples."""
-    for scene, off in ((roomy, False), (weighted(roomy, PLAIN), True)):
-        found = web_volume_error(scene, cell_mm)
-        assert found.error_percent == pytest.approx(found.of_sides_percent, abs=0.015)
-        assert (abs(found.of_sides_percent) > 0.003) == off
+        assert 2 * float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
 
 
 def test_thin_one_lies_on_its_own_face(roomy: Scene) -> None:
@@ -98,11 +88,11 @@ def test_no_optimiser_empties_it(roomy: Scene) -> None:
     """In the design space its sector less the bore is fixed, all the rest is free as before."""
     plain, with_weight = (build_domain(scene, 3.0) for scene in (roomy, weighted(roomy, PLAIN)))
     volumes = plain.volume_mm3 / plain.share / 2
-    np.testing.assert_allclose(with_weight.fixed + with_weight.design, plain.fixed + plain.design, atol=1e-12)
+    np.testing.assert_allclose(with_weight.fixed + with_weight.design, plain.fixed + plain.design, atol=1e-5)
     np.testing.assert_array_equal(with_weight.web, plain.web)
     fixed = float(((with_weight.fixed - plain.fixed) * volumes).sum())
     bore = roomy.throw.main_journal.bore_radius_mm
-    assert fixed == pytest.approx(math.radians(60) * (62.0**2 - bore**2) * 19.0, rel=1e-3)
+    assert fixed == pytest.approx(math.radians(60) * (62.0**2 - bore**2) * 19.0, rel=1e-6)
 
 
 def test_surface_has_it_exactly(roomy: Scene) -> None:

@@ -17,7 +17,7 @@ from cranktopo.scene.features.hull import ObroundWeb, TaperedWeb
 from cranktopo.scene.features.profile import ProfileWeb
 from cranktopo.scene.features.rectangle import RectangleWeb
 from cranktopo.scene.features.side_pocket import SidePocket
-from cranktopo.scene.features.web import Pocket, WebTable, kept_bodies, web_bodies, web_contains
+from cranktopo.scene.features.web import Pocket, WebTable, kept_bodies, web_bodies, web_spans
 
 Web = Annotated[
     ObroundWeb | RectangleWeb | EllipseWeb | TaperedWeb | ProfileWeb, Field(discriminator="outline")
@@ -41,5 +41,5 @@ __all__ = [
     "WebTable",
     "kept_bodies",
     "web_bodies",
-    "web_contains",
+    "web_spans",
 ]

@@ -21,8 +21,6 @@ from cranktopo.scene.features.body import (
     Body,
     Face,
     Feature,
-    Mask,
-    Span,
     least_shoulder_mm,
 )
 from cranktopo.scene.features.fitted import (
@@ -50,6 +48,7 @@ from cranktopo.scene.features.primitives import (
     Polyline,
     Solid,
 )
+from cranktopo.scene.spans import Span
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
@@ -172,11 +171,6 @@ class BevelTool(Body):
         cut = self.into * (z_mm - self.face_mm) < self.arc.depth_at_mm(self.arc.outward * y_mm)
         half = np.where(cut, self.wide_mm, 0.0)
         return [(-half, half)]
-
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        """The same over the whole width, so (1, y) for points (x, 1) and (1, y)."""
-        return np.asarray(self.into * (z_mm - self.face_mm) < self.arc.depth_at_mm(self.arc.outward * y_mm))
 
     @property
     @override

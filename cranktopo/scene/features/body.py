@@ -5,7 +5,6 @@ A feature knows neither meshes nor cells nor pages: rooms above loop over featur
 
 from __future__ import annotations
 
-import functools
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from typing_extensions import override
 
 from cranktopo.scene.base import SceneTable
 from cranktopo.scene.features.primitives import FeatureDrawing, Solid
+from cranktopo.scene.spans import Span, holds
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Span = tuple[Array, Array]
-"""Lateral interval (from, to), mm; empty where from >= to."""
 Face = Literal["journal", "pin"]
 _SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
 """Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
@@ -90,16 +88,9 @@ class Body(ABC):
         """Ranges of height, its ends among them, in which its section changes; none for a prism."""
         return ()
 
-    def layers_mm(self, sections: int) -> list[float]:
-        """Heights between which one section stands for the body: its ends, thin layers where it changes."""
-        ranges = [np.linspace(low, high, sections + 1) for low, high in self.changing_z_mm]
-        return [float(z) for layer in ranges for z in layer] or [*self.z_mm]
-
     def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
         """Whether points at a height within its extent lie in the body, its surface included."""
-        spans = self.spans(y_mm, np.asarray(z_mm))
-        parts = [(x_mm >= low) & (x_mm <= high) & (low < high) for low, high in spans]
-        return functools.reduce(np.logical_or, parts)
+        return holds(self.spans(y_mm, np.asarray(z_mm)), x_mm)
 
     def distance_mm(self, y_mm: float, z_mm: float) -> float:
         """Distance of its section at a height from the axis (0, y), by samples along the throw."""
@@ -129,10 +120,6 @@ class MirroredPrism(Body):
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
         half = np.where((z_mm >= self.z_mm[0]) & (z_mm <= self.z_mm[1]), self.half_width_mm(y_mm), 0.0)
         return [(-half, half)]
-
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        return np.asarray(np.abs(x_mm) < self.half_width_mm(y_mm))
 
 
 class Feature(SceneTable, ABC):

@@ -10,8 +10,9 @@ import numpy as np
 from typing_extensions import override
 
 from cranktopo.errors import CranktopoError, invalid
-from cranktopo.scene.features.body import Array, Body, Mask, Span, least_shoulder_mm
+from cranktopo.scene.features.body import Array, Body, Mask, least_shoulder_mm
 from cranktopo.scene.features.primitives import Box, Cylinder, Solid
+from cranktopo.scene.spans import Span
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
@@ -30,10 +31,6 @@ class RoundHole(Body):
         half = np.sqrt(np.maximum(self.radius_mm**2 - (y_mm - self.y_mm) ** 2, 0.0))
         half = np.where(_within(z_mm, self.z_mm), half, 0.0)
         return [(self.x_mm - half, self.x_mm + half)]
-
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        return np.asarray((x_mm - self.x_mm) ** 2 + (y_mm - self.y_mm) ** 2 <= self.radius_mm**2)
 
     @property
     @override
@@ -66,12 +63,6 @@ class RectangularHole(Body):
         inside = (y_mm > self.low_mm[1]) & (y_mm < self.high_mm[1]) & _within(z_mm, self.z_mm)
         start = np.full(inside.shape, self.low_mm[0])
         return [(start, np.where(inside, self.high_mm[0], start))]
-
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        (x0, y0), (x1, y1) = self.low_mm, self.high_mm
-        across, along = np.abs(x_mm - (x0 + x1) / 2), np.abs(y_mm - (y0 + y1) / 2)
-        return np.asarray((across <= (x1 - x0) / 2) & (along <= (y1 - y0) / 2))
 
     @property
     @override

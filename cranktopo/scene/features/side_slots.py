@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.scene.features.body import Array, Body, Mask, Span
+from cranktopo.scene.features.body import Array, Body
 from cranktopo.scene.features.primitives import Box, Frustum, Solid
+from cranktopo.scene.spans import Span
 
 BEYOND_MM = 1.0
 """How far the tool of a sloped slot reaches beyond the outline, and a groove beyond both of its ends."""
@@ -39,10 +40,6 @@ class SideSlots(Body):
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
         inner = np.minimum(self.open_from_mm(y_mm, z_mm), self.outer_mm)
         return [(inner, np.full_like(inner, self.outer_mm)), (np.full_like(inner, -self.outer_mm), -inner)]
-
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        return np.asarray(np.abs(x_mm) >= self.open_from_mm(y_mm, z_mm))
 
     def open_from_mm(self, y_mm: Array, z_mm: Array | float) -> Array:
         """|x| from which the slots are open; infinite where they are not."""
@@ -76,20 +73,9 @@ class SideSlots(Body):
     def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
         if self.slope == 0:
             return ()
-        wall = (
-            self.half_height_mm,
-            self.half_height_mm + self.slope * (self.outer_mm - self.floor_mm - BEYOND_MM),
-        )
-        return tuple(
-            (self.z_centre_mm + side * wall[0], self.z_centre_mm + side * wall[1]) for side in (-1, 1)
-        )
-
-    def distance_mm(self, y_mm: float, z_mm: float) -> float:
-        """Distance of a slot at a height from the axis (0, y), mm."""
-        y = np.linspace(*self.y_range_mm, 2001)
-        if self.slope == 0:
-            y = np.clip(np.array([y_mm]), *self.y_range_mm)
-        return float(np.hypot(self.open_from_mm(y, z_mm), y - y_mm).min())
+        floor, mouth = self.half_height_mm, self.slope * (self.outer_mm - self.floor_mm - BEYOND_MM)
+        z = self.z_centre_mm
+        return (z - floor - mouth, z - floor), (z + floor, z + floor + mouth)
 
     @override
     def solids(self) -> tuple[Solid, ...]:

@@ -5,19 +5,17 @@ Outlines are tables of their own that extend it; `cranktopo.scene.features` list
 
 from __future__ import annotations
 
-import functools
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.scene.base import Length, SceneTable
 from cranktopo.scene.features.bevel import EndBevel, FittedBevel
-from cranktopo.scene.features.body import Array, Body, Feature, Mask, Span
+from cranktopo.scene.features.body import Array, Body, Feature
 from cranktopo.scene.features.box_pocket import BoxPocket, FittedBox
 from cranktopo.scene.features.counterweight import Counterweight
 from cranktopo.scene.features.cylinder_pocket import CylinderPocket, FittedCylinder
@@ -26,6 +24,7 @@ from cranktopo.scene.features.fitted_pocket import FittedPocket
 from cranktopo.scene.features.hole import bore_holes
 from cranktopo.scene.features.primitives import Curve, Extrusion, Solid
 from cranktopo.scene.features.side_pocket import FittedSlot, SidePocket
+from cranktopo.scene.spans import Span, material
 
 if TYPE_CHECKING:
     from cranktopo.scene.features.throw_view import ThrowView
@@ -106,10 +105,6 @@ class OutlineBody(Body):
         half = self.web.half_width_mm(self.throw_radius_mm, y_mm)
         return [(-half, half)]
 
-    @override
-    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        return np.asarray(np.abs(x_mm) < self.web.half_width_mm(self.throw_radius_mm, y_mm))
-
     @property
     @override
     def y_range_mm(self) -> tuple[float, float]:
@@ -152,9 +147,10 @@ def kept_bodies(scene: ThrowView) -> tuple[Body, ...]:
     return () if weight is None or weight.bolted else (weight.sector(scene),)
 
 
-def web_contains(bodies: Sequence[Body], x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-    """Whether points of a section lie in the material that bodies leave, broadcastable."""
-    here = [body for body in bodies if body.z_mm[0] <= z_mm <= body.z_mm[1]]
-    added = (body.contains(x_mm, y_mm, z_mm) for body in here if body.adds)
-    removed = (~body.contains(x_mm, y_mm, z_mm) for body in here if not body.adds)
-    return functools.reduce(np.logical_and, removed, functools.reduce(np.logical_or, added))
+def web_spans(bodies: Sequence[Body], y_mm: Array, z_mm: Array) -> tuple[Array, Array]:
+    """Ends (intervals, ...) of the material that bodies leave at places along the throw and heights."""
+    added, removed = (
+        [span for body in bodies if body.adds == adds for span in body.spans(y_mm, z_mm)]
+        for adds in (True, False)
+    )
+    return material(added, removed)
