@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -235,6 +236,19 @@ def test_pocket_and_envelope_keep_clear() -> None:
     data["envelope"] = {"shape": "box", "half_width_mm": 4.0, "y_min_mm": -34.0, "y_max_mm": 82.0}
     with pytest.raises(CranktopoError, match=r"does not hold throw.drilling\[0\]"):
         build_domain(scene_from_dict(data), 4.0)
+
+
+def test_outline_with_a_waist_holds_a_leaning_one() -> None:
+    """It is narrow where the drilling crosses x = 0, and wide where that is at its ends."""
+    leaning = drilling(("main_journal", 130.0, 1.0), ("crankpin", 310.0, 2.0))
+    data = mikron(leaning, bore_diameter_mm=0.0).model_dump(mode="json", exclude_none=True)
+    right = [(26.0, -26.0), (26.0, 10.0), (8.0, 24.0), (26.0, 38.0), (26.0, 74.0)]
+    for waist_mm, held in ((8.0, True), (5.0, False)):
+        right[2] = waist_mm, 24.0
+        points = [*right, *((-x, y) for x, y in right[::-1])]
+        data["envelope"] = {"shape": "outline", "points_mm": points}
+        with nullcontext() if held else pytest.raises(CranktopoError, match=r"does not hold throw.drilling"):
+            build_domain(scene_from_dict(data), 4.0)
 
 
 def rules_of(scene: Scene, wall_mm: float = 3.0) -> dict[str, float]:
