@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from cranktopo.cad.half_surfaces import half_surfaces
 from cranktopo.cad.solid_files import coarse_facet_mm, surface_of
 from cranktopo.effects import plan
 from cranktopo.evaluate.case_stress import case_stress
@@ -25,7 +26,7 @@ from cranktopo.report.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.report.tables.undercut_table import DesignUndercuts
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.scene import Scene
-from cranktopo.scene.halves import difference, drilled_alike, halves
+from cranktopo.scene.halves import difference, halves
 from cranktopo.scene.scale import usual_scale
 from cranktopo.store import Json
 from cranktopo.store.manifest import file_hash, settings_hash, timestamp, versions
@@ -141,9 +142,9 @@ def comparison_record(
     stress_progress = _unless_halves_differ(found.targets, stress_progress)
     throws = [half_throws(target) for target in found.targets]
     shown = [
-        (half, _surface(half), partner)
+        (half, mesh, partner)
         for each in throws
-        for half, partner in zip(each, PARTNERS[len(each)], strict=True)
+        for (half, mesh), partner in zip(each, PARTNERS[len(each)], strict=True)
     ]
     return ComparisonRecord(
         comparison=found.comparison,
@@ -169,16 +170,17 @@ def _unless_halves_differ(targets: Sequence[Target], progress: Info | None) -> I
     return progress
 
 
-def half_throws(target: Target) -> tuple[Target, ...]:
-    """Both half throws of a target where they differ, each in its own frame, else the target itself.
-
-    Drillings that one half alone has are left out.
-    """
-    if not difference(target.scene):
-        return (target,)
-    named = zip(("first web", "second web"), halves(target.scene), strict=True)
+def half_throws(target: Target) -> tuple[tuple[Target, SurfaceMesh], ...]:
+    """Half throws and their surfaces, each in its own frame; the one that stands for both where it can."""
+    scene = target.scene
+    if not difference(scene):
+        return ((target, _surface(target)),)
+    named = (f"{target.name}, {web} web" for web in ("first", "second"))
+    near, far = halves(scene)
+    surfaces = half_surfaces(scene, coarse_facet_mm(near))
     return tuple(
-        replace(target, name=f"{target.name}, {web}", scene=drilled_alike(half)) for web, half in named
+        (replace(target, name=name, scene=half), mesh)
+        for name, half, mesh in zip(named, (near, far), surfaces, strict=True)
     )
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from cranktopo.accuracy.level import EVALUATION, FILLET_STRESS
@@ -24,7 +26,8 @@ from cranktopo.pipeline.sweep.fineness import Fineness
 from cranktopo.pipeline.sweep.plan import sweep_plan
 from cranktopo.pipeline.sweep.stages import run_stage
 from cranktopo.pipeline.sweep.variation import read_option
-from cranktopo.scene import load_scene
+from cranktopo.scene import drilling_moments, load_scene, scene_from_dict
+from cranktopo.scene.halves import halves
 from cranktopo.scene.loading import designs_folder
 from tests.packed_scenes import unpacked
 
@@ -97,12 +100,21 @@ def test_the_rule_judges_each_web(
 
 
 def test_the_page_of_a_comparison_shows_both_webs(two: str) -> None:
-    """Each half throw in its own frame, both looked at for undercuts."""
+    """Each half throw in its own frame, a drilling of one half alone in it."""
     target = resolve_targets([two], whole=True)[0]
-    shown = compare.half_throws(target)
-    assert [half.name for half in shown] == ["two, first web", "two, second web"]
-    assert [half.scene.web.thickness_mm for half in shown] == [19.0, 25.0]
-    assert [half.scene.pitch_mm for half in shown] == [114.0, 126.0]
+    data = target.scene.model_dump(mode="json", by_alias=True, exclude_none=True)
+    data["throw"]["drilling"] = [{"diameter_mm": 5.0, "web": "second"}]
+    drilled = replace(target, scene=scene_from_dict(data, whole=True))
+    volumes = []
+    for throw in (target, drilled):
+        shown = compare.half_throws(throw)
+        assert [half.name for half, _ in shown] == ["two, first web", "two, second web"]
+        assert [half.scene.web.thickness_mm for half, _ in shown] == [19.0, 25.0]
+        assert [half.scene.pitch_mm for half, _ in shown] == [114.0, 126.0]
+        volumes.append([mesh.volume_mm3 for _, mesh in shown])
+    lost = np.subtract(*volumes)
+    assert lost.sum() == pytest.approx(drilling_moments.drilled(halves(drilled.scene)[1]).volume, rel=0.1)
+    assert 0 < lost[0] < 0.2 * lost[1]  # what reaches across the middle of the crankpin
 
 
 def test_accuracy_tells_what_it_leaves_out(two: str) -> None:
