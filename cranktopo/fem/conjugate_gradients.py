@@ -67,6 +67,7 @@ class _CgState(NamedTuple):
     Attributes:
         u: displacements at the last measurement, float64.
         x: what the iteration has added since.
+        worse: whether that measurement was no better than the one before.
         true_error: relative residual at the last measurement; `error` is that of `r`.
     """
 
@@ -79,6 +80,7 @@ class _CgState(NamedTuple):
     true_error: jax.Array
     done: jax.Array
     measure: jax.Array
+    worse: jax.Array
     stop: jax.Array
 
 
@@ -133,14 +135,13 @@ class _Iteration:
     """What all steps of an iteration share.
 
     Attributes:
-        forces: projected, float64; their norms `load` (cases,) are the unit of the corrections, 1 where 0.
+        load: (cases,) norms of the projected forces, the unit of the corrections, 1 where 0.
         narrow: the system in the precision of the iteration.
     """
 
     system: System
     narrow: System
     precondition: Callable[[jax.Array], jax.Array]
-    forces: jax.Array
     load: jax.Array
     tolerance: jax.Array
     max_iterations: jax.Array
@@ -155,22 +156,29 @@ class _Iteration:
         At the start and at the end u is scaled per case to the least energy of its error: that makes the most
         of the guess, and gives the work of the loads an error of second order. Where the recursive residual
         has drifted from the true one, the iteration goes on from there, as long as that still helps; its
-        direction is kept.
+        direction is kept. On slender or fine grids the rounding of a smooth displacement in float32 weighs more
+        than the load: the first true residual is then larger than before, but rough, so that little
+        displacement takes it away. Worse twice in a row, it is stuck.
         """
         u = s.u + _wide(self.load) * project(self.system.supports, s.x.astype(s.u.dtype))
         image = stiffness_product(self.system, u, apply_stiffness_in_slabs)
-        near = _norm(self.forces - image) <= self.tolerance * self.load
-        least_energy = _ratio(dot(self.forces, u), dot(u, image))
+        supports, forces = self.system.supports, self.system.forces
+        near = _norm(project(supports, forces - image)) <= self.tolerance * self.load
+        least_energy = _ratio(dot(forces, u), dot(u, image))
         scale = _wide(jnp.where((s.done == 0) | near, least_energy, 1.0))
-        r = (self.forces - scale * image) / _wide(self.load)
+        # Projected here, not kept: the forces would be one more field in float64.
+        r = project(supports, forces - scale * image) / _wide(self.load)
         error = _norm(r)
-        stuck = (s.done > 0) & ~(jnp.max(error) <= 0.5 * jnp.max(s.true_error))  # also when not a number
+        worse = (s.done > 0) & ~(jnp.max(error) <= 0.5 * jnp.max(s.true_error))  # also when not a number
+        stuck = worse & (s.worse | ~jnp.all(jnp.isfinite(error)))
         return s._replace(
             u=scale * u,
             x=jnp.zeros_like(s.x),
             r=r.astype(s.r.dtype),
             error=error,
             true_error=error,
+            rz=jnp.where(worse, 0.0, s.rz),
+            worse=worse,
             measure=jnp.asarray(False),
             stop=jnp.all(error <= self.tolerance) | stuck | (s.done >= self.max_iterations),
         )
@@ -209,11 +217,10 @@ def _iterate(
     inner: jnp.dtype[Any],
 ) -> CgResult:
     """From the guess until a measurement tells to stop, in the precision `inner` between measurements."""
-    forces = project(system.supports, system.forces)
-    load = _norm(forces)
+    load = _norm(project(system.supports, system.forces))
     load = jnp.where(load > 0, load, 1.0)
     narrow = system._replace(moduli=system.moduli.astype(inner))
-    iteration = _Iteration(system, narrow, precondition, forces, load, tolerance, max_iterations)
+    iteration = _Iteration(system, narrow, precondition, load, tolerance, max_iterations)
     first = _before_measuring(project(system.supports, guess), inner)
     final = jax.lax.while_loop(lambda s: ~s.stop, iteration.step, first)
     return CgResult(final.u, final.true_error, final.done)
@@ -231,6 +238,7 @@ def _before_measuring(u: jax.Array, inner: jnp.dtype[Any]) -> _CgState:
         true_error=none,
         done=jnp.zeros((), jnp.int32),
         measure=jnp.asarray(True),
+        worse=jnp.asarray(False),
         stop=jnp.asarray(False),
     )
 
