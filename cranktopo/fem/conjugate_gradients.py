@@ -67,8 +67,8 @@ class _CgState(NamedTuple):
     Attributes:
         u: displacements at the last measurement, float64.
         x: what the iteration has added since.
-        worse: whether that measurement was no better than the one before.
         true_error: relative residual at the last measurement; `error` is that of `r`.
+        worse: whether that measurement was no better than the one before.
     """
 
     u: jax.Array
@@ -156,9 +156,9 @@ class _Iteration:
         At the start and at the end u is scaled per case to the least energy of its error: that makes the most
         of the guess, and gives the work of the loads an error of second order. Where the recursive residual
         has drifted from the true one, the iteration goes on from there, as long as that still helps; its
-        direction is kept. On slender or fine grids the rounding of a smooth displacement in float32 weighs more
-        than the load: the first true residual is then larger than before, but rough, so that little
-        displacement takes it away. Worse twice in a row, it is stuck.
+        direction is kept. On slender or fine grids float32 rounds smooth displacements by more than the load:
+        the first true residual is then larger than before, but rough, so that little displacement takes it
+        away. Worse twice in a row, it is stuck.
         """
         u = s.u + _wide(self.load) * project(self.system.supports, s.x.astype(s.u.dtype))
         image = stiffness_product(self.system, u, apply_stiffness_in_slabs)

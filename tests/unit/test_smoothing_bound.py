@@ -1,4 +1,4 @@
-"""Largest eigenvalue of Jacobi-scaled coarse operators against ARPACK, which restarts until it has converged."""
+"""Largest eigenvalue of Jacobi-scaled coarse operators against ARPACK, which iterates to convergence."""
 
 from __future__ import annotations
 

@@ -1,0 +1,22 @@
+"""A beam so slender that float32 rounds its displacements by more than its load."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import pytest
+
+from cranktopo.fem.equilibrium import METHODS
+from cranktopo.fem.response import compliances, solve
+from tests.studies.cantilever import cantilever
+
+LENGTH, SIDE = 512, 4
+
+
+def test_first_method_gets_there(float64: None) -> None:
+    """Its first true residual is 27 times the load. Tip deflection by Euler and Bernoulli."""
+    model, _ = cantilever((LENGTH, SIDE, SIDE))
+    solution = solve(model, jnp.ones(model.lattice.cells), tolerance=1e-5)
+    assert (solution.method, solution.notice) == (METHODS[0].name, "")
+    force = SIDE + 1.0
+    deflection = force * LENGTH**3 / (3 * SIDE**4 / 12)
+    assert float(compliances(model, solution.displacements)[0]) == pytest.approx(force * deflection, rel=1e-3)
