@@ -96,6 +96,7 @@ def test_responses_by_density(setting: tuple[ThrowModel, Interpolation, jax.Arra
         assert float(jnp.sum(gradient * direction)) == pytest.approx(wanted, rel=1e-5), name
 
 
+@pytest.mark.slow
 def test_largest_single_cell_derivative(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
     model, chain, x = setting
 

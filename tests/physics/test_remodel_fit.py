@@ -135,9 +135,8 @@ def test_the_outline_of_a_square_body_does_not_fold_back(
     assert web.flank.derivatives(np.linspace(0, 1, 501))[0][..., 1].min() > -1e-9
 
 
-@pytest.mark.parametrize(
-    "fillet", [pytest.param({}, marks=pytest.mark.slow), {"fillet_mm": 8.0}], ids=["sharp", "rounded"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("fillet", [{}, {"fillet_mm": 8.0}], ids=["sharp", "rounded"])
 def test_an_outline_is_found_beside_a_counterweight(fillet: dict[str, float]) -> None:
     """The rim of the sector cuts cells, which are not taken for the lower end of the outline."""
     data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True)
