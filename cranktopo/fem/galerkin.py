@@ -104,7 +104,7 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
     matrices = jnp.asarray(coarse.matrices, moduli.dtype)[:, _PAIR_ENTRIES]
 
-    def part(start: jax.Array, depth: int) -> jax.Array:
+    def part(start: int | jax.Array, depth: int) -> jax.Array:
         slab = jax.lax.dynamic_slice_in_dim(moduli, start * across, depth * across)
         return _summed_pairs(_entries(coarse, matrices, slab).astype(precision))
 

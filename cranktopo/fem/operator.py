@@ -22,6 +22,8 @@ _COUPLED = np.abs(reflection_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3)))
 def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """Nodal forces K(moduli) u of every case.
 
+    Slab by slab along x: sums and products of the whole grid would be the most memory that a solve takes.
+
     Args:
         blocks: reflection blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
         moduli: Young's modulus per cell (nx, ny, nz), MPa.
@@ -30,6 +32,15 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     Returns:
         Forces of the same shape and precision as `field`, N.
     """
+
+    def part(start: int | jax.Array, depth: int) -> jax.Array:
+        cells = jax.lax.dynamic_slice_in_dim(moduli, start, depth)
+        return _apply_to_slab(blocks, cells, jax.lax.dynamic_slice_in_dim(field, start, depth + 1, 2))
+
+    return add_slabs(jnp.zeros_like(field), moduli.shape[0], part, axis=2)
+
+
+def _apply_to_slab(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     # A ring of cells without stiffness around the grid: sums of slices then need no edges, at which XLA
     # stops using vectors. Without the barriers it recomputes sums and products once per corner.
     ring, edges = ((1, 1),) * 3, ((0, 0),) * 3
@@ -37,16 +48,6 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     classes = jax.lax.optimization_barrier(_parity_sums(jax.lax.optimization_barrier(field)))
     products = _multiply_blocks(jnp.pad(blocks, (*edges, ring[0])), jnp.pad(moduli, ring), classes)
     return _parity_sums_transposed(jax.lax.optimization_barrier(products))
-
-
-def apply_stiffness_in_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
-    """`apply_stiffness` slab by slab along x: a fraction of its memory, about half its speed."""
-
-    def part(start: jax.Array, depth: int) -> jax.Array:
-        cells = jax.lax.dynamic_slice_in_dim(moduli, start, depth)
-        return apply_stiffness(blocks, cells, jax.lax.dynamic_slice_in_dim(field, start, depth + 1, 2))
-
-    return add_slabs(jnp.zeros_like(field), moduli.shape[0], part, axis=2)
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:

@@ -6,12 +6,17 @@ from collections.abc import Callable
 
 import jax
 
-# More would save little: one slab is then an eighth of what else is kept.
-_MOST_SLABS = 8
+# More would save little: one slab is then an eighth of what else is kept. Below so many numbers a slab is too
+# little work for the cores, and what it takes is small anyway.
+_MOST_SLABS, _LEAST_NUMBERS = 8, 750_000
 
 
 def add_slabs(
-    total: jax.Array, layers: int, part: Callable[[jax.Array, int], jax.Array], axis: int, first: int = 0
+    total: jax.Array,
+    layers: int,
+    part: Callable[[int | jax.Array, int], jax.Array],
+    axis: int,
+    first: int = 0,
 ) -> jax.Array:
     """A nodal array plus the parts of slabs of equal depth along x; neighbours share a plane of nodes.
 
@@ -21,12 +26,13 @@ def add_slabs(
         axis: of `total` along x.
         first: planes of `total` before those of the grid.
     """
-    slabs = max(count for count in range(1, _MOST_SLABS + 1) if layers % count == 0)
+    most = max(1, min(_MOST_SLABS, total.size // _LEAST_NUMBERS))
+    slabs = max(count for count in range(1, most + 1) if layers % count == 0)
     depth = layers // slabs
 
-    def add(number: jax.Array, total: jax.Array) -> jax.Array:
+    def add(number: int | jax.Array, total: jax.Array) -> jax.Array:
         start = number * depth
         there = jax.lax.dynamic_slice_in_dim(total, first + start, depth + 1, axis)
         return jax.lax.dynamic_update_slice_in_dim(total, there + part(start, depth), first + start, axis)
 
-    return jax.lax.fori_loop(0, slabs, add, total)
+    return add(0, total) if slabs == 1 else jax.lax.fori_loop(0, slabs, add, total)

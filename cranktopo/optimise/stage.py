@@ -11,6 +11,7 @@ from cranktopo.effects import EffectPlan, plan, simulated_scene
 from cranktopo.loads.cases import LoadCase, load_cases
 from cranktopo.optimise import loop
 from cranktopo.optimise.build import build_problem
+from cranktopo.optimise.coarse_start import coarse_scene, first_state
 from cranktopo.optimise.length_scale import check_lengths
 from cranktopo.optimise.notices import notices
 from cranktopo.optimise.problem import DensityProblem, SolverSettings
@@ -76,7 +77,8 @@ def optimise_density(
         CranktopoError: solver failure.
     """
     problem = build_problem(prepared.scene, prepared.domain, prepared.cases, solving)
-    state = iterate(problem, loop.init(problem), progress)
+    first = first_state(problem, prepared.scene, prepared.domain, prepared.cases, progress)
+    state = iterate(problem, first, progress)
     return Optimum(problem, state, loop.final_design(problem, state))
 
 
@@ -94,10 +96,12 @@ def describe(prepared: Prepared) -> str:
     sizes = " x ".join(f"{step.max():.3g}" for step in grid.steps_mm)
     nx, ny, nz = grid.cells
     loads = ", ".join(_load_text(case) for case in prepared.cases)
+    coarser = coarse_scene(prepared.scene, prepared.domain)
+    first = "" if coarser is None else f"; first on cells of {coarser.optimise.resolution_mm:.3g} mm"
     return (
         f"{prepared.scene.name}: {prepared.domain.extent} model, {nx} x {ny} x {nz} cells of {sizes} mm, "
         f"padded by {grid.padding[0]}, {grid.padding[1]}, {grid.padding[2]} cells for {grid.levels} "
-        f"multigrid levels; {loads}"
+        f"multigrid levels{first}; {loads}"
     )
 
 

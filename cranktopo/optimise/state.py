@@ -56,6 +56,19 @@ class Round:
 
 
 @dataclass(frozen=True)
+class CoarseStart:
+    """What larger cells did before the first iteration.
+
+    Attributes:
+        cell_mm: their largest edge.
+    """
+
+    cell_mm: float
+    iterations: int
+    seconds: float
+
+
+@dataclass(frozen=True)
 class State:
     """Where an optimisation stands.
 
@@ -66,12 +79,14 @@ class State:
             a least size: warm start of the next solves.
         beta: projection steepness of the next design.
         stage_start: iterations done when the current beta began.
-        initial_N_mm: compliances of the first design, the normalisation of the objective.
+        initial_N_mm: compliances of the first design, the normalisation of the objective; of that on larger
+            cells where these came first.
         history: one record per design evaluated.
         status: running, converged (all criteria met), stopped (the iterations are spent) or infeasible (no
             design was found that meets every limit).
         memory: what the optimiser remembers of its steps, by name.
         rounds: how the limits were moved by an evaluation of the design, in order.
+        coarse_start: where the first design comes from, None where it was uniform.
     """
 
     x: Array
@@ -85,6 +100,7 @@ class State:
     reason: str = ""
     memory: Mapping[str, Array] = field(default_factory=dict)
     rounds: tuple[Round, ...] = ()
+    coarse_start: CoarseStart | None = None
 
     @property
     def bounds(self) -> tuple[float, ...]:
@@ -143,5 +159,6 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
         status=data["status"],
         reason=data["reason"],
         rounds=tuple(Round(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
+        coarse_start=CoarseStart(**data["coarse_start"]) if data.get("coarse_start") else None,
         memory={name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)},
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from statistics import fmean, median
 from typing import Any
 
@@ -74,6 +74,7 @@ def optimise_metrics(
         "status": state.status,
         "stop_reason": state.reason,
         "iterations": len(state.history),
+        **({} if state.coarse_start is None else {"coarse_start": asdict(state.coarse_start)}),
         "volume_fraction": {"target": problem.target, "reached": state.last.volume_fraction},
         "mass_kg": {"throw": result.throw_kg, "web": result.web_kg},
         "greyness": state.last.greyness,

@@ -17,6 +17,7 @@ from cranktopo.evaluate.side_by_side import side_by_side
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise import loop
 from cranktopo.optimise.build import build_problem
+from cranktopo.optimise.coarse_start import first_state
 from cranktopo.optimise.continuation import with_limit
 from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem
@@ -184,8 +185,11 @@ def _optimise(
     with working_in(run, "what is done is saved") as check, double_precision():
         if resume:
             run.resume()
-        state = _first_state(run, problem, resume)
+        state = _saved_state(run, problem) if resume else None
         keep = _kept(run, progress, check)
+        if state is None:
+            started = _checked(progress, check)
+            state = first_state(problem, prepared.scene, prepared.domain, prepared.cases, started)
         state = iterate(problem, state, keep)
         case = evaluated_goal(scene, prepared, problem, Work(info, KeptWork(run.path / EVALUATIONS), check))
         failure = ""
@@ -198,11 +202,21 @@ def _optimise(
     return OptimisedRun(run.path, metrics)
 
 
-def _first_state(run: RunStore, problem: DensityProblem, resume: bool) -> State:
-    if not (resume and run.checkpoint.is_file()):
-        return loop.init(problem)
+def _saved_state(run: RunStore, problem: DensityProblem) -> State | None:
+    if not run.checkpoint.is_file():
+        return None
     saved = load_checkpoint(run.checkpoint)
     return with_limit(problem, from_checkpoint(saved.arrays, saved.state))
+
+
+def _checked(progress: Progress, check: Callable[[], None]) -> Progress:
+    """Progress of iterations that are not kept: repeating them is cheap."""
+
+    def show(problem: DensityProblem, state: State) -> None:
+        progress(problem, state)
+        check()
+
+    return show
 
 
 def _kept(run: RunStore, progress: Progress, check: Callable[[], None]) -> Progress:

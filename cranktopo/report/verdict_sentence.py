@@ -32,6 +32,15 @@ def worse_line(changes_percent: Mapping[Quantity, float], reference: str) -> str
     return f"worse than {reference}: {_joined(worse)}" if worse else ""
 
 
+def ended(metrics: Mapping[str, Any]) -> str:
+    """How a run ended, and after how many iterations; `metrics` as metrics.json holds it."""
+    text = f"{metrics['status']} after {metrics['iterations']} iterations"
+    first = metrics.get("coarse_start")
+    return (
+        f"{text}, and {first['iterations']} before on cells of {first['cell_mm']:.3g} mm" if first else text
+    )
+
+
 def run_changes_percent(metrics: Mapping[str, Any]) -> dict[Quantity, float]:
     """Changes of a run against its original web, %; `metrics` as metrics.json holds it."""
     original = metrics["original_web"]

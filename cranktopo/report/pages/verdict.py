@@ -14,6 +14,7 @@ from cranktopo.report.tables.undercut_table import obstacles, released_text
 from cranktopo.report.verdict_sentence import (
     NOTICEABLE_PERCENT,
     comparison_sentence,
+    ended,
     percent_change,
     run_changes_percent,
     stiffness_of,
@@ -140,7 +141,7 @@ def _stiffness(metrics: Mapping[str, Any]) -> list[Fact]:
 
 def _end(metrics: Mapping[str, Any]) -> Fact:
     done = metrics["status"] == "converged"
-    value = f"{metrics['status']} after {metrics['iterations']} iterations"
+    value = ended(metrics)
     if not metrics["connected"]:
         return Fact("Optimisation", value, "journal and crankpin are not connected", "bad")
     return Fact("Optimisation", value, metrics["stop_reason"], "good" if done else "bad")

@@ -19,7 +19,7 @@ from cranktopo.report.tables.steps_table import (
     steps_tables,
 )
 from cranktopo.report.tables.undercut_table import obstacles
-from cranktopo.report.verdict_sentence import percent_change, run_changes_percent, worse_line
+from cranktopo.report.verdict_sentence import ended, percent_change, run_changes_percent, worse_line
 
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
@@ -31,7 +31,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
     original = metrics["original_web"]
     lines = [
         *filter(None, [unjudged_line(metrics.get("goal", {}))]),
-        f"{metrics['status']} after {metrics['iterations']} iterations: {metrics['stop_reason']}",
+        f"{ended(metrics)}: {metrics['stop_reason']}",
         *filter(None, [worse_line(run_changes_percent(metrics), "the original web")]),
         "",
         f"{'':24}{'optimised':>14}{'original web':>14}{'change':>12}{'estimate':>12}{'gain per kg':>14}",

@@ -1,0 +1,106 @@
+"""The first stages of a fine optimisation on cells twice as large, an eighth of the work.
+
+While the projection is soft a design has no detail that finer cells would show, and the filter, whose radius
+stays that of the fine cells, keeps it so. The design variables are then interpolated.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.domain.build import Domain, build_domain
+from cranktopo.domain.resolution import WALL_CELLS, thinnest_wall_mm
+from cranktopo.loads.cases import LoadCase
+from cranktopo.optimise import loop
+from cranktopo.optimise.build import build_problem
+from cranktopo.optimise.length_scale import LEAST_CELLS, filter_radius_mm
+from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.state import CoarseStart, State
+from cranktopo.scene import Scene
+
+Array = NDArray[np.float64]
+Progress = Callable[[DensityProblem, State], None]
+
+# Below so many cells the programs of a second grid take longer to compile than they save.
+_LEAST_CELLS = 200_000
+# Radius of the filter over the large cells: with less, they would see another problem.
+_LEAST_RADIUS = 1.5
+# Stages of the projection that the large cells take: with more the objective ends more than 0.1 % worse
+# (`python -m tests.benchmarks.coarse_start`).
+_STAGES = 2
+
+
+def coarse_scene(scene: Scene, domain: Domain) -> Scene | None:
+    """The scene on cells twice as large; None where few cells or a short length leave nothing to gain."""
+    cell, radius = 2 * scene.optimise.resolution_mm, filter_radius_mm(scene, domain)
+    lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
+    fits = (
+        domain.design.size >= _LEAST_CELLS
+        and cell * _LEAST_RADIUS <= radius
+        and cell * WALL_CELLS <= thinnest_wall_mm(scene)
+        and all(length is None or cell * LEAST_CELLS <= length for length in lengths)
+    )
+    return scene.with_optimise(resolution_mm=cell, filter_radius_mm=radius) if fits else None
+
+
+def first_state(
+    problem: DensityProblem,
+    scene: Scene,
+    domain: Domain,
+    cases: Sequence[LoadCase],
+    progress: Progress = lambda *_: None,
+) -> State:
+    """The state before the first iteration: a design from larger cells where they will do, else uniform.
+
+    Call inside `double_precision()`.
+
+    Args:
+        progress: called after every iteration on the larger cells.
+
+    Raises:
+        CranktopoError: solver failure.
+    """
+    coarser = coarse_scene(scene, domain)
+    if coarser is None:
+        return loop.init(problem)
+    began, schedule = time.perf_counter(), problem.schedule
+    there = build_domain(coarser, coarser.optimise.resolution_mm)
+    coarse = build_problem(coarser, there, cases, problem.solving)
+    coarse = replace(coarse, max_iterations=_STAGES * schedule.stage_iterations)
+    steepest = min(schedule.projection_first * 2**_STAGES, schedule.projection_last)
+    state = loop.init(coarse)
+    while not state.done and state.beta < steepest:
+        state = loop.step(coarse, state)
+        progress(coarse, state)
+    x = interpolated(state.x, np.asarray(coarse.chain.design), there, domain)
+    told = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
+    start = replace(loop.init(problem), x=x, evaluated=x, beta=steepest)
+    return replace(start, initial_N_mm=state.initial_N_mm, coarse_start=told)
+
+
+def interpolated(x: Array, design: Array, there: Domain, here: Domain) -> Array:
+    """Design variables on other cells, trilinear between the centres of cells that have any.
+
+    Args:
+        x, design: variables and designable fractions of the web's cells (nx, ny, nw) of `there`.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    values = np.stack([x * design, design], axis=-1)
+    for axis, (known, wanted) in enumerate(zip(_centres_mm(there), _centres_mm(here), strict=True)):
+        line = make_interp_spline(known, values, k=1, axis=axis)
+        values = line(np.clip(wanted, known[0], known[-1]))
+    weighted, weight = values[..., 0], values[..., 1]
+    return np.clip(np.divide(weighted, weight, out=np.zeros_like(weight), where=weight > 0), 0.0, 1.0)
+
+
+def _centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
+    """Centres of the web's cells along each axis, mm."""
+    grid, (first, last) = domain.grid, domain.web_layers
+    x, y, z = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
+    return x, y, z[first:last]

@@ -1,0 +1,121 @@
+"""Which optimisations begin on larger cells, and what these hand on."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.domain.build import build_domain
+from cranktopo.fem.precision import double_precision
+from cranktopo.optimise import coarse_start, loop
+from cranktopo.optimise.build import build_problem
+from cranktopo.optimise.coarse_start import coarse_scene, first_state, interpolated
+from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.stage import Prepared, iterate, prepare
+from cranktopo.optimise.state import CoarseStart, Record, State, from_checkpoint, to_checkpoint
+from cranktopo.report.verdict_sentence import ended
+from cranktopo.scene import Scene, load_scene
+
+ROW = Record(1, 1.0, 1.0, (2.0, 3.0), 0.3, 0.5, 0.2, 9, 1.0)
+
+
+def started(prepared: Prepared, problem: DensityProblem) -> State:
+    return first_state(problem, prepared.scene, prepared.domain, prepared.cases)
+
+
+def solved_by_nothing(problem: DensityProblem, state: State) -> State:
+    """A step that leaves the design and makes the projection steeper after every second one."""
+    history = (*state.history, replace(ROW, iteration=len(state.history) + 1, beta=state.beta))
+    beta = state.beta * (2 if len(history) % 2 == 0 else 1)
+    return replace(state, history=history, beta=beta, initial_N_mm=(2.0, 3.0))
+
+
+@pytest.mark.parametrize("name", ["mikron-iiic", "opposed-piston", "car-diesel", "industrial-gas"])
+def test_designs_at_their_own_resolution_start_uniform(name: str) -> None:
+    scene = load_scene(name)
+    assert coarse_scene(scene, build_domain(scene, scene.optimise.resolution_mm)) is None
+
+
+@pytest.mark.parametrize(
+    ("settings", "cell_mm"),
+    [
+        ({"resolution_mm": 1.0}, 2.0),
+        ({"resolution_mm": 1.2}, None),  # the filter would span 1.25 cells
+        ({"resolution_mm": 1.0, "filter_radius_mm": 2.9}, None),
+        ({"resolution_mm": 1.0, "min_member_mm": 4.5}, 2.0),
+        ({"resolution_mm": 1.0, "min_member_mm": 3.5}, None),
+    ],
+)
+def test_fine_cells_start_on_cells_twice_as_large(
+    mikron: Scene, settings: dict[str, float], cell_mm: float | None
+) -> None:
+    scene = mikron.with_optimise(**settings)
+    coarser = coarse_scene(scene, build_domain(scene, settings["resolution_mm"]))
+    assert (None if coarser is None else coarser.optimise.resolution_mm) == cell_mm
+
+
+def test_the_filter_keeps_its_radius(mikron: Scene) -> None:
+    scene = mikron.with_optimise(resolution_mm=1.0)
+    coarser = coarse_scene(scene, build_domain(scene, 1.0))
+    assert coarser is not None
+    assert coarser.optimise.filter_radius_mm == 3.0
+
+
+def test_linear_designs_are_interpolated_exactly(mikron: Scene) -> None:
+    there, here = build_domain(mikron, 4.0), build_domain(mikron, 2.0)
+    centres = [np.meshgrid(*coarse_start._centres_mm(domain), indexing="ij") for domain in (there, here)]
+    known, wanted = (0.4 + 0.004 * x - 0.003 * y + 0.002 * z for x, y, z in centres)
+    found = interpolated(known, np.ones(known.shape), there, here)
+    # Beyond the outermost centres the nearest value holds.
+    inside = (slice(1, -1),) * 3
+    np.testing.assert_allclose(found[inside], wanted[inside], atol=1e-12)
+
+
+def test_void_beside_the_design_space_does_not_thin_it(mikron: Scene) -> None:
+    there, here = build_domain(mikron, 4.0), build_domain(mikron, 2.0)
+    (first, last), (begin, end) = there.web_layers, here.web_layers
+    design = there.design[:, :, first:last]
+    found = interpolated(np.where(design > 0, 0.7, 0.1), design, there, here)
+    designable = here.design[:, :, begin:end] > 0
+    assert np.mean(np.abs(found[designable] - 0.7) < 1e-12) > 0.99
+
+
+def test_two_stages_are_handed_on(mikron: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(coarse_start, "_LEAST_CELLS", 0)
+    monkeypatch.setattr(loop, "step", solved_by_nothing)
+    prepared = prepare(mikron.with_optimise(resolution_mm=2.25, filter_radius_mm=7.0))
+    with double_precision():
+        problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
+        state = started(prepared, problem)
+        back = from_checkpoint(*to_checkpoint(state))
+    assert state.coarse_start is not None
+    assert (state.coarse_start.iterations, state.beta, state.history) == (4, 4.0, ())
+    assert state.coarse_start.cell_mm == pytest.approx(4.5, rel=0.05)
+    assert state.x.shape == problem.chain.design.shape
+    assert state.initial_N_mm == (2.0, 3.0)
+    assert back.coarse_start == state.coarse_start
+
+
+def test_summary_tells_both() -> None:
+    metrics: dict[str, Any] = {"status": "converged", "iterations": 13}
+    assert ended(metrics) == "converged after 13 iterations"
+    metrics |= {"coarse_start": asdict(CoarseStart(2.0, 12, 3.0))}
+    assert ended(metrics) == "converged after 13 iterations, and 12 before on cells of 2 mm"
+
+
+@pytest.mark.slow
+def test_the_design_is_as_good(mikron: Scene) -> None:
+    """Weighted compliance within 0.1 % of that from a uniform start, after half the iterations."""
+    prepared = prepare(mikron.with_optimise(resolution_mm=1.0, volume_fraction=0.3))
+    with double_precision():
+        problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
+        plain = iterate(problem, loop.init(problem))
+        state = iterate(problem, started(prepared, problem))
+    first = np.array(plain.initial_N_mm)
+    objective, other = (float(np.mean(s.last.compliance_N_mm / first)) for s in (state, plain))
+    assert objective < 1.001 * other
+    assert len(state.history) < 0.6 * len(plain.history)
+    assert (state.status, plain.status) == ("converged", "converged")
