@@ -51,7 +51,7 @@ def optimise_metrics(
     density: NDArray[np.float64],
     result: Assessment,
     original: Assessment,
-    surface: CheckedSurface | str,
+    surface: Mapping[str, Any],
     timing: Timing,
     assumed: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
@@ -62,7 +62,7 @@ def optimise_metrics(
         problem, state: the optimisation and its final state.
         density: physical density of the web's layers.
         result, original: the design and the scene's own web on the same grid.
-        surface: the extracted surface, or why the density has none.
+        surface: from `surface_metrics`.
         assumed: entries of the manifest: what the design does not say.
     """
     scene, domain = prepared.scene, prepared.domain
@@ -84,7 +84,7 @@ def optimise_metrics(
         "stiffness_per_mass": _per_mass(result),
         "original_web": _original(scene, problem, result, original, domain),
         **({} if goal is None else {"goal": goal_json(goal, result.quantities, original.quantities)}),
-        "surface": _surface(surface, scene),
+        "surface": dict(surface),
         "solver": _solver(problem, state, result),
         "seconds": _seconds(state, timing),
         "peak_memory_MiB": peak_memory_MiB(),
@@ -154,7 +154,8 @@ def _original(
     }
 
 
-def _surface(surface: CheckedSurface | str, scene: Scene) -> dict[str, Any]:
+def surface_metrics(surface: CheckedSurface | str, scene: Scene) -> dict[str, Any]:
+    """What the extracted surface measures, or why the density has none."""
     if isinstance(surface, str):
         return {"refusal": surface}
     known = surface_json(surface.surface, surface.report)

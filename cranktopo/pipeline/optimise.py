@@ -31,7 +31,7 @@ from cranktopo.pipeline.goal_by_evaluation import (
     told_by_evaluation,
 )
 from cranktopo.pipeline.judgement import beside_goal, judge
-from cranktopo.pipeline.metrics import Timing, optimise_metrics
+from cranktopo.pipeline.metrics import Timing, optimise_metrics, surface_metrics
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original
 from cranktopo.pipeline.run_files import history_rows, write_run_files
@@ -247,12 +247,12 @@ def _finish(
     case: EvaluatedGoal | None,
     failure: str,
 ) -> dict[str, Any]:
-    """Judge the final design, make its surface meanwhile, and write every file."""
+    """Judge the final design, make and measure its surface meanwhile, and write every file."""
     optimised = time.perf_counter()
     scene, domain = prepared.scene, prepared.domain
     design = loop.final_design(problem, state)
     rows = history_rows(problem, state.history)
-    (surface, mesh, files), judged = side_by_side(
+    (measured, mesh, files), judged = side_by_side(
         lambda: _shown(run, prepared, design, rows),
         lambda: judge(run, prepared, problem, state, design.physical),
     )
@@ -267,7 +267,7 @@ def _finish(
         design.physical,
         judged.result,
         judged.original,
-        surface,
+        measured,
         timing,
         assumed,
     )
@@ -291,11 +291,12 @@ def _finish(
 
 def _shown(
     run: RunStore, prepared: Prepared, design: loop.WebDensities, rows: Sequence[Mapping[str, Any]]
-) -> tuple[CheckedSurface | str, SurfaceMesh | None, dict[str, str]]:
-    """The surface, or why there is none, its half throw, and the files that show the design."""
+) -> tuple[dict[str, Any], SurfaceMesh | None, dict[str, str]]:
+    """What the surface measures, or why there is none, its half throw, and the files that show the design."""
     surface = _surface(prepared, design)
     mesh = None if isinstance(surface, str) else surface.surface.half_throw
-    return surface, mesh, write_run_files(run, prepared.scene, prepared.domain, design, rows, mesh)
+    files = write_run_files(run, prepared.scene, prepared.domain, design, rows, mesh)
+    return surface_metrics(surface, prepared.scene), mesh, files
 
 
 def _surface(prepared: Prepared, design: loop.WebDensities) -> CheckedSurface | str:

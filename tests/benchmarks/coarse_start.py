@@ -32,9 +32,8 @@ def main() -> None:
         first = np.array(loop.step(problem, uniform).initial_N_mm)
         for stages in range(5):
             coarse_start._STAGES = stages
-            start = (
-                first_state(problem, prepared.scene, prepared.domain, prepared.cases) if stages else uniform
-            )
+            known = problem, prepared.scene, prepared.domain, prepared.cases
+            start = first_state(*known) if stages else uniform
             began = time.perf_counter()
             state = iterate(problem, start)
             seconds = time.perf_counter() - began
