@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
-from cranktopo.optimise.density_filter import ConeFilter, cone_kernel
+from cranktopo.optimise.density_filter import cone_filter, cone_kernel
 from cranktopo.optimise.projection import Projection, projected
 
 Block = Callable[[jax.Array], jax.Array]
@@ -75,7 +75,7 @@ def build_interpolation(
         fixed=jnp.asarray(domain.fixed),
         design=free,
         web_layers=(first, last),
-        density_filter=ConeFilter(free, kernel, domain.mirrored_x),
+        density_filter=cone_filter(free, kernel, domain.mirrored_x),
     )
 
 

@@ -17,7 +17,7 @@ from cranktopo.fem.lattice import Cells, Lattice
 from cranktopo.fem.model import ThrowModel
 from cranktopo.fem.response import compliance_gradients, compliances, solve
 from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise.density_filter import ConeFilter, cone_kernel
+from cranktopo.optimise.density_filter import cone_filter, cone_kernel
 from cranktopo.optimise.material import Interpolation, physical_density, relative_moduli
 from cranktopo.optimise.optimality_criteria import update
 
@@ -63,7 +63,7 @@ def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, Interpola
     design = jnp.ones(lattice.cells)
     kernel = jnp.asarray(cone_kernel((1.0, 1.0, 1.0), FILTER_CELLS))
     return model, Interpolation(
-        jnp.zeros(lattice.cells), design, (0, length), ConeFilter(design, kernel, False)
+        jnp.zeros(lattice.cells), design, (0, length), cone_filter(design, kernel, False)
     )
 
 

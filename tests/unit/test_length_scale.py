@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from cranktopo.domain.build import build_domain
 from cranktopo.errors import CranktopoError
 from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.density_filter import ConeFilter, cone_kernel, share_within
+from cranktopo.optimise.density_filter import ConeFilter, cone_filter, cone_kernel, share_within
 from cranktopo.optimise.length_scale import (
     check_lengths,
     eroded_threshold,
@@ -66,7 +66,7 @@ def along_a_wall(cells: float) -> tuple[Array, Array]:
     """Filtered density off the wall x = 0 of a plate so many cells thick that lies along it; share within."""
     kernel = jnp.asarray(cone_kernel((WALL_STEP,) * 3, 1.0))
     n = kernel.shape[0]
-    plain = ConeFilter(jnp.ones((2 * n, n, n)), kernel, False)
+    plain = cone_filter(jnp.ones((2 * n, n, n)), kernel, False)
     plate = np.clip(cells - np.arange(2 * n), 0.0, 1.0)[:, None, None] * np.ones((2 * n, n, n))
     fields = plain(jnp.asarray(plate)), share_within(plain, np.zeros((2 * n, n, 2 * n - 1)))
     filtered, within = (np.asarray(field)[:n, n // 2, n // 2] for field in fields)

@@ -8,10 +8,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.ndimage
 
 from cranktopo.domain.build import build_domain
 from cranktopo.fem.precision import double_precision
-from cranktopo.optimise.density_filter import cone_kernel
+from cranktopo.optimise.density_filter import cone_kernel, convolved
 from cranktopo.optimise.material import (
     CONTRAST,
     Interpolation,
@@ -44,6 +45,17 @@ def test_cone_weights() -> None:
     assert kernel[3, 1, 2] == 1.5
     assert kernel[2, 2, 2] == 0.5
     assert kernel[0, 0, 0] == 0.0
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_sums_over_neighbours(float64: None, mirrored: bool) -> None:
+    """Against a direct sum, cell by cell, on a grid that is narrower than the kernel along one axis."""
+    values = np.random.default_rng(5).random((9, 12, 4))
+    kernel = cone_kernel((1.0, 1.2, 0.8), 3.5)
+    found = convolved(jnp.asarray(values), jnp.asarray(kernel), mirrored)
+    whole = np.concatenate([values[::-1], values]) if mirrored else values
+    expected = scipy.ndimage.correlate(whole, kernel, mode="constant")[-len(values) :]
+    np.testing.assert_allclose(found, expected, atol=1e-12 * kernel.sum())
 
 
 def test_filter_keeps_constants_and_bounds(chain: Interpolation) -> None:
