@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 # Sums by Fourier transform are rounded by 1e-15 of the largest one: less than this is nothing.
-_NOTHING = 1e-12
+_NOTHING, _DIGITS = 1e-12, 12
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,10 @@ class ConeFilter:
     def __call__(self, x: jax.Array) -> jax.Array:
         """Filtered densities (nx, ny, nw) of design variables."""
         mean = convolved(x * self.design, self.kernel, self.mirrored_x) / self.weight
-        # Rounding must not leave the bounds, and must not take a cell's derivative away.
-        return mean + jax.lax.stop_gradient(jnp.clip(mean, 0.0, 1.0) - mean)
+        # To so many digits, equal neighbours are equal on every machine: what a process makes of ties must not
+        # hang on rounding.
+        told = jnp.round(jnp.clip(mean, 0.0, 1.0), _DIGITS)
+        return mean + jax.lax.stop_gradient(told - mean)
 
 
 def cone_filter(design: jax.Array, kernel: jax.Array, mirrored_x: bool) -> ConeFilter:

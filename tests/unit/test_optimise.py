@@ -172,3 +172,10 @@ def test_without_a_root_the_nearer_end_is_taken() -> None:
         ends = jnp.asarray(-1.0), jnp.asarray(1.0)
         assert float(falling_root(lambda v: 3.0 - v, *ends)) == 1.0
         assert float(falling_root(lambda v: -3.0 - v, *ends)) == -1.0
+
+
+def test_uniform_designs_stay_exactly_uniform(chain: Interpolation) -> None:
+    """Ties are exact, whatever the order of the sums."""
+    inside = np.asarray(chain.design) > 0
+    filtered = np.asarray(chain.density_filter(jnp.full(chain.design.shape, 0.3)))[inside]
+    assert np.unique(filtered).tolist() == [0.3]
