@@ -36,8 +36,8 @@ class ConeFilter:
     def __call__(self, x: jax.Array) -> jax.Array:
         """Filtered densities (nx, ny, nw) of design variables."""
         mean = convolved(x * self.design, self.kernel, self.mirrored_x) / self.weight
-        # To so many digits, equal neighbours are equal on every machine: what a process makes of ties must not
-        # hang on rounding.
+        # To so many digits, equal neighbours are equal on every machine: what a process makes of ties must
+        # not hang on rounding.
         told = jnp.round(jnp.clip(mean, 0.0, 1.0), _DIGITS)
         return mean + jax.lax.stop_gradient(told - mean)
 
