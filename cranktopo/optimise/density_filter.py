@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 # Sums by Fourier transform are rounded by 1e-15 of the largest one: less than this is nothing.
-_NOTHING, _DIGITS = 1e-12, 12
+_NOTHING, _DIGITS = 1e-12, 13
 
 
 @dataclass(frozen=True)
