@@ -18,6 +18,7 @@ from cranktopo.bound.sizing import LEAST, next_densities
 from cranktopo.bound.wanted import LINEAR, Ceiling, Wanted, wanted_of
 from cranktopo.bound.webs import Webs, webs_of
 from cranktopo.domain.build import Domain, build_domain
+from cranktopo.domain.web_cells import on_cells
 from cranktopo.effects import plan, simulated_scene
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.model import ThrowModel, build_model
@@ -25,7 +26,6 @@ from cranktopo.fem.response import solve
 from cranktopo.loads.cases import load_cases
 from cranktopo.optimise.assess import assess_original
 from cranktopo.optimise.assessment import Assessment
-from cranktopo.optimise.manufacturing import centres_mm
 from cranktopo.optimise.material import CONTRAST
 from cranktopo.scene import Scene
 from cranktopo.scene.goal import Goal
@@ -175,15 +175,9 @@ def prove(
     )
 
 
-def on_cells(coarse: BoundModel, density: Array, fine: BoundModel) -> Array:
-    """Densities of some cells (nx, ny, nw) on those of another model of the scene, linear in between."""
-    from scipy.interpolate import RegularGridInterpolator
-
-    known, wanted = (centres_mm(model.domain) for model in (coarse, fine))
-    inside = [np.clip(at, own[0], own[-1]) for at, own in zip(wanted, known, strict=True)]
-    points = np.stack(np.meshgrid(*inside, indexing="ij"), axis=-1)
-    found: Array = np.maximum(RegularGridInterpolator(known, density)(points), LEAST)
-    return found
+def densities_on_cells(coarse: BoundModel, density: Array, fine: BoundModel) -> Array:
+    """Densities of some cells (nx, ny, nw) on those of another model of the scene."""
+    return np.maximum(on_cells(coarse.domain, density, fine.domain), LEAST)
 
 
 class _Search:

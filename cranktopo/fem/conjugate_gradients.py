@@ -8,6 +8,7 @@ again and again, which takes many more cycles on fine grids.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -54,6 +55,13 @@ class CgResult(NamedTuple):
 
 
 class _CgState(NamedTuple):
+    """Between two steps.
+
+    Attributes:
+        true_error: relative residual at the last measurement; `error` is that of `r`, which is carried on.
+        measure: whether the next step is a measurement.
+    """
+
     u: jax.Array
     r: jax.Array
     p: jax.Array
@@ -111,43 +119,32 @@ def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterat
     return _iterate(system, precondition, guess, tolerance, max_iterations)
 
 
-def _iterate(
-    system: System,
-    precondition: Callable[[jax.Array], jax.Array],
-    guess: jax.Array,
-    tolerance: jax.Array,
-    max_iterations: jax.Array,
-) -> CgResult:
-    """The iteration as one loop of two kinds of steps, so that the product is compiled only once.
+@dataclass(frozen=True)
+class _Iteration:
+    """One loop of two kinds of steps, so that the product is compiled only once.
 
-    A measuring step scales u per case to the least energy of its error and computes the true residual: it
-    makes the most of the guess at the start and checks the result at the end. Where the recursive residual
-    has drifted from the true one, the iteration goes on from there, as long as that still helps.
+    Attributes:
+        load: (cases,) norms of the projected forces, 1 where 0.
     """
-    load = _norm(project(system.supports, system.forces))
-    load = jnp.where(load > 0, load, 1.0)
 
-    def measured(s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-        # Projected here, not kept: the forces would be one more field.
-        forces = project(system.supports, system.forces)
-        return s.u, jnp.zeros_like(s.u), forces, dot(forces, s.u)
+    system: System
+    precondition: Callable[[jax.Array], jax.Array]
+    load: jax.Array
+    tolerance: jax.Array
+    max_iterations: jax.Array
 
-    def conjugate(s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-        z = precondition(s.r)
-        rz = dot(s.r, z)
-        return z + _wide(_ratio(rz, s.rz)) * s.p, s.u, s.r, rz
-
-    def step(s: _CgState) -> _CgState:
-        direction, u, r, slope = jax.lax.cond(s.measure, measured, conjugate, s)
-        image = stiffness_product(system, direction)
+    def step(self, s: _CgState) -> _CgState:
+        """Along the next direction, as far as the energy falls."""
+        direction, u, r, slope = jax.lax.cond(s.measure, self._measured, self._conjugate, s)
+        image = stiffness_product(self.system, direction)
         curvature = dot(direction, image)
         alpha = _ratio(slope, curvature)
         u, r = u + _wide(alpha) * direction, r - _wide(alpha) * image
-        error = _norm(r) / load
+        error = _norm(r) / self.load
         sound = jnp.all((slope > 0) & (curvature > 0) & (error < _DIVERGED) | (error == 0))
         done = s.done + jnp.where(s.measure, 0, 1)
+        spent = done >= self.max_iterations
         checked = s.measure & (s.done > 0)
-        settled = jnp.all(error <= tolerance)
         stuck = checked & ~(jnp.max(error) <= 0.5 * jnp.max(s.true_error))  # also when not a number
         return _CgState(
             u=u,
@@ -157,12 +154,39 @@ def _iterate(
             error=error,
             true_error=jnp.where(s.measure, error, s.true_error),
             done=done,
-            measure=~s.measure & (jnp.all(error <= _AIM * tolerance) | ~sound | (done >= max_iterations)),
-            stop=s.measure & (settled | stuck | (done >= max_iterations)),
+            measure=~s.measure & (jnp.all(error <= _AIM * self.tolerance) | ~sound | spent),
+            stop=s.measure & (jnp.all(error <= self.tolerance) | stuck | spent),
         )
 
+    def _measured(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+        """From zero along u: the true residual, and u scaled per case to the least energy of its error.
+
+        It makes the most of the guess at the start and checks the result at the end. Where the recursive
+        residual has drifted from the true one, the iteration goes on from there, as long as that still helps.
+        """
+        # Projected here, not kept: the forces would be one more field.
+        forces = project(self.system.supports, self.system.forces)
+        return s.u, jnp.zeros_like(s.u), forces, dot(forces, s.u)
+
+    def _conjugate(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+        z = self.precondition(s.r)
+        rz = dot(s.r, z)
+        return z + _wide(_ratio(rz, s.rz)) * s.p, s.u, s.r, rz
+
+
+def _iterate(
+    system: System,
+    precondition: Callable[[jax.Array], jax.Array],
+    guess: jax.Array,
+    tolerance: jax.Array,
+    max_iterations: jax.Array,
+) -> CgResult:
+    """From the guess until a measurement tells to stop."""
+    load = _norm(project(system.supports, system.forces))
+    load = jnp.where(load > 0, load, 1.0)
+    iteration = _Iteration(system, precondition, load, tolerance, max_iterations)
     first = _before_measuring(project(system.supports, guess))
-    final = jax.lax.while_loop(lambda s: ~s.stop, step, first)
+    final = jax.lax.while_loop(lambda s: ~s.stop, iteration.step, first)
     return CgResult(final.u, final.true_error, final.done)
 
 

@@ -7,7 +7,7 @@ stays that of the fine cells, keeps it so. The design variables are then interpo
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,19 +15,19 @@ from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain, build_domain
 from cranktopo.domain.resolution import WALL_CELLS, thinnest_wall_mm
+from cranktopo.domain.web_cells import on_cells
 from cranktopo.loads.cases import LoadCase
 from cranktopo.optimise import loop
 from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.length_scale import LEAST_CELLS, filter_radius_mm
-from cranktopo.optimise.problem import DensityProblem
+from cranktopo.optimise.problem import DensityProblem, Progress
 from cranktopo.optimise.state import CoarseStart, State
 from cranktopo.scene import Scene
 
 Array = NDArray[np.float64]
-Progress = Callable[[DensityProblem, State], None]
 
 # Below so many cells the programs of a second grid take longer to compile than they save.
-_LEAST_CELLS = 200_000
+_FINE_CELLS = 200_000
 # Radius of the filter over the large cells: with less, they would see another problem.
 _LEAST_RADIUS = 1.5
 # Stages of the projection that the large cells take: with more the objective ends more than 0.1 % worse
@@ -40,7 +40,7 @@ def coarse_scene(scene: Scene, domain: Domain) -> Scene | None:
     cell, radius = 2 * scene.optimise.resolution_mm, filter_radius_mm(scene, domain)
     lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
     fits = (
-        domain.design.size >= _LEAST_CELLS
+        domain.design.size >= _FINE_CELLS
         and cell * _LEAST_RADIUS <= radius
         and cell * WALL_CELLS <= thinnest_wall_mm(scene)
         and all(length is None or cell * LEAST_CELLS <= length for length in lengths)
@@ -89,18 +89,5 @@ def interpolated(x: Array, design: Array, there: Domain, here: Domain) -> Array:
     Args:
         x, design: variables and designable fractions of the web's cells (nx, ny, nw) of `there`.
     """
-    from scipy.interpolate import make_interp_spline
-
-    values = np.stack([x * design, design], axis=-1)
-    for axis, (known, wanted) in enumerate(zip(_centres_mm(there), _centres_mm(here), strict=True)):
-        line = make_interp_spline(known, values, k=1, axis=axis)
-        values = line(np.clip(wanted, known[0], known[-1]))
-    weighted, weight = values[..., 0], values[..., 1]
+    weighted, weight = np.moveaxis(on_cells(there, np.stack([x * design, design], axis=-1), here), -1, 0)
     return np.clip(np.divide(weighted, weight, out=np.zeros_like(weight), where=weight > 0), 0.0, 1.0)
-
-
-def _centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
-    """Centres of the web's cells along each axis, mm."""
-    grid, (first, last) = domain.grid, domain.web_layers
-    x, y, z = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
-    return x, y, z[first:last]

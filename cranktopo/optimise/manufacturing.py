@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain
 from cranktopo.domain.through_holes import through_holes
+from cranktopo.domain.web_cells import centres_mm
 from cranktopo.frames import X, Z
 from cranktopo.optimise.forging_constraint import Die, Parting, reachable
 from cranktopo.optimise.material import web_cell_mm
@@ -94,15 +95,6 @@ def open_cells(scene: Scene, domain: Domain) -> Cells:
         for contours, height in zip(through_holes(scene, z.tolist()), z, strict=True)
     ]
     return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
-
-
-def centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
-    """Centres of the cells of the web's layers along each axis, mm."""
-    first, last = domain.web_layers
-    x, y, z = (
-        (nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm, domain.grid.z_mm)
-    )
-    return x, y, z[first:last]
 
 
 def _die(scene: Scene, domain: Domain) -> Die:

@@ -89,3 +89,5 @@ Method = Callable[[DensityProblem, State, Design, Design], Proposal]
 It takes the design as it is made, whose values count, and the one with the stiffness of the eroded and the
 mass of the dilated design, whose derivatives count: the same one unless members or gaps have a least size.
 """
+Progress = Callable[[DensityProblem, State], None]
+"""Called after every iteration with the state that it left."""

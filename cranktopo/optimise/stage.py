@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from cranktopo.domain.build import Domain, build_domain, laterally_symmetric
@@ -14,13 +13,11 @@ from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.coarse_start import coarse_scene, first_state
 from cranktopo.optimise.length_scale import check_lengths
 from cranktopo.optimise.notices import notices
-from cranktopo.optimise.problem import DensityProblem, SolverSettings
+from cranktopo.optimise.problem import DensityProblem, Progress, SolverSettings
 from cranktopo.optimise.state import State
 from cranktopo.scene import Scene
 from cranktopo.scene.checks_goal import check_known
 from cranktopo.scene.goal.wanted import wanted
-
-Progress = Callable[[DensityProblem, State], None]
 
 
 @dataclass(frozen=True)

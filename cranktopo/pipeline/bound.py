@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cranktopo.bound.result_json import bound_json
-from cranktopo.bound.stage import bound_model, on_cells, prove
+from cranktopo.bound.stage import bound_model, densities_on_cells, prove
 from cranktopo.domain.build import laterally_symmetric
 from cranktopo.domain.resolution import available_memory_MiB, check_resolution
 from cranktopo.fem.precision import double_precision
@@ -49,7 +49,7 @@ def bound_of(
         start = None
         if cell_mm <= scene.web.thickness_mm / _FINE:
             coarse = bound_model(scene, 2 * cell_mm, goal)
-            start = on_cells(coarse, prove(coarse, goal).density, model)
+            start = densities_on_cells(coarse, prove(coarse, goal).density, model)
         nx, ny, nz = model.domain.grid.cells
         info(f"{scene.name}: {nx} x {ny} x {nz} cells, {int((model.webs.design > 0).sum())} to fill")
         return {**bound_json(model, prove(model, goal, detail, start)), "assumed": assumed_json(assumed)}

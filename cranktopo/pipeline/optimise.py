@@ -20,8 +20,8 @@ from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.coarse_start import first_state
 from cranktopo.optimise.continuation import with_limit
 from cranktopo.optimise.feasibility import check_limits
-from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.stage import Prepared, Progress, describe, iterate, prepare
+from cranktopo.optimise.problem import DensityProblem, Progress
+from cranktopo.optimise.stage import Prepared, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.pipeline.evaluated_limits import EvaluatedGoal
 from cranktopo.pipeline.goal_by_evaluation import (
@@ -186,10 +186,10 @@ def _optimise(
         if resume:
             run.resume()
         state = _saved_state(run, problem) if resume else None
-        keep = _kept(run, progress, check)
+        shown = _checked(progress, check)
+        keep = _kept(run, shown)
         if state is None:
-            started = _checked(progress, check)
-            state = first_state(problem, prepared.scene, prepared.domain, prepared.cases, started)
+            state = first_state(problem, prepared.scene, prepared.domain, prepared.cases, shown)
         state = iterate(problem, state, keep)
         case = evaluated_goal(scene, prepared, problem, Work(info, KeptWork(run.path / EVALUATIONS), check))
         failure = ""
@@ -210,7 +210,7 @@ def _saved_state(run: RunStore, problem: DensityProblem) -> State | None:
 
 
 def _checked(progress: Progress, check: Callable[[], None]) -> Progress:
-    """Progress of iterations that are not kept: repeating them is cheap."""
+    """Progress after which a run may be interrupted."""
 
     def show(problem: DensityProblem, state: State) -> None:
         progress(problem, state)
@@ -219,7 +219,7 @@ def _checked(progress: Progress, check: Callable[[], None]) -> Progress:
     return show
 
 
-def _kept(run: RunStore, progress: Progress, check: Callable[[], None]) -> Progress:
+def _kept(run: RunStore, progress: Progress) -> Progress:
     """Progress that first keeps every iteration in the run, so that it can be resumed."""
 
     def keep(problem: DensityProblem, state: State) -> None:
@@ -228,7 +228,6 @@ def _kept(run: RunStore, progress: Progress, check: Callable[[], None]) -> Progr
         if state.last.notice:
             run.log(f"iteration {state.last.iteration}: {state.last.notice}")
         progress(problem, state)
-        check()
 
     return keep
 

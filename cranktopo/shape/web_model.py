@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.domain.build import Domain, build_domain
+from cranktopo.domain.web_cells import centres_mm
 from cranktopo.effects import plan
 from cranktopo.fem.model import ThrowModel, build_model
 from cranktopo.fem.response import compliances, solve
@@ -74,8 +75,7 @@ class WebModel:
 
     def web(self, layout: Layout) -> ParametricWeb:
         """A web of the layout on the cells between the web faces."""
-        x, y, z = ((nodes[1:] + nodes[:-1]) / 2 for nodes in self._nodes)
-        return ParametricWeb(layout, self.scene, self.limits, (x, y, z[self.layers]))
+        return ParametricWeb(layout, self.scene, self.limits, centres_mm(self.domain))
 
     def webs(self) -> SolvedWebs:
         """Webs on these cells, solved one after another."""
@@ -85,11 +85,6 @@ class WebModel:
     def layers(self) -> slice:
         """Layers of the web along z."""
         return slice(*self.domain.web_layers)
-
-    @property
-    def _nodes(self) -> tuple[Array, Array, Array]:
-        grid = self.domain.grid
-        return grid.x_mm, grid.y_mm, grid.z_mm
 
     def fill(self, web: ParametricWeb, values: Array) -> Array:
         """Fill of the web's cells (nx, ny, nw), 0 to 1."""

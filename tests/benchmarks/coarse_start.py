@@ -21,7 +21,7 @@ from cranktopo.scene import load_scene
 
 
 def main() -> None:
-    """Print the table as Markdown; a first iteration on each grid compiles all that they share."""
+    """Print the table as Markdown; the first row of large cells compiles their programs."""
     cell_mm = float(sys.argv[1]) if len(sys.argv) > 1 else 1.0
     prepared = prepare(load_scene("mikron-iiic").with_optimise(resolution_mm=cell_mm, volume_fraction=0.3))
     print("| stages on large cells | iterations there | s | iterations on fine cells | s | objective % |")

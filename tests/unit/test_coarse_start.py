@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.domain.build import build_domain
+from cranktopo.domain.web_cells import centres_mm
 from cranktopo.fem.precision import double_precision
 from cranktopo.optimise import coarse_start, loop
 from cranktopo.optimise.build import build_problem
@@ -66,7 +67,7 @@ def test_the_filter_keeps_its_radius(mikron: Scene) -> None:
 
 def test_linear_designs_are_interpolated_exactly(mikron: Scene) -> None:
     there, here = build_domain(mikron, 4.0), build_domain(mikron, 2.0)
-    centres = [np.meshgrid(*coarse_start._centres_mm(domain), indexing="ij") for domain in (there, here)]
+    centres = [np.meshgrid(*centres_mm(domain), indexing="ij") for domain in (there, here)]
     known, wanted = (0.4 + 0.004 * x - 0.003 * y + 0.002 * z for x, y, z in centres)
     found = interpolated(known, np.ones(known.shape), there, here)
     # Beyond the outermost centres the nearest value holds.
@@ -84,7 +85,7 @@ def test_void_beside_the_design_space_does_not_thin_it(mikron: Scene) -> None:
 
 
 def test_two_stages_are_handed_on(mikron: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(coarse_start, "_LEAST_CELLS", 0)
+    monkeypatch.setattr(coarse_start, "_FINE_CELLS", 0)
     monkeypatch.setattr(loop, "step", solved_by_nothing)
     prepared = prepare(mikron.with_optimise(resolution_mm=2.25, filter_radius_mm=7.0))
     with double_precision():
