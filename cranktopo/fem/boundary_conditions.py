@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.fem.lattice import Cells, Lattice
+from cranktopo.fem.partition import WHOLE, Partition
 
 Array = NDArray[np.float64]
 
@@ -64,6 +65,7 @@ class BoundaryConditions(NamedTuple):
         basis: (cases, m, 2, 3, nx + 1, ny + 1) orthonormal section motions on the first and last plane.
         coarse_basis: the same motions on the coarsest grid's nodes.
         springs: (cases, m, m) spring stiffness in the coordinates of `basis`.
+        partition: of the nodal arrays that these supports are applied to.
     """
 
     free_x0: jax.Array
@@ -71,6 +73,7 @@ class BoundaryConditions(NamedTuple):
     basis: jax.Array
     coarse_basis: jax.Array
     springs: jax.Array
+    partition: Partition = WHOLE
 
 
 def build_supports(
@@ -105,8 +108,9 @@ def build_supports(
 def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dtype: jnp.dtype) -> jax.Array:
     """Mask (cases, 3, nodes...): 1 where a component moves on its own, 0 on mirrors and rigid sections."""
     along_x = jnp.ones((*supports.free_x0.shape, nodes[0])).at[:, :, 0].set(supports.free_x0)
-    along_z = jnp.ones((*supports.free_x0.shape, nodes[2])).at[:, :, 0].set(0.0)
-    along_z = along_z.at[:, :, -1].set(supports.free_z_end)
+    first, last = supports.partition.at_first_plane(), supports.partition.at_last_plane()
+    along_z = jnp.ones((*supports.free_x0.shape, nodes[2])).at[:, :, 0].set(jnp.where(first, 0.0, 1.0))
+    along_z = along_z.at[:, :, -1].set(jnp.where(last, supports.free_z_end, 1.0))
     mask = along_x[:, :, :, None, None] * along_z[:, :, None, None, :]
     return jnp.broadcast_to(mask, (*mask.shape[:2], *nodes)).astype(dtype)
 
@@ -114,13 +118,23 @@ def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dty
 def section_coordinates(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
     """Inner products (cases, m) of the section motions with a field's end planes."""
     ends = jnp.stack([field[..., 0], field[..., -1]], axis=1)
-    return jnp.einsum("bmpcxy,bpcxy->bm", supports.basis.astype(field.dtype), ends)
+    coordinates = jnp.einsum("bmpcxy,bpcxy->bm", _basis(supports, field.dtype), ends)
+    return supports.partition.sum_parts(coordinates)
 
 
 def add_section(supports: BoundaryConditions, field: jax.Array, coordinates: jax.Array) -> jax.Array:
     """The field plus section motions on the end planes."""
-    ends = jnp.einsum("bmpcxy,bm->bpcxy", supports.basis.astype(field.dtype), coordinates)
+    ends = jnp.einsum("bmpcxy,bm->bpcxy", _basis(supports, field.dtype), coordinates)
     return field.at[..., 0].add(ends[:, 0]).at[..., -1].add(ends[:, 1])
+
+
+def _basis(supports: BoundaryConditions, dtype: jnp.dtype) -> jax.Array:
+    """Section motions on the end planes of a part: 0 where another part goes on."""
+    basis = supports.basis.astype(dtype)
+    if supports.partition.parts == 1:
+        return basis
+    ends = jnp.stack([supports.partition.at_first_plane(), supports.partition.at_last_plane()])
+    return basis * ends[:, None, None, None]
 
 
 def _free_at_z_end(case: CaseSupports) -> list[float]:

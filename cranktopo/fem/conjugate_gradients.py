@@ -18,6 +18,7 @@ import jax.numpy as jnp
 from cranktopo.fem.boundary_conditions import BoundaryConditions, add_section, section_coordinates
 from cranktopo.fem.multigrid import Hierarchy, apply_cycle, project
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
+from cranktopo.fem.partition import WHOLE, Partition
 
 # Aim a little lower: the recursive residual that is watched drifts from the true one by rounding.
 _AIM = 0.9
@@ -80,11 +81,11 @@ def stiffness_product(system: System, u: jax.Array) -> jax.Array:
     """
     supports = system.supports
     springs = jnp.einsum("bmn,bn->bm", supports.springs, section_coordinates(supports, u))
-    forces = apply_stiffness(system.blocks, system.moduli, u)
+    forces = supports.partition.add_interfaces(apply_stiffness(system.blocks, system.moduli, u))
     return project(supports, add_section(supports, forces, springs))
 
 
-@jax.jit
+@partial(jax.jit, donate_argnames="guess")
 def multigrid_cg(
     system: System,
     hierarchy: Hierarchy,
@@ -98,6 +99,7 @@ def multigrid_cg(
     Args:
         hierarchy: built from the system's moduli or from similar ones.
         degree: smoothing steps before and after each coarse correction.
+        guess: start values; their memory is taken for the result, so that the array is gone afterwards.
 
     Returns:
         CgResult; the tolerance is missed where the cap is reached, where the preconditioner or the matrix is
@@ -135,12 +137,14 @@ class _Iteration:
 
     def step(self, s: _CgState) -> _CgState:
         """Along the next direction, as far as the energy falls."""
-        direction, u, r, slope = jax.lax.cond(s.measure, self._measured, self._conjugate, s)
+        direction, r, slope = jax.lax.cond(s.measure, self._measured, self._conjugate, s)
+        # Not a result of the branches: it would be copied.
+        u = jnp.where(s.measure, 0.0, s.u)
         image = stiffness_product(self.system, direction)
-        curvature = dot(direction, image)
+        curvature = self._dot(direction, image)
         alpha = _ratio(slope, curvature)
         u, r = u + _wide(alpha) * direction, r - _wide(alpha) * image
-        error = _norm(r) / self.load
+        error = jnp.sqrt(self._dot(r, r)) / self.load
         sound = jnp.all((slope > 0) & (curvature > 0) & (error < _DIVERGED) | (error == 0))
         done = s.done + jnp.where(s.measure, 0, 1)
         spent = done >= self.max_iterations
@@ -158,7 +162,7 @@ class _Iteration:
             stop=s.measure & (jnp.all(error <= self.tolerance) | stuck | spent),
         )
 
-    def _measured(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    def _measured(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array]:
         """From zero along u: the true residual, and u scaled per case to the least energy of its error.
 
         It makes the most of the guess at the start and checks the result at the end. Where the recursive
@@ -166,12 +170,15 @@ class _Iteration:
         """
         # Projected here, not kept: the forces would be one more field.
         forces = project(self.system.supports, self.system.forces)
-        return s.u, jnp.zeros_like(s.u), forces, dot(forces, s.u)
+        return s.u, forces, self._dot(forces, s.u)
 
-    def _conjugate(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    def _conjugate(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array]:
         z = self.precondition(s.r)
-        rz = dot(s.r, z)
-        return z + _wide(_ratio(rz, s.rz)) * s.p, s.u, s.r, rz
+        rz = self._dot(s.r, z)
+        return z + _wide(_ratio(rz, s.rz)) * s.p, s.r, rz
+
+    def _dot(self, a: jax.Array, b: jax.Array) -> jax.Array:
+        return dot(a, b, self.system.supports.partition)
 
 
 def _iterate(
@@ -182,7 +189,8 @@ def _iterate(
     max_iterations: jax.Array,
 ) -> CgResult:
     """From the guess until a measurement tells to stop."""
-    load = _norm(project(system.supports, system.forces))
+    felt = project(system.supports, system.forces)
+    load = jnp.sqrt(dot(felt, felt, system.supports.partition))
     load = jnp.where(load > 0, load, 1.0)
     iteration = _Iteration(system, precondition, load, tolerance, max_iterations)
     first = _before_measuring(project(system.supports, guess))
@@ -205,13 +213,9 @@ def _before_measuring(u: jax.Array) -> _CgState:
     )
 
 
-def dot(a: jax.Array, b: jax.Array) -> jax.Array:
+def dot(a: jax.Array, b: jax.Array, partition: Partition = WHOLE) -> jax.Array:
     """Scalar product of two fields, per case."""
-    return jnp.sum(a * b, axis=(1, 2, 3, 4))
-
-
-def _norm(a: jax.Array) -> jax.Array:
-    return jnp.sqrt(dot(a, a))
+    return partition.sum_nodes(a * b, axis=(1, 2, 3, 4))
 
 
 def _wide(scalars: jax.Array) -> jax.Array:

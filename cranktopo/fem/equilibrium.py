@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.compiling import compile_multigrid
 from cranktopo.fem.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
+from cranktopo.fem.devices import devices_for, solve_on_devices
 from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
 from cranktopo.fem.multigrid import GridTables, build_hierarchy
 from cranktopo.fem.precision import Precision
@@ -72,7 +73,8 @@ def solve_system(
     """Displacements of every case, their true residual at most the tolerance.
 
     Args:
-        guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros.
+        guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros; the
+            array is gone afterwards.
         precision: of the first method's multigrid cycle.
 
     Raises:
@@ -103,6 +105,9 @@ def run_method(
     limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
+    parts = devices_for(system.moduli.shape)
+    if parts > 1:
+        return solve_on_devices(tables, system, method.degree, guess, limits, method.precision, parts)
     compile_multigrid(tables, system, method.precision)
     hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
     return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)

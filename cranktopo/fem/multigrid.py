@@ -28,6 +28,7 @@ from cranktopo.fem.galerkin import (
 )
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
+from cranktopo.fem.partition import WHOLE, Partition
 from cranktopo.fem.precision import Precision
 
 _Count = TypeVar("_Count", int, jax.Array)
@@ -86,21 +87,29 @@ def build_tables(lattice: Lattice, levels: int) -> GridTables:
 def build_hierarchy(
     tables: GridTables, supports: BoundaryConditions, moduli: jax.Array, precision: Precision = "float32"
 ) -> Hierarchy:
-    """Coarse operators and smoothers for one set of moduli."""
-    scale = jnp.max(moduli)
+    """Coarse operators and smoothers for one set of moduli; of a part, where the supports are cut."""
+    partition = supports.partition
+    scale = partition.largest(jnp.max(moduli))
     moduli = moduli / scale
     rounded = moduli.astype(precision)
     # Above the first coarse level the moments of the moduli cancel: they are summed in float64.
     fields = (rounded if len(tables.coarse) > 1 else moduli, *(moduli for _ in tables.coarse[1:]))
+    levels = [_at_level(partition, level) for level in range(1, len(fields) + 1)]
+    fields = tuple(
+        field if at.parts > 1 else partition.whole_cells(field)
+        for field, at in zip(fields, levels, strict=True)
+    )
     *between, coarsest = zip(tables.coarse, fields, strict=True)
     stencils = tuple(assemble_stencil(c, field, precision) for c, field in between)
     blocks = jnp.asarray(tables.blocks, precision)
-    fine = _safe_inverse(stiffness_diagonal(blocks, rounded)) / jnp.asarray(tables.bound, precision)
+    diagonal = partition.add_interfaces(stiffness_diagonal(blocks, rounded))
+    fine = _safe_inverse(diagonal) / jnp.asarray(tables.bound, precision)
     # The bounds hold whatever the moduli, estimates need a third fewer cycles: the fast method takes those.
     bounds = [None if precision == "float32" else c.bound for c in tables.coarse]
-    steps = fine, *(_jacobi_steps(s, b) for s, b in zip(stencils, bounds, strict=False))
+    steps = fine, *map(_jacobi_steps, stencils, bounds, levels)
     springs = supports.springs / scale
-    inverse = _coarse_inverse(assemble_dense(coarse_cells(*coarsest)), supports._replace(springs=springs))
+    ends = supports._replace(springs=springs, partition=WHOLE)
+    inverse = _coarse_inverse(assemble_dense(coarse_cells(*coarsest)), ends)
     return Hierarchy(blocks, rounded, steps, stencils, inverse.astype(precision))
 
 
@@ -117,15 +126,23 @@ def apply_cycle(
     Returns:
         Correction of the same type, in the space of admissible displacements.
     """
-    norm = jnp.sqrt(jnp.sum(residual**2, axis=(1, 2, 3, 4), keepdims=True))
+    partition = supports.partition
+    norm = jnp.sqrt(partition.sum_nodes(residual**2, axis=(1, 2, 3, 4)))[:, None, None, None, None]
     scale = jnp.where(norm > 0, norm, 1.0)
-    correction = _cycle(hierarchy, supports, degree, (residual / scale).astype(hierarchy.moduli.dtype), 0)
+    rounded = (residual / scale).astype(hierarchy.moduli.dtype)
+    nodes = math.prod(rounded.shape[2:4]) * ((rounded.shape[4] - 1) * partition.parts + 1)
+    counts = tuple(smoothing_steps(degree, level, nodes) for level in range(len(hierarchy.steps)))
+    correction = partition.copy_interfaces(_cycle(hierarchy, supports, counts, rounded, 0))
     # Rounding in the cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
     return project(supports, correction.astype(residual.dtype) * scale)
 
 
 def _cycle(
-    hierarchy: Hierarchy, supports: BoundaryConditions, degree: jax.Array, residual: jax.Array, level: int
+    hierarchy: Hierarchy,
+    supports: BoundaryConditions,
+    counts: tuple[jax.Array, ...],
+    residual: jax.Array,
+    level: int,
 ) -> jax.Array:
     """Smoothing, coarse correction, smoothing, as one loop: the product is compiled once per level.
 
@@ -140,17 +157,22 @@ def _cycle(
 
     def product(field: jax.Array) -> jax.Array:
         if level == 0:
-            return apply_stiffness(hierarchy.blocks, hierarchy.moduli, field)
-        return apply_stencil(hierarchy.stencils[level - 1], field)
+            forces = apply_stiffness(hierarchy.blocks, hierarchy.moduli, field)
+        else:
+            forces = apply_stencil(hierarchy.stencils[level - 1], field)
+        return partition.add_interfaces(forces)
 
     def correct(residual: jax.Array) -> jax.Array:
-        coarse = restrict(residual, _coarser_nodes(hierarchy, supports, level))
-        return prolong(_cycle(hierarchy, supports, degree, coarse, level + 1), nodes)
+        coarser = _at_level(partition, level + 1)
+        joined = partition.whole_nodes(residual) if coarser != partition else residual
+        nodes = _coarser_nodes(hierarchy, supports, level)
+        coarse = coarser.add_interfaces(restrict(coarser.halve_interfaces(joined), nodes))
+        found = _cycle(hierarchy, supports._replace(partition=coarser), counts, coarse, level + 1)
+        fine = prolong(found, _nodes(joined))
+        return partition.own_nodes(fine) if coarser != partition else fine
 
-    nodes = (residual.shape[2], residual.shape[3], residual.shape[4])
-    step = hierarchy.steps[level] * interior_mask(supports, nodes, residual.dtype)
-
-    count = smoothing_steps(degree, level, math.prod(hierarchy.steps[0].shape[1:]))
+    partition, count = supports.partition, counts[level]
+    step = hierarchy.steps[level] * interior_mask(supports, _nodes(residual), residual.dtype)
 
     def sweep(index: jax.Array, state: _Smoothing) -> _Smoothing:
         field, residual, correction = state
@@ -168,6 +190,15 @@ def _cycle(
     first = 4 / 3 * step * residual
     field, _, last = jax.lax.fori_loop(0, 2 * count, sweep, (jnp.zeros_like(first), residual, first))
     return field + last
+
+
+def _at_level(partition: Partition, level: int) -> Partition:
+    """How a level's arrays are cut."""
+    return partition if level < partition.levels else WHOLE
+
+
+def _nodes(field: jax.Array) -> Cells:
+    return field.shape[2], field.shape[3], field.shape[4]
 
 
 def smoothing_steps(degree: _Count, level: int, nodes: int) -> _Count:
@@ -263,8 +294,7 @@ def project(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
 
     For nodal forces it is the part that admissible displacements feel.
     """
-    nodes = (field.shape[2], field.shape[3], field.shape[4])
-    interior = field * interior_mask(supports, nodes, field.dtype)
+    interior = field * interior_mask(supports, _nodes(field), field.dtype)
     return add_section(supports, interior, section_coordinates(supports, field))
 
 
@@ -272,16 +302,16 @@ def _safe_inverse(diagonal: jax.Array) -> jax.Array:
     return jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1), 0)
 
 
-def _jacobi_steps(stencil: jax.Array, bound: Array | None) -> jax.Array:
+def _jacobi_steps(stencil: jax.Array, bound: Array | None, partition: Partition) -> jax.Array:
     """Inverse diagonal over the bound, or an estimate, of the Jacobi-scaled stencil's spectrum."""
-    inverse = _safe_inverse(stencil_diagonal(stencil))
+    inverse = _safe_inverse(partition.add_interfaces(stencil_diagonal(stencil)))
     if bound is not None:
         return inverse / jnp.asarray(bound, stencil.dtype)
-    largest = largest_eigenvalue(stencil, jnp.sqrt(inverse)).astype(stencil.dtype)
+    largest = largest_eigenvalue(stencil, jnp.sqrt(inverse), partition).astype(stencil.dtype)
     return inverse / jnp.where(largest > 0, largest, 1.0)
 
 
-def largest_eigenvalue(stencil: jax.Array, root: jax.Array) -> jax.Array:
+def largest_eigenvalue(stencil: jax.Array, root: jax.Array, partition: Partition = WHOLE) -> jax.Array:
     """Largest eigenvalue of the Jacobi-scaled stencil from Lanczos steps: the Ritz value plus its residual.
 
     A power iteration fell below it on grids above a million cells, where the mode that has it is small beside
@@ -293,20 +323,24 @@ def largest_eigenvalue(stencil: jax.Array, root: jax.Array) -> jax.Array:
     Args:
         root: root of the inverse diagonal, 0 in void.
     """
-    waves = jnp.sin(jnp.arange(root.size, dtype=stencil.dtype) * 12.9898).reshape(1, *root.shape)
+    waves = jnp.sin(partition.node_numbers(root.shape).astype(stencil.dtype) * 12.9898)[None]
     waves = waves * (root > 0)
+
+    def dot(a: jax.Array, b: jax.Array) -> jax.Array:
+        return partition.sum_nodes(a * b, axis=(0, 1, 2, 3, 4))
 
     def step(k: jax.Array, state: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
         before, vector, length, matrix = state
-        image = root * apply_stencil(stencil, root * vector) - length * before
-        diagonal = jnp.sum(image * vector)
+        product = partition.add_interfaces(apply_stencil(stencil, root * vector))
+        image = root * product - length * before
+        diagonal = dot(image, vector)
         image = image - diagonal * vector
-        following = jnp.sqrt(jnp.sum(image**2))
+        following = jnp.sqrt(dot(image, image))
         matrix = matrix.at[k, k].set(diagonal).at[k + 1, k].set(following).at[k, k + 1].set(following)
         return vector, _scaled(image, following), following, matrix
 
     none = jnp.zeros((_LANCZOS_STEPS + 1,) * 2, stencil.dtype)
-    first = _scaled(waves, jnp.sqrt(jnp.sum(waves**2)))
+    first = _scaled(waves, jnp.sqrt(dot(waves, waves)))
     start = jnp.zeros_like(first), first, jnp.zeros((), stencil.dtype), none
     matrix = jax.lax.fori_loop(0, _LANCZOS_STEPS, step, start)[3].astype(jnp.float64)
     values, vectors = jnp.linalg.eigh(matrix[:-1, :-1])

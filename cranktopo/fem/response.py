@@ -39,6 +39,9 @@ def solve(
 ) -> Solution:
     """Displacements of every load case.
 
+    Args:
+        guess: what to start from; the array is gone afterwards.
+
     Raises:
         CranktopoError: moduli or loads that make no sense, or the residual is not reached (exit code 4).
     """

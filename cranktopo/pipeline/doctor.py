@@ -110,14 +110,15 @@ def gmsh() -> Check:
 
 
 def jax_device() -> Check:
-    """The device that the optimiser would run on."""
+    """The devices that the optimiser would run on."""
     try:
         import jax
 
-        device = jax.devices()[0]
+        device, *others = jax.devices()
     except Exception as error:  # jax raises what its plugins raise, all meaning this
         return Check("JAX", "missing", str(error), "no optimisation", "pip install jax")
-    return Check("JAX", "ok", f"{jax.__version__}, {device.platform.upper()}: {device.device_kind}")
+    kind = f"{device.platform.upper()}: {device.device_kind}"
+    return Check("JAX", "ok", f"{jax.__version__}, {f'{1 + len(others)} x ' if others else ''}{kind}")
 
 
 def cores() -> Check:

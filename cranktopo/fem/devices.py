@@ -1,0 +1,152 @@
+"""The multigrid solve on several devices: each has the cells of one part of the grid and its nodes.
+
+Fields travel to and from the devices with every interface twice, once per neighbour, so that all parts are
+equal. Between solves they are whole, on the first device.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache, partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import Mesh, NamedSharding
+from jax.sharding import PartitionSpec as Spec
+
+from cranktopo.fem.boundary_conditions import BoundaryConditions
+from cranktopo.fem.conjugate_gradients import CgResult, System, multigrid_cg
+from cranktopo.fem.galerkin import CoarseMap
+from cranktopo.fem.multigrid import GridTables, build_hierarchy
+from cranktopo.fem.partition import AXIS, Partition
+from cranktopo.fem.precision import Precision
+
+# With fewer cells the messages between devices take longer than what they save (tests/benchmarks/devices.py).
+_LEAST_CELLS = 2_000_000
+
+_SAME: Any = Spec()
+_CELLS: Any = Spec(None, None, AXIS)
+_LAYERS: Any = Spec(None, None, None, AXIS)
+_NODES: Any = Spec(None, None, None, None, AXIS)
+
+
+def devices_for(cells: tuple[int, ...]) -> int:
+    """How many of the devices that JAX finds a grid is worth: parts are equal, and none too small."""
+    most = min(jax.device_count(), int(np.prod(cells)) // _LEAST_CELLS)
+    return max((count for count in range(1, most + 1) if cells[2] % count == 0), default=1)
+
+
+def partition_of(tables: GridTables, parts: int) -> Partition:
+    """Levels are cut as long as the parts have equal layers; the coarsest, a dense matrix, is whole."""
+    levels = 1
+    for coarse in tables.coarse[:-1]:
+        if coarse.matrices.shape[2] % parts:
+            break
+        levels += 1
+    return Partition(parts, levels)
+
+
+def solve_on_devices(
+    tables: GridTables,
+    system: System,
+    degree: int,
+    guess: jax.Array,
+    limits: tuple[jax.Array, jax.Array],
+    precision: Precision,
+    parts: int,
+) -> CgResult:
+    """What `multigrid_cg` arrives at, on the first devices that JAX finds.
+
+    Args:
+        limits: tolerance and largest number of iterations.
+        parts: number of devices, a divisor of the number of layers.
+    """
+    program = solver_program(partition_of(tables, parts), len(tables.coarse), precision)
+    result = program(*placed(tables, system, degree, guess, limits, parts))
+    found: CgResult = jax.device_put(result, jax.devices()[0])
+    return found._replace(displacements=_joined(found.displacements, parts))
+
+
+def placed(
+    tables: GridTables,
+    system: System,
+    degree: int,
+    guess: jax.Array,
+    limits: tuple[jax.Array, jax.Array],
+    parts: int,
+) -> tuple[object, ...]:
+    """The arguments of `solver_program`, each on its device; arguments as of `solve_on_devices`."""
+    partition = partition_of(tables, parts)
+    supports = system.supports._replace(partition=partition)
+    given = (
+        jax.tree.map(jnp.asarray, tables),
+        system._replace(supports=supports, forces=_cut(system.forces, parts)),
+        jnp.asarray(degree),
+        _cut(guess, parts),
+        *limits,
+    )
+    places = jax.tree.map(partial(NamedSharding, _mesh(parts)), _specs(partition, len(tables.coarse)))
+    there: tuple[object, ...] = jax.device_put(given, places)
+    return there
+
+
+@lru_cache(maxsize=8)
+def solver_program(partition: Partition, coarse: int, precision: Precision) -> Callable[..., CgResult]:
+    """Hierarchy and iteration as one program of all devices.
+
+    Args:
+        coarse: number of coarse grids.
+    """
+
+    def solve(
+        tables: GridTables, system: System, degree: jax.Array, guess: jax.Array, *limits: jax.Array
+    ) -> CgResult:
+        hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision)
+        return multigrid_cg(system, hierarchy, degree, guess, *limits)
+
+    specs = _specs(partition, coarse)
+    results = CgResult(_NODES, _SAME, _SAME)
+    on_parts = jax.shard_map(
+        solve, mesh=_mesh(partition.parts), in_specs=specs, out_specs=results, check_vma=False
+    )
+    program: Callable[..., CgResult] = jax.jit(on_parts, donate_argnums=3)
+    return program
+
+
+def _specs(partition: Partition, coarse: int) -> tuple[object, ...]:
+    """Which axis of every argument of the program is cut."""
+    maps = tuple(
+        CoarseMap(_SAME, _SAME, _CELLS if level < partition.levels else _SAME, _SAME)
+        for level in range(1, coarse + 1)
+    )
+    supports = BoundaryConditions(_SAME, _SAME, _SAME, _SAME, _SAME, partition)
+    return (
+        GridTables(_LAYERS, _SAME, maps),
+        System(_LAYERS, supports, _CELLS, _NODES),
+        _SAME,
+        _NODES,
+        _SAME,
+        _SAME,
+    )
+
+
+@lru_cache(maxsize=8)
+def _mesh(parts: int) -> Mesh:
+    return Mesh(np.array(jax.devices()[:parts]), (AXIS,))
+
+
+@partial(jax.jit, static_argnums=1)
+def _cut(field: jax.Array, parts: int) -> jax.Array:
+    """Part after part, each with both its end planes."""
+    layers = (field.shape[-1] - 1) // parts
+    return jnp.concatenate([field[..., k * layers : (k + 1) * layers + 1] for k in range(parts)], axis=-1)
+
+
+@partial(jax.jit, static_argnums=1)
+def _joined(field: jax.Array, parts: int) -> jax.Array:
+    """A field from its parts."""
+    planes = field.shape[-1] // parts
+    pieces = [field[..., k * planes : (k + 1) * planes - 1] for k in range(parts)]
+    return jnp.concatenate([*pieces, field[..., -1:]], axis=-1)

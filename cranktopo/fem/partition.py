@@ -1,0 +1,110 @@
+"""The grid cut along z into parts of equal depth, one for each device.
+
+Neighbouring parts both keep the plane of nodes between them, the interface. Sums over cells, such as nodal
+forces, are complete there after `add_interfaces`; sums over nodes count an interface once. The methods are
+called inside `jax.shard_map` over the axis `AXIS`, on the arrays of one part. With one part they change
+nothing and work everywhere. Nodal arrays have z last.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+
+AXIS = "z"
+
+
+@jax.tree_util.register_static
+@dataclass(frozen=True)
+class Partition:
+    """How a grid is cut.
+
+    Attributes:
+        parts: number of parts.
+        levels: multigrid levels that are cut, from the finest on; the others are whole on every device.
+    """
+
+    parts: int = 1
+    levels: int = 0
+
+    def at_first_plane(self) -> bool | jax.Array:
+        """Whether this part has the first plane of the grid."""
+        return self.parts == 1 or jax.lax.axis_index(AXIS) == 0
+
+    def at_last_plane(self) -> bool | jax.Array:
+        """Whether this part has the last plane of the grid."""
+        return self.parts == 1 or jax.lax.axis_index(AXIS) == self.parts - 1
+
+    def add_interfaces(self, nodal: jax.Array) -> jax.Array:
+        """Sums of what both neighbours found on an interface, on both."""
+        if self.parts == 1:
+            return nodal
+        ahead = [(part, part + 1) for part in range(self.parts - 1)]
+        # Where there is no neighbour, nothing arrives: zeros.
+        below = jax.lax.ppermute(nodal[..., -1], AXIS, ahead)
+        above = jax.lax.ppermute(nodal[..., 0], AXIS, [(to, at) for at, to in ahead])
+        return nodal.at[..., 0].add(below).at[..., -1].add(above)
+
+    def copy_interfaces(self, nodal: jax.Array) -> jax.Array:
+        """Values of an interface as the part above it has them, on both: rounding lets them drift apart."""
+        if self.parts == 1:
+            return nodal
+        above = jax.lax.ppermute(nodal[..., 0], AXIS, [(part + 1, part) for part in range(self.parts - 1)])
+        return nodal.at[..., -1].set(jnp.where(self.at_last_plane(), nodal[..., -1], above))
+
+    def halve_interfaces(self, nodal: jax.Array) -> jax.Array:
+        """Complete values shared out, so that what is summed from them is complete after `add_interfaces`."""
+        if self.parts == 1:
+            return nodal
+        first, last = self.at_first_plane(), self.at_last_plane()
+        halved = nodal.at[..., 0].multiply(jnp.where(first, 1.0, 0.5))
+        return halved.at[..., -1].multiply(jnp.where(last, 1.0, 0.5))
+
+    def sum_nodes(self, nodal: jax.Array, axis: tuple[int, ...]) -> jax.Array:
+        """Sum over axes that include z, over all parts."""
+        if self.parts > 1:
+            nodal = nodal.at[..., -1].multiply(self.at_last_plane())
+        return self.sum_parts(jnp.sum(nodal, axis=axis))
+
+    def sum_parts(self, numbers: jax.Array) -> jax.Array:
+        """Sum of the parts' numbers, on all."""
+        return jax.lax.psum(numbers, AXIS) if self.parts > 1 else numbers
+
+    def largest(self, number: jax.Array) -> jax.Array:
+        """The largest of the parts' numbers, on all."""
+        return jax.lax.pmax(number, AXIS) if self.parts > 1 else number
+
+    def whole_cells(self, cells: jax.Array) -> jax.Array:
+        """The field of all parts' cells, on all."""
+        if self.parts == 1:
+            return cells
+        return jax.lax.all_gather(cells, AXIS, axis=cells.ndim - 1, tiled=True)
+
+    def whole_nodes(self, nodal: jax.Array) -> jax.Array:
+        """The field of all parts' nodes, on all."""
+        if self.parts == 1:
+            return nodal
+        end = jax.lax.all_gather(nodal[..., -1], AXIS)[-1]
+        return jnp.concatenate([self.whole_cells(nodal[..., :-1]), end[..., None]], axis=-1)
+
+    def own_nodes(self, whole: jax.Array) -> jax.Array:
+        """This part of a whole field."""
+        if self.parts == 1:
+            return whole
+        layers = (whole.shape[-1] - 1) // self.parts
+        start = jax.lax.axis_index(AXIS) * layers
+        return jax.lax.dynamic_slice_in_dim(whole, start, layers + 1, axis=whole.ndim - 1)
+
+    def node_numbers(self, shape: tuple[int, ...]) -> jax.Array:
+        """Number of every entry of a part's nodal array in the whole one, counted along memory."""
+        *outer, planes = shape
+        layers = planes - 1
+        start = 0 if self.parts == 1 else jax.lax.axis_index(AXIS) * layers
+        rows = jnp.arange(math.prod(outer)).reshape(*outer, 1)
+        return rows * (layers * self.parts + 1) + start + jnp.arange(planes)
+
+
+WHOLE = Partition()
