@@ -18,6 +18,8 @@ from typing import NamedTuple
 from cranktopo.errors import ExitCode
 
 RUN = "RUN"
+# Commands that refuse to write where something is, so that cold and warm need folders of their own.
+_WITH_OUT = {"optimise", "remodel"}
 COMMANDS: dict[str, tuple[str, ...]] = {
     "optimise": ("optimise", "--volume-fraction", "0.3"),
     "extract": ("extract", RUN),
@@ -69,14 +71,14 @@ def measured(arguments: Sequence[str], cache: Path, folder: Path) -> Used:
 
 def rows(names: Sequence[str], folder: Path) -> None:
     """Print one row per command, as soon as it is known."""
-    run = str(folder / "run-cold")
+    run = str(folder / "optimise-cold")
     for name, arguments in COMMANDS.items():
         needed = name in names or (name == "optimise" and any(RUN in COMMANDS[n] for n in names))
         if not needed:
             continue
         used = []
         for state in ("cold", "warm"):
-            out = ("--out", str(folder / f"run-{state}")) if name == "optimise" else ()
+            out = ("--out", str(folder / f"{name}-{state}")) if name in _WITH_OUT else ()
             known = [run if word == RUN else word for word in arguments]
             used.append(measured([*known, *out], folder / f"cache-{name}", folder))
         cells = [f"{u.seconds:.1f} | {u.cpu_s:.1f} | {u.peak_MiB:.0f}" for u in used]
