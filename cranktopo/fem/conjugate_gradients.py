@@ -18,7 +18,6 @@ import jax.numpy as jnp
 from cranktopo.fem.boundary_conditions import BoundaryConditions, add_section, section_coordinates
 from cranktopo.fem.multigrid import Hierarchy, apply_cycle, project
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
-from cranktopo.fem.partition import WHOLE, Partition
 
 # Aim a little lower: the recursive residual that is watched drifts from the true one by rounding.
 _AIM = 0.9
@@ -178,7 +177,7 @@ class _Iteration:
         return z + _wide(_ratio(rz, s.rz)) * s.p, s.r, rz
 
     def _dot(self, a: jax.Array, b: jax.Array) -> jax.Array:
-        return dot(a, b, self.system.supports.partition)
+        return self.system.supports.partition.dot(a, b)
 
 
 def _iterate(
@@ -190,7 +189,7 @@ def _iterate(
 ) -> CgResult:
     """From the guess until a measurement tells to stop."""
     felt = project(system.supports, system.forces)
-    load = jnp.sqrt(dot(felt, felt, system.supports.partition))
+    load = jnp.sqrt(system.supports.partition.dot(felt, felt))
     load = jnp.where(load > 0, load, 1.0)
     iteration = _Iteration(system, precondition, load, tolerance, max_iterations)
     first = _before_measuring(project(system.supports, guess))
@@ -211,11 +210,6 @@ def _before_measuring(u: jax.Array) -> _CgState:
         measure=jnp.asarray(True),
         stop=jnp.asarray(False),
     )
-
-
-def dot(a: jax.Array, b: jax.Array, partition: Partition = WHOLE) -> jax.Array:
-    """Scalar product of two fields, per case."""
-    return partition.sum_nodes(a * b, axis=(1, 2, 3, 4))
 
 
 def _wide(scalars: jax.Array) -> jax.Array:

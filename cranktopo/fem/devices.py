@@ -6,7 +6,7 @@ equal. Between solves they are whole, on the first device.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from functools import lru_cache, partial
 from typing import Any
 
@@ -34,7 +34,7 @@ _NODES: Any = Spec(None, None, None, None, AXIS)
 
 def devices_for(cells: tuple[int, ...]) -> int:
     """How many of the devices that JAX finds a grid is worth: parts are equal, and none too small."""
-    most = min(jax.device_count(), int(np.prod(cells)) // _LEAST_CELLS)
+    most = min(jax.device_count(), math.prod(cells) // _LEAST_CELLS)
     return max((count for count in range(1, most + 1) if cells[2] % count == 0), default=1)
 
 
@@ -63,37 +63,38 @@ def solve_on_devices(
         limits: tolerance and largest number of iterations.
         parts: number of devices, a divisor of the number of layers.
     """
-    program = solver_program(partition_of(tables, parts), len(tables.coarse), precision)
-    result = program(*placed(tables, system, degree, guess, limits, parts))
-    found: CgResult = jax.device_put(result, jax.devices()[0])
+    program, arguments = program_on_devices(tables, system, degree, guess, limits, precision, parts)
+    found: CgResult = jax.device_put(program(*arguments), jax.devices()[0])
     return found._replace(displacements=_joined(found.displacements, parts))
 
 
-def placed(
+def program_on_devices(
     tables: GridTables,
     system: System,
     degree: int,
     guess: jax.Array,
     limits: tuple[jax.Array, jax.Array],
+    precision: Precision,
     parts: int,
-) -> tuple[object, ...]:
-    """The arguments of `solver_program`, each on its device; arguments as of `solve_on_devices`."""
+) -> tuple[Any, tuple[object, ...]]:
+    """The compiled function of `solve_on_devices`, and its arguments, each on its device."""
     partition = partition_of(tables, parts)
-    supports = system.supports._replace(partition=partition)
+    specs = _specs(partition, len(tables.coarse))
     given = (
-        jax.tree.map(jnp.asarray, tables),
-        system._replace(supports=supports, forces=_cut(system.forces, parts)),
-        jnp.asarray(degree),
+        tables,
+        system._replace(
+            supports=system.supports._replace(partition=partition), forces=_cut(system.forces, parts)
+        ),
+        degree,
         _cut(guess, parts),
         *limits,
     )
-    places = jax.tree.map(partial(NamedSharding, _mesh(parts)), _specs(partition, len(tables.coarse)))
-    there: tuple[object, ...] = jax.device_put(given, places)
-    return there
+    places = jax.tree.map(partial(NamedSharding, _mesh(parts)), specs)
+    return _program(partition, len(tables.coarse), precision), jax.device_put(given, places)
 
 
 @lru_cache(maxsize=8)
-def solver_program(partition: Partition, coarse: int, precision: Precision) -> Callable[..., CgResult]:
+def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
     """Hierarchy and iteration as one program of all devices.
 
     Args:
@@ -111,8 +112,7 @@ def solver_program(partition: Partition, coarse: int, precision: Precision) -> C
     on_parts = jax.shard_map(
         solve, mesh=_mesh(partition.parts), in_specs=specs, out_specs=results, check_vma=False
     )
-    program: Callable[..., CgResult] = jax.jit(on_parts, donate_argnums=3)
-    return program
+    return jax.jit(on_parts, donate_argnums=3)
 
 
 def _specs(partition: Partition, coarse: int) -> tuple[object, ...]:

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.fem.boundary_conditions import BoundaryConditions
-from cranktopo.fem.conjugate_gradients import System, dot
+from cranktopo.fem.conjugate_gradients import System
 from cranktopo.fem.multigrid import project
 from cranktopo.fem.operator import strain_energy_densities
+from cranktopo.fem.partition import WHOLE
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -46,7 +47,7 @@ def _void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.
             strain_energy_densities(system.blocks, u) * jnp.where(void, moduli, 0.0), axis=(1, 2, 3)
         )
 
-    work = dot(system.forces, u)
+    work = WHOLE.dot(system.forces, u)
     return jax.lax.cond(jnp.any(void), energy, lambda: jnp.zeros_like(work)), work
 
 

@@ -94,7 +94,7 @@ def build_hierarchy(
     rounded = moduli.astype(precision)
     # Above the first coarse level the moments of the moduli cancel: they are summed in float64.
     fields = (rounded if len(tables.coarse) > 1 else moduli, *(moduli for _ in tables.coarse[1:]))
-    levels = [_at_level(partition, level) for level in range(1, len(fields) + 1)]
+    levels = [partition.at_level(level) for level in range(1, len(fields) + 1)]
     fields = tuple(
         field if at.parts > 1 else partition.whole_cells(field)
         for field, at in zip(fields, levels, strict=True)
@@ -127,7 +127,7 @@ def apply_cycle(
         Correction of the same type, in the space of admissible displacements.
     """
     partition = supports.partition
-    norm = jnp.sqrt(partition.sum_nodes(residual**2, axis=(1, 2, 3, 4)))[:, None, None, None, None]
+    norm = jnp.sqrt(partition.dot(residual, residual))[:, None, None, None, None]
     scale = jnp.where(norm > 0, norm, 1.0)
     rounded = (residual / scale).astype(hierarchy.moduli.dtype)
     nodes = math.prod(rounded.shape[2:4]) * ((rounded.shape[4] - 1) * partition.parts + 1)
@@ -163,7 +163,7 @@ def _cycle(
         return partition.add_interfaces(forces)
 
     def correct(residual: jax.Array) -> jax.Array:
-        coarser = _at_level(partition, level + 1)
+        coarser = partition.at_level(level + 1)
         joined = partition.whole_nodes(residual) if coarser != partition else residual
         nodes = _coarser_nodes(hierarchy, supports, level)
         coarse = coarser.add_interfaces(restrict(coarser.halve_interfaces(joined), nodes))
@@ -190,11 +190,6 @@ def _cycle(
     first = 4 / 3 * step * residual
     field, _, last = jax.lax.fori_loop(0, 2 * count, sweep, (jnp.zeros_like(first), residual, first))
     return field + last
-
-
-def _at_level(partition: Partition, level: int) -> Partition:
-    """How a level's arrays are cut."""
-    return partition if level < partition.levels else WHOLE
 
 
 def _nodes(field: jax.Array) -> Cells:
@@ -327,7 +322,7 @@ def largest_eigenvalue(stencil: jax.Array, root: jax.Array, partition: Partition
     waves = waves * (root > 0)
 
     def dot(a: jax.Array, b: jax.Array) -> jax.Array:
-        return partition.sum_nodes(a * b, axis=(0, 1, 2, 3, 4))
+        return partition.dot(a, b)[0]
 
     def step(k: jax.Array, state: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
         before, vector, length, matrix = state

@@ -30,6 +30,10 @@ class Partition:
     parts: int = 1
     levels: int = 0
 
+    def at_level(self, level: int) -> Partition:
+        """How the arrays of a level are cut."""
+        return self if level < self.levels else WHOLE
+
     def at_first_plane(self) -> bool | jax.Array:
         """Whether this part has the first plane of the grid."""
         return self.parts == 1 or jax.lax.axis_index(AXIS) == 0
@@ -42,18 +46,14 @@ class Partition:
         """Sums of what both neighbours found on an interface, on both."""
         if self.parts == 1:
             return nodal
-        ahead = [(part, part + 1) for part in range(self.parts - 1)]
-        # Where there is no neighbour, nothing arrives: zeros.
-        below = jax.lax.ppermute(nodal[..., -1], AXIS, ahead)
-        above = jax.lax.ppermute(nodal[..., 0], AXIS, [(to, at) for at, to in ahead])
-        return nodal.at[..., 0].add(below).at[..., -1].add(above)
+        below = jax.lax.ppermute(nodal[..., -1], AXIS, [(part, part + 1) for part in range(self.parts - 1)])
+        return nodal.at[..., 0].add(below).at[..., -1].add(self._from_above(nodal))
 
     def copy_interfaces(self, nodal: jax.Array) -> jax.Array:
         """Values of an interface as the part above it has them, on both: rounding lets them drift apart."""
         if self.parts == 1:
             return nodal
-        above = jax.lax.ppermute(nodal[..., 0], AXIS, [(part + 1, part) for part in range(self.parts - 1)])
-        return nodal.at[..., -1].set(jnp.where(self.at_last_plane(), nodal[..., -1], above))
+        return nodal.at[..., -1].set(jnp.where(self.at_last_plane(), nodal[..., -1], self._from_above(nodal)))
 
     def halve_interfaces(self, nodal: jax.Array) -> jax.Array:
         """Complete values shared out, so that what is summed from them is complete after `add_interfaces`."""
@@ -63,11 +63,12 @@ class Partition:
         halved = nodal.at[..., 0].multiply(jnp.where(first, 1.0, 0.5))
         return halved.at[..., -1].multiply(jnp.where(last, 1.0, 0.5))
 
-    def sum_nodes(self, nodal: jax.Array, axis: tuple[int, ...]) -> jax.Array:
-        """Sum over axes that include z, over all parts."""
+    def dot(self, a: jax.Array, b: jax.Array) -> jax.Array:
+        """Scalar product of two fields (cases, 3, nodes...), per case."""
+        terms = a * b
         if self.parts > 1:
-            nodal = nodal.at[..., -1].multiply(self.at_last_plane())
-        return self.sum_parts(jnp.sum(nodal, axis=axis))
+            terms = terms.at[..., -1].multiply(self.at_last_plane())
+        return self.sum_parts(jnp.sum(terms, axis=(1, 2, 3, 4)))
 
     def sum_parts(self, numbers: jax.Array) -> jax.Array:
         """Sum of the parts' numbers, on all."""
@@ -105,6 +106,10 @@ class Partition:
         start = 0 if self.parts == 1 else jax.lax.axis_index(AXIS) * layers
         rows = jnp.arange(math.prod(outer)).reshape(*outer, 1)
         return rows * (layers * self.parts + 1) + start + jnp.arange(planes)
+
+    def _from_above(self, nodal: jax.Array) -> jax.Array:
+        """The first plane of the part above; zeros where there is none."""
+        return jax.lax.ppermute(nodal[..., 0], AXIS, [(part + 1, part) for part in range(self.parts - 1)])
 
 
 WHOLE = Partition()

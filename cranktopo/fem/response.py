@@ -15,12 +15,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.fem.conjugate_gradients import System, dot
+from cranktopo.fem.conjugate_gradients import System
 from cranktopo.fem.equilibrium import Solution, solve_system
 from cranktopo.fem.lattice import layer_blocks
 from cranktopo.fem.model import ThrowModel, case_forces, cell_volumes_mm3
 from cranktopo.fem.multigrid import build_tables
 from cranktopo.fem.operator import strain_energy_densities, strain_energy_density
+from cranktopo.fem.partition import WHOLE
 from cranktopo.fem.precision import Precision
 from cranktopo.loads.load_case import LoadCase
 from cranktopo.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
@@ -168,5 +169,5 @@ def _scaled_energies(blocks: jax.Array, u: jax.Array, factor: jax.Array) -> jax.
     return factor * strain_energy_densities(blocks, u)
 
 
-_works = jax.jit(dot)
+_works = jax.jit(WHOLE.dot)
 _energy_density = jax.jit(strain_energy_density)

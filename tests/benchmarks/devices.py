@@ -11,17 +11,19 @@ every product.
 from __future__ import annotations
 
 import argparse
-from itertools import pairwise
+import math
 
+from cranktopo.fem.devices import partition_of
+from cranktopo.fem.equilibrium import METHODS
 from cranktopo.fem.lattice import Cells, Lattice
-from cranktopo.fem.multigrid import smoothing_steps
-from tests.benchmarks.gpu import SHEETS, cells_of, measure
+from cranktopo.fem.multigrid import build_tables, smoothing_steps
+from tests.benchmarks.gpu import GRIDS, SHEETS, cells_of, expected_s, measure
 from tests.benchmarks.solver import Row
+from tests.studies.cantilever import halvings
 from tests.studies.parts import in_own_process
 
 GRID = "64x64x128"
 PARTS = (1, 2, 4, 8)
-LARGE = ("160x80x80", "320x160x160", "640x320x320", "1024x512x256")
 DEVICE = "H100 SXM"
 # One way, GB/s, of the data sheets: NVLink of the H100, and PCI Express 5 with 16 lanes.
 LINKS = {"NVLink": 450.0, "PCIe": 63.0}
@@ -33,7 +35,7 @@ def main() -> None:
     """Measure or estimate, and print the table as Markdown."""
     options = _options()
     if options.expected:
-        print("\n".join(expectation(measure(options.expected), LARGE)))
+        print("\n".join(expectation(measure(options.expected), GRIDS)))
         return
     cells = cells_of(options.grid)
     print("| devices | levels cut | iterations | difference | residual | bytes per cell on each |")
@@ -50,7 +52,7 @@ def expectation(row: Row, grids: tuple[str, ...]) -> list[str]:
     lines = [f"| cells | 1 {DEVICE} | {' | '.join(heads)} |", "|---|" + "---|" * (len(heads) + 1)]
     bandwidth, _ = SHEETS[DEVICE]
     for grid in grids:
-        one = row["iteration_s"] * cells_of(grid) / row["cells"] * row["GB_s"] / bandwidth
+        one = expected_s(row, cells_of(grid), bandwidth)
         told = [
             f"{one / parts + row['cg'] * messages_s(grid, parts, link):.2g} s"
             for link in LINKS.values()
@@ -69,18 +71,19 @@ def messages_s(grid: str, parts: int, link_GB_s: float) -> float:
 
 def exchanged_bytes(cells: Cells, parts: int) -> list[int]:
     """What a device sends to a neighbour in each message of an iteration, one load case."""
-    levels = max(n for n in range(1, 7) if not any(c % (1 << n) for c in cells))
     lattice = Lattice(cells, 1.0, 1.0, (1.0,) * cells[2], 0.3)
-    grids = [cells, *(_coarse(cells, factors) for factors in lattice.coarsenings(levels))]
-    nodes = (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1)
-    sent = [8 * _plane(cells)]
-    for level, (here, coarser) in enumerate(pairwise(grids)):
-        sent += [4 * _plane(here)] * (2 * smoothing_steps(2, level, nodes))
-        if level + 2 == len(grids) or coarser[2] % parts:
-            # From here on every device has all of it.
-            return [*sent, 4 * _plane(here) * here[2]]
-        sent.append(4 * _plane(coarser))
-    return sent
+    coarsenings = lattice.coarsenings(halvings(cells))
+    cut = partition_of(build_tables(lattice, halvings(cells)), parts).levels
+    grids = [cells, *(_coarse(cells, factors) for factors in coarsenings[: cut - 1])]
+    nodes = math.prod(lattice.nodes)
+    products = [2 * smoothing_steps(METHODS[0].degree, level, nodes) for level in range(cut)]
+    smoothed = [4 * _plane(grid) for grid, count in zip(grids, products, strict=True) for _ in range(count)]
+    restricted = [4 * _plane(grid) for grid in grids[1:]]
+    # What the last level that is cut leaves goes to every device.
+    joined = 4 * _plane(grids[-1]) * grids[-1][2]
+    # Of conjugate gradients themselves: the product in float64, and one correction for both sides.
+    outside = [8 * _plane(cells), 4 * _plane(cells)]
+    return [*outside, *smoothed, *restricted, joined]
 
 
 def _coarse(cells: Cells, factors: Cells) -> Cells:

@@ -89,13 +89,19 @@ def expectation(row: Row, grids: tuple[str, ...]) -> list[str]:
     heads = [f"{name}, {bandwidth} GB/s" for name, (bandwidth, _) in SHEETS.items()]
     lines = [f"| cells | {' | '.join(heads)} |", "|---|" + "---|" * len(SHEETS)]
     for cells in map(cells_of, grids):
-        seconds = row["iteration_s"] * cells / row["cells"] * row["GB_s"]
         told = [
-            f"{seconds / bandwidth:.2g} s" if cells * bytes_per_cell <= 1e9 * memory else "no room"
+            f"{expected_s(row, cells, bandwidth):.2g} s"
+            if cells * bytes_per_cell <= 1e9 * memory
+            else "no room"
             for bandwidth, memory in SHEETS.values()
         ]
         lines.append(f"| {cells:,} | {' | '.join(told)} |")
     return lines
+
+
+def expected_s(row: Row, cells: int, bandwidth_GB_s: float) -> float:
+    """Seconds per design iteration that a measured row lets expect at another bandwidth."""
+    return float(row["iteration_s"] * cells / row["cells"] * row["GB_s"] / bandwidth_GB_s)
 
 
 def cells_of(grid: str) -> int:

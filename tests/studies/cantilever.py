@@ -54,12 +54,12 @@ def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, Interpola
     length, width, height = cells
     lattice = Lattice((width, height, length), 1.0, 1.0, (1.0,) * length, 0.3)
     supports, forces = build_supports(
-        lattice, (0.0, 0.0), _levels(cells), (CaseSupports((), (), ()),) * load_cases
+        lattice, (0.0, 0.0), halvings(cells), (CaseSupports((), (), ()),) * load_cases
     )
     for case, component in zip(range(load_cases), (1, 0), strict=False):
         forces[case, component, :, 0, -1] = -1.0  # on every node, as the peers' examples load theirs
     loads = tuple(LoadCase(f"tip {case}", "bending", radial_N=1.0) for case in range(load_cases))
-    model = ThrowModel(lattice, _levels(cells), supports, jnp.asarray(forces), loads, 1.0, 1.0)
+    model = ThrowModel(lattice, halvings(cells), supports, jnp.asarray(forces), loads, 1.0, 1.0)
     design = jnp.ones(lattice.cells)
     kernel = jnp.asarray(cone_kernel((1.0, 1.0, 1.0), FILTER_CELLS))
     return model, Interpolation(
@@ -83,7 +83,7 @@ def optimise(model: ThrowModel, chain: Interpolation, iterations: int) -> tuple[
     return rows, x
 
 
-def _levels(cells: Cells) -> int:
+def halvings(cells: Cells) -> int:
     """Halvings that all axes allow."""
     return min((n & -n).bit_length() - 1 for n in cells)
 

@@ -16,12 +16,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.boundary_conditions import CaseSupports, SectionMotion, build_supports
-from cranktopo.fem.conjugate_gradients import CgResult, System, multigrid_cg, stiffness_product
-from cranktopo.fem.devices import partition_of, placed, solve_on_devices, solver_program
-from cranktopo.fem.equilibrium import METHODS
+from cranktopo.fem.conjugate_gradients import CgResult, System, stiffness_product
+from cranktopo.fem.devices import partition_of, program_on_devices, solve_on_devices
+from cranktopo.fem.equilibrium import METHODS, run_method
 from cranktopo.fem.lattice import Cells, Lattice
-from cranktopo.fem.multigrid import GridTables, build_hierarchy, build_tables, project
-from cranktopo.fem.precision import double_precision
+from cranktopo.fem.multigrid import GridTables, build_tables, project
+from cranktopo.fem.partition import WHOLE
+from cranktopo.fem.precision import Precision, double_precision
+from tests.studies.cantilever import halvings
 
 TOLERANCE = 1e-8
 DEVICES = 16
@@ -56,7 +58,7 @@ def lopsided(cells: Cells) -> tuple[GridTables, System]:
     numbers = np.random.default_rng(5)
     heights = tuple(float(h) for h in 1.0 + 0.3 * np.sin(np.arange(cells[2])))
     lattice = Lattice(cells, 1.0, 1.2, heights, 0.3)
-    levels = max(n for n in range(1, 6) if not any(c % (1 << n) for c in cells))
+    levels = halvings(cells)
     supports, forces = build_supports(lattice, (-2.0, -5.0), levels, (_MIRRORED, _TWO_SECTIONS))
     forces[:, :, 1:, :, 1:-1] += 0.1 * numbers.standard_normal(forces[:, :, 1:, :, 1:-1].shape)
     coarse = numbers.choice([1e-6, 0.2, 1.0], size=tuple(n // 2 for n in cells), p=[0.3, 0.2, 0.5])
@@ -65,39 +67,33 @@ def lopsided(cells: Cells) -> tuple[GridTables, System]:
     return tables, System(jnp.asarray(tables.blocks), supports, jnp.asarray(moduli), jnp.asarray(forces))
 
 
-def _limits() -> tuple[jax.Array, jax.Array]:
-    return jnp.asarray(TOLERANCE), jnp.asarray(METHODS[0].cap)
-
-
 def solved(tables: GridTables, system: System, parts: int) -> CgResult:
-    """On so many devices; on one by the program of all other commands."""
-    guess, degree = jnp.zeros_like(system.forces), METHODS[0].degree
-    if parts > 1:
-        return solve_on_devices(tables, system, degree, guess, _limits(), "float32", parts)
-    hierarchy = build_hierarchy(tables, system.supports, system.moduli)
-    return multigrid_cg(system, hierarchy, jnp.asarray(degree), guess, *_limits())
+    """On so many devices; on one as every command does."""
+    if parts == 1:
+        return run_method(METHODS[0], tables, system, jnp.zeros_like(system.forces), TOLERANCE)
+    return solve_on_devices(tables, system, *_settings(system), parts)
 
 
 def device_bytes(tables: GridTables, system: System, parts: int) -> int:
     """Memory of the solve on each device, as the compiler sets it aside."""
-    guess = jnp.zeros_like(system.forces)
-    program = solver_program(partition_of(tables, parts), len(tables.coarse), "float32")
-    given = placed(tables, system, METHODS[0].degree, guess, _limits(), parts)
-    memory = program.lower(*given).compile().memory_analysis()
+    program, arguments = program_on_devices(tables, system, *_settings(system), parts)
+    memory = program.lower(*arguments).compile().memory_analysis()
     taken = memory.argument_size_in_bytes + memory.output_size_in_bytes + memory.temp_size_in_bytes
     return int(taken - memory.alias_size_in_bytes)
+
+
+def _settings(system: System) -> tuple[int, jax.Array, tuple[jax.Array, jax.Array], Precision]:
+    """Degree, guess, limits and precision of the first method from zero."""
+    method = METHODS[0]
+    limits = jnp.asarray(TOLERANCE), jnp.asarray(method.cap)
+    return method.degree, jnp.zeros_like(system.forces), limits, method.precision
 
 
 def true_residual(system: System, u: jax.Array) -> float:
     """Largest relative residual of the cases, by the product of the whole grid."""
     felt = project(system.supports, system.forces)
     miss = felt - stiffness_product(system, u)
-    return float(
-        np.max(
-            np.linalg.norm(miss.reshape(len(u), -1), axis=1)
-            / np.linalg.norm(felt.reshape(len(u), -1), axis=1)
-        )
-    )
+    return float(jnp.sqrt(jnp.max(WHOLE.dot(miss, miss) / WHOLE.dot(felt, felt))))
 
 
 def main(grid: str, parts: tuple[int, ...]) -> None:
