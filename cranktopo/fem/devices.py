@@ -7,6 +7,7 @@ equal. Between solves they are whole, on the first device.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
 
@@ -48,49 +49,47 @@ def partition_of(tables: GridTables, parts: int) -> Partition:
     return Partition(parts, levels)
 
 
-def solve_on_devices(
-    tables: GridTables,
-    system: System,
-    degree: int,
-    guess: jax.Array,
-    limits: tuple[jax.Array, jax.Array],
-    precision: Precision,
-    parts: int,
-) -> CgResult:
-    """What `multigrid_cg` arrives at, on the first devices that JAX finds.
+@dataclass(frozen=True)
+class SharedSolve:
+    """A solve on the first devices that JAX finds.
 
-    Args:
+    Attributes:
+        degree, guess: as of `multigrid_cg`.
         limits: tolerance and largest number of iterations.
         parts: number of devices, a divisor of the number of layers.
     """
-    program, arguments = program_on_devices(tables, system, degree, guess, limits, precision, parts)
-    found: CgResult = jax.device_put(program(*arguments), jax.devices()[0])
-    return found._replace(displacements=_joined(found.displacements, parts))
 
+    tables: GridTables
+    system: System
+    degree: int
+    guess: jax.Array
+    limits: tuple[jax.Array, jax.Array]
+    precision: Precision
+    parts: int
 
-def program_on_devices(
-    tables: GridTables,
-    system: System,
-    degree: int,
-    guess: jax.Array,
-    limits: tuple[jax.Array, jax.Array],
-    precision: Precision,
-    parts: int,
-) -> tuple[Any, tuple[object, ...]]:
-    """The compiled function of `solve_on_devices`, and its arguments, each on its device."""
-    partition = partition_of(tables, parts)
-    specs = _specs(partition, len(tables.coarse))
-    given = (
-        tables,
-        system._replace(
-            supports=system.supports._replace(partition=partition), forces=_cut(system.forces, parts)
-        ),
-        degree,
-        _cut(guess, parts),
-        *limits,
-    )
-    places = jax.tree.map(partial(NamedSharding, _mesh(parts)), specs)
-    return _program(partition, len(tables.coarse), precision), jax.device_put(given, places)
+    def result(self) -> CgResult:
+        """What `multigrid_cg` arrives at, on the first device."""
+        found: CgResult = jax.device_put(self.program()(*self.arguments()), jax.devices()[0])
+        return found._replace(displacements=_joined(found.displacements, self.parts))
+
+    def program(self) -> Any:
+        """The compiled function of all devices."""
+        return _program(self._partition, len(self.tables.coarse), self.precision)
+
+    def arguments(self) -> tuple[object, ...]:
+        """What the program is called with, each on its device."""
+        system, partition = self.system, self._partition
+        supports = system.supports._replace(partition=partition)
+        there = system._replace(supports=supports, forces=_cut(system.forces, self.parts))
+        given = self.tables, there, self.degree, _cut(self.guess, self.parts), *self.limits
+        specs = _specs(partition, len(self.tables.coarse))
+        places = jax.tree.map(partial(NamedSharding, _mesh(self.parts)), specs)
+        placed: tuple[object, ...] = jax.device_put(given, places)
+        return placed
+
+    @property
+    def _partition(self) -> Partition:
+        return partition_of(self.tables, self.parts)
 
 
 @lru_cache(maxsize=8)

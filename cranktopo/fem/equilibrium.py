@@ -15,7 +15,7 @@ import jax.numpy as jnp
 from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.fem.compiling import compile_multigrid
 from cranktopo.fem.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
-from cranktopo.fem.devices import devices_for, solve_on_devices
+from cranktopo.fem.devices import SharedSolve, devices_for
 from cranktopo.fem.diagnosis import VOID, unsupported_load, void_energy_share
 from cranktopo.fem.multigrid import GridTables, build_hierarchy
 from cranktopo.fem.precision import Precision
@@ -107,7 +107,7 @@ def run_method(
         return jacobi_cg(system, guess, *limits)
     parts = devices_for(system.moduli.shape)
     if parts > 1:
-        return solve_on_devices(tables, system, method.degree, guess, limits, method.precision, parts)
+        return SharedSolve(tables, system, method.degree, guess, limits, method.precision, parts).result()
     compile_multigrid(tables, system, method.precision)
     hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
     return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)

@@ -17,12 +17,12 @@ import numpy as np
 
 from cranktopo.fem.boundary_conditions import CaseSupports, SectionMotion, build_supports
 from cranktopo.fem.conjugate_gradients import CgResult, System, stiffness_product
-from cranktopo.fem.devices import partition_of, program_on_devices, solve_on_devices
+from cranktopo.fem.devices import SharedSolve, partition_of
 from cranktopo.fem.equilibrium import METHODS, run_method
 from cranktopo.fem.lattice import Cells, Lattice
 from cranktopo.fem.multigrid import GridTables, build_tables, project
 from cranktopo.fem.partition import WHOLE
-from cranktopo.fem.precision import Precision, double_precision
+from cranktopo.fem.precision import double_precision
 from tests.studies.cantilever import halvings
 
 TOLERANCE = 1e-8
@@ -71,22 +71,22 @@ def solved(tables: GridTables, system: System, parts: int) -> CgResult:
     """On so many devices; on one as every command does."""
     if parts == 1:
         return run_method(METHODS[0], tables, system, jnp.zeros_like(system.forces), TOLERANCE)
-    return solve_on_devices(tables, system, *_settings(system), parts)
+    return _shared(tables, system, parts).result()
 
 
 def device_bytes(tables: GridTables, system: System, parts: int) -> int:
     """Memory of the solve on each device, as the compiler sets it aside."""
-    program, arguments = program_on_devices(tables, system, *_settings(system), parts)
-    memory = program.lower(*arguments).compile().memory_analysis()
+    shared = _shared(tables, system, parts)
+    memory = shared.program().lower(*shared.arguments()).compile().memory_analysis()
     taken = memory.argument_size_in_bytes + memory.output_size_in_bytes + memory.temp_size_in_bytes
     return int(taken - memory.alias_size_in_bytes)
 
 
-def _settings(system: System) -> tuple[int, jax.Array, tuple[jax.Array, jax.Array], Precision]:
-    """Degree, guess, limits and precision of the first method from zero."""
-    method = METHODS[0]
+def _shared(tables: GridTables, system: System, parts: int) -> SharedSolve:
+    """The first method's solve from zero."""
+    method, guess = METHODS[0], jnp.zeros_like(system.forces)
     limits = jnp.asarray(TOLERANCE), jnp.asarray(method.cap)
-    return method.degree, jnp.zeros_like(system.forces), limits, method.precision
+    return SharedSolve(tables, system, method.degree, guess, limits, method.precision, parts)
 
 
 def true_residual(system: System, u: jax.Array) -> float:
