@@ -16,23 +16,21 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import CORNERS
+from cranktopo.fem.kernels.processor import kernels_usable, stencil_kernel
+from cranktopo.fem.kernels.stencil import LEAD, OFFSETS
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
 from cranktopo.fem.precision import Precision
 from cranktopo.fem.slabs import add_slabs
 
-# A node itself and the half of its neighbours that come later; the rest of a symmetric operator follows.
-_OFFSETS = [offset for offset in product((-1, 0, 1), repeat=3) if offset >= (0, 0, 0)]
 # Corners a and b of a cell, and which later neighbour b is of a; the entries of their blocks in its matrix.
 _PAIRS = [
-    (a, b, _OFFSETS.index(offset))
+    (a, b, OFFSETS.index(offset))
     for a, b in product(range(8), repeat=2)
-    if (offset := tuple(int(n) for n in CORNERS[b] - CORNERS[a])) in _OFFSETS
+    if (offset := tuple(int(n) for n in CORNERS[b] - CORNERS[a])) in OFFSETS
 ]
 _PAIR_ENTRIES = np.array(
     [((a * 3 + c) * 8 + b) * 3 + d for a, b, _ in _PAIRS for c in range(3) for d in range(3)]
 )
-# Empty planes before the first: one flat slice then finds the blocks of all earlier neighbours.
-_LEAD = 2
 # A matrix product has the layers first: with many cells turning its result around costs far more than
 # the sum of a few products, which is one program.
 _FEW_MOMENTS = 8
@@ -98,7 +96,7 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
     Slab by slab along x: matrices of all coarse cells at once would be the most memory that a solve takes.
 
     Returns:
-        Array (14, 3, 3, 2 + nodes along x, nodes along y, nodes along z); its first two planes are 0.
+        Array (2 + nodes along x, nodes along y, 14, 3, 3, nodes along z); its first two planes are 0.
     """
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
@@ -108,25 +106,25 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
         slab = jax.lax.dynamic_slice_in_dim(moduli, start * across, depth * across)
         return _summed_pairs(_entries(coarse, matrices, slab).astype(precision))
 
-    empty = jnp.zeros((len(_OFFSETS), 3, 3, _LEAD + nx + 1, ny + 1, nz + 1), precision)
-    return add_slabs(empty, nx, part, axis=3, first=_LEAD)
+    empty = jnp.zeros((LEAD + nx + 1, ny + 1, len(OFFSETS), 3, 3, nz + 1), precision)
+    return add_slabs(empty, nx, part, axis=0, first=LEAD)
 
 
 def _summed_pairs(entries: jax.Array) -> jax.Array:
-    """Blocks (14, 3, 3, nodes...) from those of every pair of corners, (pairs x 9, cells...)."""
-    shape = entries.shape[1:]
-    blocks = entries.reshape(len(_PAIRS), 3, 3, *shape)
+    """Blocks (nodes along x, along y, 14, 3, 3, along z) from those of corner pairs (pairs x 9, cells...)."""
+    nx, ny, nz = entries.shape[1:]
+    blocks = entries.reshape(len(_PAIRS), 3, 3, nx, ny, nz)
 
     # A loop: as one expression the shifted sums take seconds to compile.
     def add(number: jax.Array, stencil: jax.Array) -> jax.Array:
         a, _, offset = jnp.asarray(_PAIRS)[number]
         i, j, k = jnp.asarray(CORNERS)[a]
-        at = offset, 0, 0, i, j, k
-        there = jax.lax.dynamic_slice(stencil, at, (1, 3, 3, *shape))
-        part = jax.lax.dynamic_slice_in_dim(blocks, number, 1)
+        at = i, j, offset, 0, 0, k
+        there = jax.lax.dynamic_slice(stencil, at, (nx, ny, 1, 3, 3, nz))
+        part = jax.lax.dynamic_slice_in_dim(blocks, number, 1).transpose(3, 4, 0, 1, 2, 5)
         return jax.lax.dynamic_update_slice(stencil, there + part, at)
 
-    empty = jnp.zeros((len(_OFFSETS), 3, 3, *(n + 1 for n in shape)), entries.dtype)
+    empty = jnp.zeros((nx + 1, ny + 1, len(OFFSETS), 3, 3, nz + 1), entries.dtype)
     return jax.lax.fori_loop(0, len(_PAIRS), add, empty)
 
 
@@ -144,29 +142,45 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """Product of a stencil operator with fields, of their shape."""
-    cases, _, nx, ny, nz = field.shape
-    size, reach, lead = nx * ny * nz, ny * nz + nz + 1, _LEAD * ny * nz
-    # One flat axis: the blocks that would reach beyond the grid are 0. Without the barriers XLA recomputes
-    # whatever made the field once per neighbour.
-    flat = field.reshape(cases, 3, size)
-    padded = jax.lax.optimization_barrier(jnp.pad(flat, ((0, 0), (0, 0), (reach, reach))))
-    blocks = stencil.reshape(len(_OFFSETS), 3, 3, -1)
-    result = jnp.zeros_like(flat)
-    for index, (i, j, k) in enumerate(_OFFSETS):
-        shift = (i * ny + j) * nz + k
-        later, earlier = reach + shift, reach - shift
-        for d in range(3):
-            result += blocks[index, :, d, lead:] * padded[:, d : d + 1, later : later + size]
-            if shift:
-                transposed = blocks[index, d, :, lead - shift : lead - shift + size]
-                result += transposed * padded[:, d : d + 1, earlier : earlier + size]
-    return jax.lax.optimization_barrier(result).reshape(field.shape)
+    """Product of a stencil operator with fields, of their shape: a kernel on the processor, elsewhere JAX."""
+    # A node of zeros around the grid: no neighbour is missing. Without the barrier XLA recomputes what made
+    # the field once per neighbour.
+    padded = jax.lax.optimization_barrier(jnp.pad(field, ((0, 0), (0, 0), (1, 1), (1, 1), (1, 1))))
+    if not kernels_usable():
+        return _apply_by_sums(stencil, padded)
+    return jax.lax.platform_dependent(stencil, padded, cpu=stencil_kernel, default=_apply_by_sums)
+
+
+def _apply_by_sums(stencil: jax.Array, padded: jax.Array) -> jax.Array:
+    """The product as JAX code."""
+    own = _neighbours(padded, (0, 0, 0))
+    result = jnp.zeros_like(padded)
+    for index, offset in enumerate(OFFSETS):
+        blocks = jnp.moveaxis(stencil[LEAD:, :, index], (2, 3), (0, 1))  # (3, 3, nodes...)
+        result = _add_at(
+            result, jnp.einsum("cdxyz,bdxyz->bcxyz", blocks, _neighbours(padded, offset)), (0, 0, 0)
+        )
+        if index:
+            result = _add_at(result, jnp.einsum("dcxyz,bdxyz->bcxyz", blocks, own), offset)
+    return jax.lax.optimization_barrier(_neighbours(result, (0, 0, 0)))
+
+
+def _neighbours(padded: jax.Array, offset: tuple[int, ...]) -> jax.Array:
+    """What the neighbours of all nodes have."""
+    i, j, k = offset
+    nx, ny, nz = padded.shape[2:]
+    return padded[:, :, 1 + i : nx - 1 + i, 1 + j : ny - 1 + j, 1 + k : nz - 1 + k]
+
+
+def _add_at(padded: jax.Array, values: jax.Array, offset: tuple[int, ...]) -> jax.Array:
+    """Add to the neighbours of all nodes."""
+    at = (0, 0, *(1 + n for n in offset))
+    return jax.lax.dynamic_update_slice(padded, _neighbours(padded, offset) + values, at)
 
 
 def stencil_diagonal(stencil: jax.Array) -> jax.Array:
     """Diagonal (3, nodes...) of a stencil operator."""
-    return jnp.stack([stencil[0, c, c, _LEAD:] for c in range(3)])
+    return jnp.stack([stencil[LEAD:, :, 0, c, c] for c in range(3)])
 
 
 def _samples(n: int) -> list[int]:

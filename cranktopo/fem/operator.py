@@ -12,17 +12,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.element import hexahedron_stiffness, reflection_blocks
+from cranktopo.fem.element import COUPLED
+from cranktopo.fem.kernels.processor import kernels_usable, stiffness_kernel
 from cranktopo.fem.slabs import add_slabs
-
-# Entries of the reflection blocks that do not vanish by symmetry, the same for every box and material.
-_COUPLED = np.abs(reflection_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3))) > 1e-12
 
 
 def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
-    """Nodal forces K(moduli) u of every case.
-
-    Slab by slab along x: sums and products of the whole grid would be the most memory that a solve takes.
+    """Nodal forces K(moduli) u of every case: by a kernel on the processor, elsewhere by JAX.
 
     Args:
         blocks: reflection blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
@@ -32,6 +28,13 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     Returns:
         Forces of the same shape and precision as `field`, N.
     """
+    if not kernels_usable():
+        return _apply_by_slabs(blocks, moduli, field)
+    return jax.lax.platform_dependent(blocks, moduli, field, cpu=stiffness_kernel, default=_apply_by_slabs)
+
+
+def _apply_by_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
+    """The product as JAX code, slab by slab along x: sums of the whole grid would take the most memory."""
 
     def part(start: int | jax.Array, depth: int) -> jax.Array:
         cells = jax.lax.dynamic_slice_in_dim(moduli, start, depth)
@@ -76,8 +79,8 @@ def _layer_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
     columns = blocks.astype(right.dtype)
     density = jnp.zeros(classes.shape[3:], right.dtype)
     # Term by term: one sum over classes and components would run along the slowest axis of memory.
-    for p, c in np.argwhere(np.any(_COUPLED, axis=2)):
-        force = sum(columns[p, c, d] * classes[:, p, d] for d in np.flatnonzero(_COUPLED[p, c]))
+    for p, c in np.argwhere(np.any(COUPLED, axis=2)):
+        force = sum(columns[p, c, d] * classes[:, p, d] for d in np.flatnonzero(COUPLED[p, c]))
         density += jnp.sum(other[:, p, c] * force, axis=0)
     return density
 
