@@ -69,7 +69,7 @@ def _task(builder: ir.IRBuilder, frame: Value, buffers: tuple[int, int]) -> list
 def _share(
     module: ir.Module, builder: ir.IRBuilder, kernel: ir.Function, task: list[Value], threads: int
 ) -> None:
-    """A thread for each part but the last, which the caller computes, as any that no thread can be had for."""
+    """A thread for each part but the last; the caller computes that, and any that gets no thread."""
     planes = task[-3]
     kinds = [value.type for value in task] + [INT64] * 3
     packed = ir.LiteralStructType(kinds)
