@@ -117,8 +117,11 @@ def jax_device() -> Check:
         device, *others = jax.devices()
     except Exception as error:  # jax raises what its plugins raise, all meaning this
         return Check("JAX", "missing", str(error), "no optimisation", "pip install jax")
+    from cranktopo.fem.kernels.processor import kernels_usable
+
     kind = f"{device.platform.upper()}: {device.device_kind}"
-    return Check("JAX", "ok", f"{jax.__version__}, {f'{1 + len(others)} x ' if others else ''}{kind}")
+    own = ", own kernels" if device.platform == "cpu" and kernels_usable() else ""
+    return Check("JAX", "ok", f"{jax.__version__}, {f'{1 + len(others)} x ' if others else ''}{kind}{own}")
 
 
 def cores() -> Check:

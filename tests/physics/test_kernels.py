@@ -71,3 +71,13 @@ def test_threads_do_not_change_a_digit(float64: None, monkeypatch: pytest.Monkey
         monkeypatch.setattr(processor, "_threads", lambda count=threads: count)
         results.append(np.asarray(jax.jit(lambda *a: apply_stiffness(*a))(*system)))
     assert all(np.array_equal(results[0], other) for other in results[1:])
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_processors_with_shorter_registers(
+    precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = _system((5, 4, 33), precision)
+    wide = jax.jit(lambda *a: apply_stiffness(*a))(*system)
+    monkeypatch.setattr(processor, "_width", lambda _: 4)
+    _close(jax.jit(lambda *a: apply_stiffness(*a))(*system), wide, precision)

@@ -12,6 +12,7 @@ from pathlib import Path
 import jax
 import llvmlite.binding as llvm
 import llvmlite.ir as ir
+import numpy as np
 
 from cranktopo.fem.kernels.code import INT64, POINTER, VectorCode
 from cranktopo.fem.kernels.foreign import write_handler
@@ -34,7 +35,7 @@ def kernels_usable() -> bool:
 
 def stiffness_kernel(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """As `fem.operator.apply_stiffness`, on the processor."""
-    name = _registered("stiffness", field.dtype.name, _threads())
+    name = _registered("stiffness", field.dtype.name, _width(field.dtype.name), _threads())
     spare = jax.ShapeDtypeStruct((_threads(), 3, *field.shape[3:]), field.dtype)
     forces = jax.ShapeDtypeStruct(field.shape, field.dtype)
     return jax.ffi.ffi_call(name, (forces, spare))(blocks.astype(field.dtype), moduli, field)[0]
@@ -42,27 +43,27 @@ def stiffness_kernel(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> 
 
 def stencil_kernel(stencil: jax.Array, padded: jax.Array) -> jax.Array:
     """As `fem.galerkin.apply_stencil` on the processor, of fields with a node of zeros around them."""
-    name = _registered("stencil", padded.dtype.name, _threads())
+    name = _registered("stencil", padded.dtype.name, _width(padded.dtype.name), _threads())
     nodes = stencil.shape[0] - LEAD, stencil.shape[1], stencil.shape[5]
     result = jax.ShapeDtypeStruct((padded.shape[0], 3, *nodes), padded.dtype)
     return jax.ffi.ffi_call(name, result)(stencil, padded)
 
 
 @cache
-def _registered(kernel: str, precision: Precision, threads: int) -> str:
+def _registered(kernel: str, precision: Precision, width: int, threads: int) -> str:
     """Name under which XLA finds a kernel that was compiled for this process."""
-    name = f"cranktopo_{kernel}_{precision}_{threads}"
-    address = _compiled(str(_module(kernel, precision, threads)))
+    name = f"cranktopo_{kernel}_{precision}_{width}_{threads}"
+    address = _compiled(str(_module(kernel, precision, width, threads)))
     handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(address)
     jax.ffi.register_ffi_target(name, jax.ffi.pycapsule(handler), platform="cpu")
     return name
 
 
-def _module(kernel: str, precision: Precision, threads: int) -> ir.Module:
+def _module(kernel: str, precision: Precision, width: int, threads: int) -> ir.Module:
     """Code of a kernel and of what calls it."""
     module, write, buffers = ir.Module(), *_KERNELS[kernel]
     inputs = [POINTER] * sum(buffers) + [INT64] * 7
-    code = VectorCode(module, "product", inputs, precision, _width(precision))
+    code = VectorCode(module, "product", inputs, precision, width)
     write(code)
     write_handler(module, code.function, buffers, threads, _interface_version())
     return module
@@ -84,10 +85,10 @@ def _compiled(text: str) -> int:
     return engine.get_function_address("handler")
 
 
-def _width(precision: Precision) -> int:
+def _width(precision: str) -> int:
     """Numbers in a vector register of this processor; 256 bits where it has no longer ones."""
     wide = llvm.get_host_cpu_features().get("avx512f", False)
-    return (64 if wide else 32) // (4 if precision == "float32" else 8)
+    return (64 if wide else 32) // np.dtype(precision).itemsize
 
 
 def _threads() -> int:
