@@ -6,6 +6,7 @@ import ctypes
 import os
 import re
 import sys
+import threading
 from functools import cache
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from cranktopo.fem.precision import Precision
 _KNOWN_MAJOR = 0
 # Who writes a kernel, and its numbers of arguments and results.
 _KERNELS = {"stiffness": (write_product, (3, 2)), "stencil": (write_stencil, (2, 1))}
+_one_at_a_time = threading.Lock()
 _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its engine
 
 
@@ -38,7 +40,9 @@ def stiffness_kernel(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> 
     name = _registered("stiffness", field.dtype.name, _width(field.dtype.name), _threads())
     spare = jax.ShapeDtypeStruct((_threads(), 3, *field.shape[3:]), field.dtype)
     forces = jax.ShapeDtypeStruct(field.shape, field.dtype)
-    return jax.ffi.ffi_call(name, (forces, spare))(blocks.astype(field.dtype), moduli, field)[0]
+    return jax.ffi.ffi_call(name, (forces, spare))(*(a.astype(field.dtype) for a in (blocks, moduli)), field)[
+        0
+    ]
 
 
 def stencil_kernel(stencil: jax.Array, padded: jax.Array) -> jax.Array:
@@ -46,12 +50,17 @@ def stencil_kernel(stencil: jax.Array, padded: jax.Array) -> jax.Array:
     name = _registered("stencil", padded.dtype.name, _width(padded.dtype.name), _threads())
     nodes = stencil.shape[0] - LEAD, stencil.shape[1], stencil.shape[5]
     result = jax.ShapeDtypeStruct((padded.shape[0], 3, *nodes), padded.dtype)
-    return jax.ffi.ffi_call(name, result)(stencil, padded)
+    return jax.ffi.ffi_call(name, result)(stencil.astype(padded.dtype), padded)
+
+
+def _registered(kernel: str, precision: Precision, width: int, threads: int) -> str:
+    """Name under which XLA finds a kernel; programs are traced in several threads, it is compiled once."""
+    with _one_at_a_time:
+        return _register(kernel, precision, width, threads)
 
 
 @cache
-def _registered(kernel: str, precision: Precision, width: int, threads: int) -> str:
-    """Name under which XLA finds a kernel that was compiled for this process."""
+def _register(kernel: str, precision: Precision, width: int, threads: int) -> str:
     name = f"cranktopo_{kernel}_{precision}_{width}_{threads}"
     address = _compiled(str(_module(kernel, precision, width, threads)))
     handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(address)
