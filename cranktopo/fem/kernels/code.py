@@ -9,8 +9,6 @@ from typing import TypeAlias
 
 import llvmlite.ir as ir
 
-from cranktopo.fem.precision import Precision
-
 BYTE, INT32, INT64, BIT, POINTER = (
     ir.IntType(8),
     ir.IntType(32),
@@ -31,9 +29,7 @@ class VectorCode:
         width: numbers in a vector.
     """
 
-    def __init__(
-        self, module: ir.Module, name: str, inputs: Sequence[ir.Type], precision: Precision, width: int
-    ):
+    def __init__(self, module: ir.Module, name: str, inputs: Sequence[ir.Type], precision: str, width: int):
         self.number = ir.FloatType() if precision == "float32" else ir.DoubleType()
         self.item_bytes = 4 if precision == "float32" else 8
         self.width = width

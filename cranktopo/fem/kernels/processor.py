@@ -19,7 +19,6 @@ from cranktopo.fem.kernels.code import INT64, POINTER, VectorCode
 from cranktopo.fem.kernels.foreign import write_handler
 from cranktopo.fem.kernels.stencil import LEAD, write_stencil
 from cranktopo.fem.kernels.stiffness import write_product
-from cranktopo.fem.precision import Precision
 
 # The call frame that `foreign` reads belongs to this major version of XLA's interface.
 _KNOWN_MAJOR = 0
@@ -53,14 +52,14 @@ def stencil_kernel(stencil: jax.Array, padded: jax.Array) -> jax.Array:
     return jax.ffi.ffi_call(name, result)(stencil.astype(padded.dtype), padded)
 
 
-def _registered(kernel: str, precision: Precision, width: int, threads: int) -> str:
+def _registered(kernel: str, precision: str, width: int, threads: int) -> str:
     """Name under which XLA finds a kernel; programs are traced in several threads, it is compiled once."""
     with _one_at_a_time:
         return _register(kernel, precision, width, threads)
 
 
 @cache
-def _register(kernel: str, precision: Precision, width: int, threads: int) -> str:
+def _register(kernel: str, precision: str, width: int, threads: int) -> str:
     name = f"cranktopo_{kernel}_{precision}_{width}_{threads}"
     address = _compiled(str(_module(kernel, precision, width, threads)))
     handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(address)
@@ -68,7 +67,7 @@ def _register(kernel: str, precision: Precision, width: int, threads: int) -> st
     return name
 
 
-def _module(kernel: str, precision: Precision, width: int, threads: int) -> ir.Module:
+def _module(kernel: str, precision: str, width: int, threads: int) -> ir.Module:
     """Code of a kernel and of what calls it."""
     module, write, buffers = ir.Module(), *_KERNELS[kernel]
     inputs = [POINTER] * sum(buffers) + [INT64] * 7
