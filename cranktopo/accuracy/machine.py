@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import resource
 import sys
@@ -11,6 +10,8 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+
+from cranktopo.cores import usable_cores
 
 _NUMBERS, _REPEATS = 1_000_000, 5
 
@@ -36,13 +37,12 @@ def this_machine() -> Machine:
     """This machine, its speed measured now: the least time of five to sort a million numbers on one core."""
     import numpy as np
 
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     numbers, times = np.random.default_rng(0).random(_NUMBERS), []
     for _ in range(_REPEATS):
         began = time.perf_counter()
         np.sort(numbers)
         times.append(time.perf_counter() - began)
-    return Machine(_processor(), cores, min(times))
+    return Machine(_processor(), usable_cores(), min(times))
 
 
 def peak_memory_MiB() -> float:

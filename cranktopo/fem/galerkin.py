@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import CORNERS
-from cranktopo.fem.kernels.processor import kernels_usable, stencil_kernel
+from cranktopo.fem.kernels.processor import by_kernel, stencil_kernel
 from cranktopo.fem.kernels.stencil import LEAD, OFFSETS
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
 from cranktopo.fem.precision import Precision
@@ -146,9 +146,7 @@ def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
     # A node of zeros around the grid: no neighbour is missing. Without the barrier XLA recomputes what made
     # the field once per neighbour.
     padded = jax.lax.optimization_barrier(jnp.pad(field, ((0, 0), (0, 0), (1, 1), (1, 1), (1, 1))))
-    if not kernels_usable():
-        return _apply_by_sums(stencil, padded)
-    return jax.lax.platform_dependent(stencil, padded, cpu=stencil_kernel, default=_apply_by_sums)
+    return by_kernel(stencil_kernel, _apply_by_sums, stencil, padded)
 
 
 def _apply_by_sums(stencil: jax.Array, padded: jax.Array) -> jax.Array:

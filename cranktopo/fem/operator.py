@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import COUPLED
-from cranktopo.fem.kernels.processor import kernels_usable, stiffness_kernel
+from cranktopo.fem.kernels.processor import by_kernel, stiffness_kernel
 from cranktopo.fem.slabs import add_slabs
 
 
@@ -28,9 +28,7 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     Returns:
         Forces of the same shape and precision as `field`, N.
     """
-    if not kernels_usable():
-        return _apply_by_slabs(blocks, moduli, field)
-    return jax.lax.platform_dependent(blocks, moduli, field, cpu=stiffness_kernel, default=_apply_by_slabs)
+    return by_kernel(stiffness_kernel, _apply_by_slabs, blocks, moduli, field)
 
 
 def _apply_by_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:

@@ -13,6 +13,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
+from cranktopo.cores import usable_cores
+
 _EXAMPLE = "mikron-iiic"
 """Its default optimisation is what the memory must hold."""
 PYTHON = (3, 11)
@@ -126,8 +128,7 @@ def jax_device() -> Check:
 
 def cores() -> Check:
     """Cores that this process may use."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return Check("cores", "ok", f"{usable} of {os.cpu_count()}, {platform.machine()}")
+    return Check("cores", "ok", f"{usable_cores()} of {os.cpu_count()}, {platform.machine()}")
 
 
 def memory() -> Check:

@@ -5,12 +5,14 @@ Against assembled matrices products are tested in test_element.py and test_galer
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem import galerkin, operator
+from cranktopo.fem import galerkin
 from cranktopo.fem.galerkin import apply_stencil
 from cranktopo.fem.kernels import processor
 from cranktopo.fem.lattice import Lattice, layer_blocks
@@ -32,6 +34,11 @@ def _system(cells: tuple[int, int, int], precision: Precision) -> tuple[jax.Arra
     return blocks, jnp.asarray(rng.random(cells), precision), jnp.asarray(field, precision)
 
 
+def _fresh(function: Callable[..., jax.Array], *inputs: jax.Array) -> jax.Array:
+    """Result of a function traced anew, after what it depends on was replaced."""
+    return jax.jit(lambda *a: function(*a))(*inputs)
+
+
 def _close(found: jax.Array, expected: jax.Array, precision: Precision) -> None:
     scale = float(jnp.max(jnp.abs(expected)))
     np.testing.assert_allclose(found, expected, atol=ROUNDING[precision] * scale, rtol=0)
@@ -43,9 +50,9 @@ def test_product_with_the_stiffness(
     cells: tuple[int, int, int], precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     system = _system(cells, precision)
-    found = jax.jit(lambda *a: apply_stiffness(*a))(*system)
-    monkeypatch.setattr(operator, "kernels_usable", lambda: False)
-    _close(found, jax.jit(lambda *a: apply_stiffness(*a))(*system), precision)
+    found = _fresh(apply_stiffness, *system)
+    monkeypatch.setattr(processor, "kernels_usable", lambda: False)
+    _close(found, _fresh(apply_stiffness, *system), precision)
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -59,17 +66,17 @@ def test_product_with_a_stencil(
         rng.standard_normal((galerkin.LEAD + nodes[0], nodes[1], 14, 3, 3, nodes[2])), precision
     )
     field = jnp.asarray(rng.standard_normal((2, 3, *nodes)), precision)
-    found = jax.jit(lambda *a: apply_stencil(*a))(stencil, field)
-    monkeypatch.setattr(galerkin, "kernels_usable", lambda: False)
-    _close(found, jax.jit(lambda *a: apply_stencil(*a))(stencil, field), precision)
+    found = _fresh(apply_stencil, stencil, field)
+    monkeypatch.setattr(processor, "kernels_usable", lambda: False)
+    _close(found, _fresh(apply_stencil, stencil, field), precision)
 
 
 def test_threads_do_not_change_a_digit(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
     system = _system(GRIDS[-1], "float64")
     results = []
     for threads in (1, 2, 5):
-        monkeypatch.setattr(processor, "_threads", lambda count=threads: count)
-        results.append(np.asarray(jax.jit(lambda *a: apply_stiffness(*a))(*system)))
+        monkeypatch.setattr(processor, "usable_cores", lambda count=threads: count)
+        results.append(np.asarray(_fresh(apply_stiffness, *system)))
     assert all(np.array_equal(results[0], other) for other in results[1:])
 
 
@@ -78,6 +85,6 @@ def test_processors_with_shorter_registers(
     precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     system = _system((5, 4, 33), precision)
-    wide = jax.jit(lambda *a: apply_stiffness(*a))(*system)
+    wide = _fresh(apply_stiffness, *system)
     monkeypatch.setattr(processor, "_width", lambda _: 4)
-    _close(jax.jit(lambda *a: apply_stiffness(*a))(*system), wide, precision)
+    _close(_fresh(apply_stiffness, *system), wide, precision)

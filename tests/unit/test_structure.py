@@ -14,6 +14,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "cranktopo"
 ORDER = [
     "errors",
     "inputs",
+    "cores",
     "units",
     "frames",
     "formats",

@@ -75,18 +75,13 @@ class VectorCode:
         offset = self.plus(INT64(0), *numbers)
         return self.builder.gep(start, [offset], source_etype=self.number)
 
-    def load(self, address: Value, mask: Value | None = None) -> Value:
+    def load(self, address: Value, mask: Value) -> Value:
         """Vector at an address; 0 outside the mask, where nothing is read."""
-        if mask is None:
-            return self.builder.load(address, typ=self.vector, align=self.item_bytes)
         return self.builder.call(self._load, [address, INT32(self.item_bytes), mask, self.zero])
 
-    def store(self, vector: Value, address: Value, mask: Value | None = None) -> None:
+    def store(self, vector: Value, address: Value, mask: Value) -> None:
         """Write a vector; nothing outside the mask."""
-        if mask is None:
-            self.builder.store(vector, address, align=self.item_bytes)
-        else:
-            self.builder.call(self._store, [vector, address, INT32(self.item_bytes), mask])
+        self.builder.call(self._store, [vector, address, INT32(self.item_bytes), mask])
 
     def prefetch(self, address: Value) -> None:
         """Ask for what is at an address, soon to be read once."""

@@ -5,9 +5,11 @@ Source: xla/ffi/api/c_api.h, which `jax.ffi.include_dir()` has; offsets are thos
 
 from __future__ import annotations
 
+from functools import reduce
+
 import llvmlite.ir as ir
 
-from cranktopo.fem.kernels.code import INT32, INT64, POINTER, Value
+from cranktopo.fem.kernels.code import BYTE, INT32, INT64, POINTER, Value
 
 # Offsets in bytes: of a call frame, of a buffer, and of what XLA asks to know first.
 _EXTENSION, _ARGUMENTS, _RESULTS = 8, 72, 112
@@ -40,10 +42,8 @@ def write_handler(
             builder.store(INT32(number), _offset(builder, metadata, place))
         builder.ret(none)
     task = _task(builder, frame, buffers)
-    planes = task[sum(buffers) + 1]
-    numbers = builder.mul(task[sum(buffers)], INT64(3))
-    for axis in range(3):
-        numbers = builder.mul(numbers, task[sum(buffers) + 1 + axis])
+    _, planes, _, _ = shape = task[-4:]
+    numbers = reduce(builder.mul, shape, INT64(3))
     shared = builder.and_(
         builder.icmp_signed(">=", numbers, INT64(_LEAST_SHARED)),
         builder.icmp_signed(">=", planes, INT64(threads)),
@@ -114,7 +114,7 @@ def _memory(builder: ir.IRBuilder, kind: ir.Type) -> Value:
 
 
 def _offset(builder: ir.IRBuilder, start: Value, length: int) -> Value:
-    return builder.gep(start, [INT64(length)], source_etype=ir.IntType(8))
+    return builder.gep(start, [INT64(length)], source_etype=BYTE)
 
 
 def _read(builder: ir.IRBuilder, start: Value, offset: int, kind: ir.Type) -> Value:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import re
 import sys
 import threading
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import jax
-import llvmlite.binding as llvm
 import llvmlite.ir as ir
 import numpy as np
 
+from cranktopo.cores import usable_cores
 from cranktopo.fem.kernels.code import INT64, POINTER, VectorCode
 from cranktopo.fem.kernels.foreign import write_handler
 from cranktopo.fem.kernels.stencil import LEAD, write_stencil
 from cranktopo.fem.kernels.stiffness import write_product
+
+if TYPE_CHECKING:
+    import llvmlite.binding as llvm
 
 # The call frame that `foreign` reads belongs to this major version of XLA's interface.
 _KNOWN_MAJOR = 0
@@ -34,28 +38,35 @@ def kernels_usable() -> bool:
     return sys.platform != "win32" and sys.maxsize > 2**32 and _interface_version()[0] == _KNOWN_MAJOR
 
 
+def by_kernel(
+    kernel: Callable[..., jax.Array], elsewhere: Callable[..., jax.Array], *arguments: jax.Array
+) -> jax.Array:
+    """What a kernel computes on a processor, and JAX code elsewhere."""
+    if not kernels_usable():
+        return elsewhere(*arguments)
+    return jax.lax.platform_dependent(*arguments, cpu=kernel, default=elsewhere)
+
+
 def stiffness_kernel(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """As `fem.operator.apply_stiffness`, on the processor."""
-    name = _registered("stiffness", field.dtype.name, _width(field.dtype.name), _threads())
-    spare = jax.ShapeDtypeStruct((_threads(), 3, *field.shape[3:]), field.dtype)
+    blocks, moduli = blocks.astype(field.dtype), moduli.astype(field.dtype)
+    spare = jax.ShapeDtypeStruct((usable_cores(), 3, *field.shape[3:]), field.dtype)
     forces = jax.ShapeDtypeStruct(field.shape, field.dtype)
-    return jax.ffi.ffi_call(name, (forces, spare))(*(a.astype(field.dtype) for a in (blocks, moduli)), field)[
-        0
-    ]
+    return jax.ffi.ffi_call(_registered("stiffness", field), (forces, spare))(blocks, moduli, field)[0]
 
 
 def stencil_kernel(stencil: jax.Array, padded: jax.Array) -> jax.Array:
     """As `fem.galerkin.apply_stencil` on the processor, of fields with a node of zeros around them."""
-    name = _registered("stencil", padded.dtype.name, _width(padded.dtype.name), _threads())
     nodes = stencil.shape[0] - LEAD, stencil.shape[1], stencil.shape[5]
     result = jax.ShapeDtypeStruct((padded.shape[0], 3, *nodes), padded.dtype)
-    return jax.ffi.ffi_call(name, result)(stencil.astype(padded.dtype), padded)
+    return jax.ffi.ffi_call(_registered("stencil", padded), result)(stencil.astype(padded.dtype), padded)
 
 
-def _registered(kernel: str, precision: str, width: int, threads: int) -> str:
-    """Name under which XLA finds a kernel; programs are traced in several threads, it is compiled once."""
+def _registered(kernel: str, field: jax.Array) -> str:
+    """Name under which XLA finds a kernel for a field's numbers; compiled once, whichever thread asks."""
+    precision = field.dtype.name
     with _one_at_a_time:
-        return _register(kernel, precision, width, threads)
+        return _register(kernel, precision, _width(precision), usable_cores())
 
 
 @cache
@@ -79,6 +90,8 @@ def _module(kernel: str, precision: str, width: int, threads: int) -> ir.Module:
 
 def _compiled(text: str) -> int:
     """Address of the handler of a module, as machine code for this processor."""
+    import llvmlite.binding as llvm  # loads all of LLVM: only who solves needs it
+
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     module = llvm.parse_assembly(text)
@@ -95,12 +108,10 @@ def _compiled(text: str) -> int:
 
 def _width(precision: str) -> int:
     """Numbers in a vector register of this processor; 256 bits where it has no longer ones."""
+    import llvmlite.binding as llvm
+
     wide = llvm.get_host_cpu_features().get("avx512f", False)
     return (64 if wide else 32) // np.dtype(precision).itemsize
-
-
-def _threads() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @cache

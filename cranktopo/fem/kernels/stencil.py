@@ -49,7 +49,7 @@ def write_stencil(code: VectorCode) -> None:
         outer = code.times(i, sizes.plane), code.times(j, nz)
         with code.loop(zero, nz, INT64(code.width)) as nodes, code.loop(zero, cases, one) as case:
             k, components = nodes.index, code.times(case.index, INT64(3))
-            mask = code.first_lanes(code.plus(nz, code.times(k, INT64(-1))))
+            mask = code.first_lanes(code.plus(nz, code.builder.neg(k)))
             field = code.at(fields, code.times(components, sizes.field), *inner, k, 1)
             sums = _products(code, code.at(stencil, *rows, k), field, sizes, nz, mask)
             target = code.at(result, code.times(components, sizes.component), *outer, k)
@@ -89,7 +89,7 @@ def _products(
         for d in range(3):
             line = code.at(field, code.times(INT64(d), sizes.field))
             later = code.load(code.at(line, shift), mask)
-            earlier = code.load(code.at(line, code.times(shift, INT64(-1))), mask) if index else None
+            earlier = code.load(code.at(line, code.builder.neg(shift)), mask) if index else None
             for c in range(3):
                 entry = code.at(blocks, code.times(INT64((index * 3 + c) * 3 + d), nz))
                 code.prefetch(code.at(entry, sizes.stencil_row))

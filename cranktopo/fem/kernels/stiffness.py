@@ -81,15 +81,9 @@ def write_product(code: VectorCode) -> None:
 class _Column:
     """A column of cells between two planes of nodes, `width` along z from k."""
 
-    def __init__(
-        self,
-        code: VectorCode,
-        grid: _Grid,
-        k: Value,
-        ends: list[list[tuple[Value, Value]]],
-    ):
+    def __init__(self, code: VectorCode, grid: _Grid, k: Value, ends: list[list[tuple[Value, Value]]]):
         self._code, self._grid, self._k, self._ends = code, grid, k, ends
-        left, width = code.plus(grid.nz, code.times(k, INT64(-1))), code.width
+        left, width = code.plus(grid.nz, code.builder.neg(k)), code.width
         self._cells = code.first_lanes(left)
         self._nodes = code.first_lanes(code.plus(left, 1))
         # The last node of a full column lies in the vector after it.

@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cranktopo.cores import usable_cores
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.pipeline.sweep.engine import Engine, compute
 from cranktopo.pipeline.sweep.job import Job, PointFunction, keep_result, kept_result, row_of
@@ -15,7 +16,7 @@ from cranktopo.pipeline.sweep.progress import Progress
 from cranktopo.pipeline.sweep.refine import worth_refining
 from cranktopo.pipeline.sweep.stages import FAILED, IMPOSSIBLE
 from cranktopo.pipeline.sweep.web_view import VIEW
-from cranktopo.pipeline.sweep.workers import cores, point_memory_MiB, workers_for
+from cranktopo.pipeline.sweep.workers import point_memory_MiB, workers_for
 from cranktopo.store import Json
 
 COARSE, FULL = "coarse", "full"
@@ -126,7 +127,7 @@ class Session:
             return Engine(scheduler=place.scheduler)
         memory = max(point_memory_MiB(plan.original, stage, plan.element_size_mm) for stage in plan.stages)
         workers = workers_for(points, memory, place.workers)
-        return Engine(workers, max(1, cores() // workers))
+        return Engine(workers, max(1, usable_cores() // workers))
 
 
 def _webs(found: Mapping[str, Json]) -> dict[str, str]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-
+from cranktopo.cores import usable_cores
 from cranktopo.domain.resolution import available_memory_MiB, optimiser_memory_MiB
 from cranktopo.evaluate.mesh_memory import evaluation_memory_MiB
 from cranktopo.pipeline.sweep.plan import Stage
@@ -14,12 +13,6 @@ _PROGRAM_MIB = 500.0
 """Of a worker that has loaded everything and computes nothing."""
 _REFINED = 2.0
 """An estimate leaves out what is refined at fillets."""
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return usable or 1
 
 
 def point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None) -> float:
@@ -37,4 +30,4 @@ def workers_for(points: int, point_MiB: float, asked: int | None = None) -> int:
     if asked is not None:
         return max(1, min(asked, points))
     fitting = int(available_memory_MiB() / point_MiB)
-    return max(1, min(cores(), points, fitting))
+    return max(1, min(usable_cores(), points, fitting))
