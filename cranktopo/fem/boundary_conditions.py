@@ -105,12 +105,20 @@ def build_supports(
     return supports, forces
 
 
-def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dtype: jnp.dtype) -> jax.Array:
-    """Mask (cases, 3, nodes...): 1 where a component moves on its own, 0 on mirrors and rigid sections."""
+def interior_factors(
+    supports: BoundaryConditions, nodes: tuple[int, int, int]
+) -> tuple[jax.Array, jax.Array]:
+    """Factors of `interior_mask` along x (cases, 3, nx + 1) and along z (cases, 3, nz + 1)."""
     along_x = jnp.ones((*supports.free_x0.shape, nodes[0])).at[:, :, 0].set(supports.free_x0)
     first, last = supports.partition.at_first_plane(), supports.partition.at_last_plane()
     along_z = jnp.ones((*supports.free_x0.shape, nodes[2])).at[:, :, 0].set(jnp.where(first, 0.0, 1.0))
     along_z = along_z.at[:, :, -1].set(jnp.where(last, supports.free_z_end, 1.0))
+    return along_x, along_z
+
+
+def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dtype: jnp.dtype) -> jax.Array:
+    """Mask (cases, 3, nodes...): 1 where a component moves on its own, 0 on mirrors and rigid sections."""
+    along_x, along_z = interior_factors(supports, nodes)
     mask = along_x[:, :, :, None, None] * along_z[:, :, None, None, :]
     return jnp.broadcast_to(mask, (*mask.shape[:2], *nodes)).astype(dtype)
 

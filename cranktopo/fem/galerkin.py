@@ -16,8 +16,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import CORNERS
-from cranktopo.fem.kernels.processor import by_kernel, stencil_kernel
-from cranktopo.fem.kernels.stencil import LEAD, OFFSETS
+from cranktopo.fem.kernels.processor import by_kernel, called
+from cranktopo.fem.kernels.stencil import OFFSETS
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
 from cranktopo.fem.precision import Precision
 from cranktopo.fem.slabs import add_slabs
@@ -96,7 +96,7 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
     Slab by slab along x: matrices of all coarse cells at once would be the most memory that a solve takes.
 
     Returns:
-        Array (2 + nodes along x, nodes along y, 14, 3, 3, nodes along z); its first two planes are 0.
+        Array (nodes along x, nodes along y, 14, 3, 3, nodes along z).
     """
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
@@ -106,8 +106,8 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
         slab = jax.lax.dynamic_slice_in_dim(moduli, start * across, depth * across)
         return _summed_pairs(_entries(coarse, matrices, slab).astype(precision))
 
-    empty = jnp.zeros((LEAD + nx + 1, ny + 1, len(OFFSETS), 3, 3, nz + 1), precision)
-    return add_slabs(empty, nx, part, axis=0, first=LEAD)
+    empty = jnp.zeros((nx + 1, ny + 1, len(OFFSETS), 3, 3, nz + 1), precision)
+    return add_slabs(empty, nx, part, axis=0)
 
 
 def _summed_pairs(entries: jax.Array) -> jax.Array:
@@ -143,18 +143,22 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
     """Product of a stencil operator with fields, of their shape: a kernel on the processor, elsewhere JAX."""
+    return by_kernel(_apply_by_kernel, _apply_by_sums, stencil, field)
+
+
+def _apply_by_kernel(*arrays: jax.Array) -> jax.Array:
+    return called(("stencil", "product"), arrays)[0]
+
+
+def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:
+    """The product as JAX code."""
     # A node of zeros around the grid: no neighbour is missing. Without the barrier XLA recomputes what made
     # the field once per neighbour.
     padded = jax.lax.optimization_barrier(jnp.pad(field, ((0, 0), (0, 0), (1, 1), (1, 1), (1, 1))))
-    return by_kernel(stencil_kernel, _apply_by_sums, stencil, padded)
-
-
-def _apply_by_sums(stencil: jax.Array, padded: jax.Array) -> jax.Array:
-    """The product as JAX code."""
     here = (0, 0, 0)
     result = jnp.zeros_like(padded)
     for index, offset in enumerate(OFFSETS):
-        blocks = jnp.moveaxis(stencil[LEAD:, :, index], (2, 3), (0, 1))  # (3, 3, nodes...)
+        blocks = jnp.moveaxis(stencil[:, :, index], (2, 3), (0, 1))  # (3, 3, nodes...)
         result = _add_at(result, _block_product(blocks, _neighbours(padded, offset)), here)
         if index:
             transposed = _block_product(jnp.swapaxes(blocks, 0, 1), _neighbours(padded, here))
@@ -187,7 +191,7 @@ def _add_at(padded: jax.Array, values: jax.Array, offset: tuple[int, ...]) -> ja
 
 def stencil_diagonal(stencil: jax.Array) -> jax.Array:
     """Diagonal (3, nodes...) of a stencil operator."""
-    return jnp.stack([stencil[LEAD:, :, 0, c, c] for c in range(3)])
+    return jnp.stack([stencil[:, :, 0, c, c] for c in range(3)])
 
 
 def _samples(n: int) -> list[int]:

@@ -30,13 +30,13 @@ from cranktopo.fem.lattice import Array, Cells, Lattice, layer_blocks, layer_sti
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.fem.partition import WHOLE, Partition
 from cranktopo.fem.precision import Precision
+from cranktopo.fem.smoothing import Smoother, Smoothing, steps_of
 
 _Count = TypeVar("_Count", int, jax.Array)
-_Smoothing = tuple[jax.Array, jax.Array, jax.Array]
 
-# On grids that do not stay in the cache the two finest levels take nearly all time. With half the smoothing
-# there a cycle costs 0.6 as much, and a solve takes 1.5 (uniform) to 1.05 (late designs) times as many.
-_LARGE_NODES = 200_000
+# On larger grids the stencils of the second level do not stay in the cache, and take as long as the finest
+# product. With half the smoothing there a solve takes at most a tenth more cycles, each a fifth cheaper.
+_LARGE_NODES = 50_000
 _LANCZOS_STEPS = 12
 # Shift of the coarsest matrix relative to its diagonal: void around an island leaves it singular.
 _SHIFT = 1e-13
@@ -119,8 +119,8 @@ def apply_cycle(
     """One V-cycle: an approximate, symmetric positive definite inverse applied to a residual.
 
     Args:
-        degree: even number of smoothing steps before and after the coarse correction on the finest level;
-            twice as many on the next, and so on; half as many on the two finest levels of a large grid.
+        degree: number of smoothing steps before and after the coarse correction on the finest level; twice as
+            many on the next, but as many on a large grid; three times as many on the one after, and so on.
         residual: projected nodal forces (cases, 3, nodes...), any float type.
 
     Returns:
@@ -144,26 +144,13 @@ def _cycle(
     residual: jax.Array,
     level: int,
 ) -> jax.Array:
-    """Smoothing, coarse correction, smoothing, as one loop: the product is compiled once per level.
-
-    Fourth-kind Chebyshev-Jacobi smoothing, a recursion over (field, residual, next correction). It starts
-    with the first Chebyshev correction, and again, after the coarse correction, with that.
-
-    Source: J. Lottes, Optimal polynomial smoothers for multigrid V-cycles, Numer. Linear Algebra Appl. 30,
-    2023, algorithm 1.
-    """
+    """Smoothing, coarse correction, smoothing."""
     if level == len(hierarchy.steps):
         return _solve_coarse(hierarchy, residual)
-
-    def product(field: jax.Array) -> jax.Array:
-        if level == 0:
-            forces = apply_stiffness(hierarchy.blocks, hierarchy.moduli, field)
-        else:
-            forces = apply_stencil(hierarchy.stencils[level - 1], field)
-        return partition.add_interfaces(forces)
+    partition, coarser = supports.partition, supports.partition.at_level(level + 1)
+    smoother = _smoother(hierarchy, supports, level)
 
     def correct(residual: jax.Array) -> jax.Array:
-        coarser = partition.at_level(level + 1)
         joined = partition.whole_nodes(residual) if coarser != partition else residual
         nodes = _coarser_nodes(hierarchy, supports, level)
         coarse = coarser.add_interfaces(restrict(coarser.halve_interfaces(joined), nodes))
@@ -171,25 +158,18 @@ def _cycle(
         fine = prolong(found, _nodes(joined))
         return partition.own_nodes(fine) if coarser != partition else fine
 
-    partition, count = supports.partition, counts[level]
-    step = hierarchy.steps[level] * interior_mask(supports, _nodes(residual), residual.dtype)
+    state = smoother.before(smoother.start(residual), counts[level])
+    coarse = correct(state.residual)
+    state = Smoothing(coarse, state.field + coarse, state.residual)
+    return smoother.after(state, counts[level]).field
 
-    def sweep(index: jax.Array, state: _Smoothing) -> _Smoothing:
-        field, residual, correction = state
-        residual = residual - product(correction)
-        k = jnp.where(index < count, index + 1, index - count).astype(residual.dtype)
-        keep = jnp.maximum(2 * k - 1, 0) / (2 * k + 3)
-        fresh = (8 * k + 4) / (2 * k + 3)
-        following = jax.lax.cond(
-            index == count - 1,
-            lambda: correct(residual),
-            lambda: keep * correction + fresh * step * residual,
-        )
-        return field + correction, residual, following
 
-    first = 4 / 3 * step * residual
-    field, _, last = jax.lax.fori_loop(0, 2 * count, sweep, (jnp.zeros_like(first), residual, first))
-    return field + last
+def _smoother(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Smoother:
+    steps = steps_of(hierarchy.steps[level], supports)
+    if level == 0:
+        arrays = hierarchy.blocks, hierarchy.moduli
+        return Smoother("stiffness", apply_stiffness, arrays, steps, supports.partition)
+    return Smoother("stencil", apply_stencil, (hierarchy.stencils[level - 1],), steps, supports.partition)
 
 
 def _nodes(field: jax.Array) -> Cells:
@@ -199,7 +179,7 @@ def _nodes(field: jax.Array) -> Cells:
 def smoothing_steps(degree: _Count, level: int, nodes: int) -> _Count:
     """Smoothing steps before and after the coarse correction of a level; nodes are those of the finest."""
     # Coarse levels cost little: smoothing them more saves a third of the cycles.
-    halved = level < 2 and nodes > _LARGE_NODES
+    halved = level == 1 and nodes > _LARGE_NODES
     return degree * (level + 1) // (2 if halved else 1)
 
 

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import COUPLED
-from cranktopo.fem.kernels.processor import by_kernel, stiffness_kernel
+from cranktopo.fem.kernels.processor import by_kernel, called
 from cranktopo.fem.slabs import add_slabs
 
 
@@ -28,7 +28,11 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     Returns:
         Forces of the same shape and precision as `field`, N.
     """
-    return by_kernel(stiffness_kernel, _apply_by_slabs, blocks, moduli, field)
+    return by_kernel(_by_kernel, _apply_by_slabs, blocks, moduli, field)
+
+
+def _by_kernel(*arrays: jax.Array) -> jax.Array:
+    return called(("stiffness", "product"), arrays)[0]
 
 
 def _apply_by_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:

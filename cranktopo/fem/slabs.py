@@ -16,7 +16,6 @@ def add_slabs(
     layers: int,
     part: Callable[[int | jax.Array, int], jax.Array],
     axis: int,
-    first: int = 0,
 ) -> jax.Array:
     """A nodal array plus the parts of slabs of equal depth along x; neighbours share a plane of nodes.
 
@@ -24,7 +23,6 @@ def add_slabs(
         layers: number of layers of cells along x.
         part: from a slab's first layer and its depth to what it adds to its depth + 1 planes.
         axis: of `total` along x.
-        first: planes of `total` before those of the grid.
     """
     most = max(1, min(_MOST_SLABS, total.size // _LEAST_NUMBERS))
     slabs = max(count for count in range(1, most + 1) if layers % count == 0)
@@ -32,7 +30,7 @@ def add_slabs(
 
     def add(number: int | jax.Array, total: jax.Array) -> jax.Array:
         start = number * depth
-        there = jax.lax.dynamic_slice_in_dim(total, first + start, depth + 1, axis)
-        return jax.lax.dynamic_update_slice_in_dim(total, there + part(start, depth), first + start, axis)
+        there = jax.lax.dynamic_slice_in_dim(total, start, depth + 1, axis)
+        return jax.lax.dynamic_update_slice_in_dim(total, there + part(start, depth), start, axis)
 
     return add(0, total) if slabs == 1 else jax.lax.fori_loop(0, slabs, add, total)

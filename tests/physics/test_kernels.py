@@ -12,12 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem import galerkin
 from cranktopo.fem.galerkin import apply_stencil
 from cranktopo.fem.kernels import processor
 from cranktopo.fem.lattice import Lattice, layer_blocks
 from cranktopo.fem.operator import apply_stiffness
+from cranktopo.fem.partition import WHOLE
 from cranktopo.fem.precision import Precision
+from cranktopo.fem.smoothing import Smoother, Smoothing, Steps
 
 ROUNDING = {"float32": 2e-6, "float64": 4e-15}
 # Rows shorter than a vector, of whole vectors, one longer; and a grid that is shared out to threads.
@@ -32,6 +33,38 @@ def _system(cells: tuple[int, int, int], precision: Precision) -> tuple[jax.Arra
     field = rng.standard_normal((2, *lattice.field_shape))
     blocks = jnp.asarray(layer_blocks(lattice), precision)
     return blocks, jnp.asarray(rng.random(cells), precision), jnp.asarray(field, precision)
+
+
+def _stencil(nodes: tuple[int, int, int], precision: Precision) -> jax.Array:
+    """Any numbers: where a neighbour is missing the stencil need not be 0."""
+    rng = np.random.default_rng(1)
+    return jnp.asarray(rng.standard_normal((*nodes[:2], 14, 3, 3, nodes[2])), precision)
+
+
+def _smoother(cells: tuple[int, int, int], operator: str, precision: Precision) -> Smoother:
+    """Two load cases with steps and supports of their own."""
+    blocks, moduli, field = _system(cells, precision)
+    _, _, *nodes = field.shape
+    rng = np.random.default_rng(2)
+    held = [jnp.asarray(rng.integers(0, 2, (2, 3, n)), precision) for n in (nodes[0], nodes[2])]
+    steps = Steps(jnp.asarray(rng.random((3, *nodes)), precision), *held)
+    if operator == "stiffness":
+        return Smoother(operator, apply_stiffness, (blocks, moduli), steps, WHOLE)
+    stencil = _stencil((nodes[0], nodes[1], nodes[2]), precision)
+    return Smoother(operator, apply_stencil, (stencil / 27,), steps, WHOLE)
+
+
+def _smoothed(smoother: Smoother, count: int) -> Smoothing:
+    """Corrections before and after something else has changed the field, all traced anew."""
+    rng = np.random.default_rng(3)
+    residual, change = rng.standard_normal((2, 2, *smoother.steps.sizes.shape))
+
+    def smooth(residual: jax.Array, change: jax.Array) -> Smoothing:
+        before = smoother.before(smoother.start(residual), count)
+        return smoother.after(Smoothing(change, before.field + change, before.residual), count)
+
+    precision = smoother.steps.sizes.dtype
+    return jax.jit(smooth)(jnp.asarray(residual, precision), jnp.asarray(change, precision))
 
 
 def _fresh(function: Callable[..., jax.Array], *inputs: jax.Array) -> jax.Array:
@@ -60,24 +93,40 @@ def test_product_with_the_stiffness(
 def test_product_with_a_stencil(
     nodes: tuple[int, int, int], precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Any numbers: where a neighbour is missing the stencil need not be 0.
-    rng = np.random.default_rng(1)
-    stencil = jnp.asarray(
-        rng.standard_normal((galerkin.LEAD + nodes[0], nodes[1], 14, 3, 3, nodes[2])), precision
-    )
-    field = jnp.asarray(rng.standard_normal((2, 3, *nodes)), precision)
+    stencil = _stencil(nodes, precision)
+    field = jnp.asarray(np.random.default_rng(2).standard_normal((2, 3, *nodes)), precision)
     found = _fresh(apply_stencil, stencil, field)
     monkeypatch.setattr(processor, "kernels_usable", lambda: False)
     _close(found, _fresh(apply_stencil, stencil, field), precision)
 
 
-def test_threads_do_not_change_a_digit(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    system = _system(GRIDS[-1], "float64")
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("operator", ["stiffness", "stencil"])
+@pytest.mark.parametrize("cells", GRIDS)
+def test_smoothing(
+    cells: tuple[int, int, int],
+    operator: str,
+    precision: Precision,
+    float64: None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    smoother = _smoother(cells, operator, precision)
+    found = _smoothed(smoother, 2)
+    monkeypatch.setattr(processor, "kernels_usable", lambda: False)
+    for one, other in zip(found, _smoothed(smoother, 2), strict=True):
+        _close(one, other, precision)
+
+
+@pytest.mark.parametrize("operator", ["stiffness", "stencil"])
+def test_threads_do_not_change_a_digit(operator: str, float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    smoother = _smoother(GRIDS[-1], operator, "float64")
     results = []
     for threads in (1, 2, 5):
         monkeypatch.setattr(processor, "usable_cores", lambda count=threads: count)
-        results.append(np.asarray(_fresh(apply_stiffness, *system)))
-    assert all(np.array_equal(results[0], other) for other in results[1:])
+        product = _fresh(smoother.apply, *smoother.arrays, smoother.start(smoother.steps.sizes).field)
+        results.append([np.asarray(field) for field in (product, *_smoothed(smoother, 3))])
+    for other in results[1:]:
+        assert all(np.array_equal(one, two) for one, two in zip(results[0], other, strict=True))
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])

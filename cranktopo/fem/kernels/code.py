@@ -41,6 +41,7 @@ class VectorCode:
         self._load = _declare(module, f"llvm.masked.load.{suffix}", self.vector, (*memory, self.vector))
         self._store = _declare(module, f"llvm.masked.store.{suffix}", ir.VoidType(), (self.vector, *memory))
         self._fill = _declare(module, "llvm.memset.p0.i64", ir.VoidType(), (POINTER, BYTE, INT64, BIT))
+        self._copy = _declare(module, "llvm.memcpy.p0.p0.i64", ir.VoidType(), (POINTER, POINTER, INT64, BIT))
         self._fetch = _declare(module, "llvm.prefetch.p0", ir.VoidType(), (POINTER, INT32, INT32, INT32))
         self.function = ir.Function(module, ir.FunctionType(ir.VoidType(), inputs), name)
         self.builder = ir.IRBuilder(self.function.append_basic_block())
@@ -83,6 +84,20 @@ class VectorCode:
         """Write a vector; nothing outside the mask."""
         self.builder.call(self._store, [vector, address, INT32(self.item_bytes), mask])
 
+    def spread(self, address: Value) -> Value:
+        """Vector of one number at an address."""
+        undefined = ir.Constant(self.vector, ir.Undefined)
+        one = self.builder.insert_element(undefined, self.builder.load(address, typ=self.number), INT32(0))
+        return self.pick(one, one, [0] * self.width)
+
+    def both(self, mask: Value, condition: Value) -> Value:
+        """A mask where a condition holds, else none of it."""
+        return self.builder.select(condition, mask, ir.Constant(self.mask, [0] * self.width))
+
+    def below(self, a: Value, b: Value) -> Value:
+        """Whether an integer is less than another."""
+        return self.builder.icmp_signed("<", a, b)
+
     def prefetch(self, address: Value) -> None:
         """Ask for what is at an address, soon to be read once."""
         self.builder.call(self._fetch, [address, INT32(0), INT32(2), INT32(1)])
@@ -96,6 +111,11 @@ class VectorCode:
         length = self.times(numbers, INT64(self.item_bytes))
         self.builder.call(self._fill, [address, BYTE(0), length, BIT(0)])
 
+    def copy(self, source: Value, target: Value, numbers: Value) -> None:
+        """Copy so many numbers."""
+        length = self.times(numbers, INT64(self.item_bytes))
+        self.builder.call(self._copy, [target, source, length, BIT(0)])
+
     def first_lanes(self, count: Value) -> Value:
         """Mask of so many numbers from the first; of all where there are not as many."""
         integers = ir.VectorType(INT64, self.width)
@@ -103,6 +123,10 @@ class VectorCode:
         one = self.builder.insert_element(undefined, count, INT32(0))
         everywhere = self.pick(one, one, [0] * self.width)
         return self.builder.icmp_signed("<", ir.Constant(integers, list(range(self.width))), everywhere)
+
+    def later_lanes(self) -> Value:
+        """Mask of all numbers but the first."""
+        return ir.Constant(self.mask, [0] + [1] * (self.width - 1))
 
     def pick(self, a: Value, b: Value, lanes: list[int]) -> Value:
         """Vector of numbers of two others: lanes of `a` count from 0, those of `b` from `width`."""

@@ -1,35 +1,69 @@
-"""The function that a compiled JAX program calls: reads XLA's call frame, shares the planes out to threads.
+"""The function that a compiled JAX program calls: reads XLA's call frame, and has the parts computed.
 
 Source: xla/ffi/api/c_api.h, which `jax.ffi.include_dir()` has; offsets are those of a 64-bit machine.
 """
 
 from __future__ import annotations
 
-from functools import reduce
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, reduce
+from pathlib import Path
 
+import jax
 import llvmlite.ir as ir
 
 from cranktopo.fem.kernels.code import BYTE, INT32, INT64, POINTER, Value
+from cranktopo.fem.kernels.pool import OFFERED, Pool, write_shared
 
-# Offsets in bytes: of a call frame, of a buffer, and of what XLA asks to know first.
-_EXTENSION, _ARGUMENTS, _RESULTS = 8, 72, 112
+# Offsets in bytes: of a call frame, a buffer, what XLA asks to know first, the list of its functions.
+_EXTENSION, _INTERFACE, _CONTEXT, _ARGUMENTS, _RESULTS = 8, 16, 24, 72, 112
 _DATA, _SIZES = 24, 40
 _METADATA, _MAJOR, _MINOR = 24, 24, 28
-# Below so many numbers in the result starting threads costs more than they save.
+_FUNCTIONS = 48
+# Below so many numbers in the result sharing costs more than it saves.
 _LEAST_SHARED = 20_000
 
 
-def write_handler(
-    module: ir.Module, kernel: ir.Function, buffers: tuple[int, int], threads: int, version: tuple[int, int]
-) -> ir.Function:
-    """Handler that calls a kernel once per part of the planes of nodes along x.
+@dataclass(frozen=True)
+class Interface:
+    """XLA's interface for foreign functions, as the header that comes with JAX describes it.
 
-    A kernel gets the addresses of its buffers, the number of cases, of nodes along x, y and z, the number of
-    the part, its first plane and the one after its last. The first result has shape (cases, 3, nodes...).
+    Attributes:
+        version: major and minor number.
+        functions: names of what it offers, in order.
+    """
+
+    version: tuple[int, int]
+    functions: tuple[str, ...]
+
+    def offset(self, function: str) -> int:
+        """Place of a function's address in the list, bytes."""
+        return _FUNCTIONS + 8 * self.functions.index(function)
+
+
+@cache
+def interface() -> Interface:
+    """The interface of the JAX at hand."""
+    text = (Path(jax.ffi.include_dir()) / "xla/ffi/api/c_api.h").read_text(encoding="utf-8")
+    found = dict(re.findall(r"#define XLA_FFI_API_(MAJOR|MINOR) (\d+)", text))
+    functions = re.findall(r"^ *_XLA_FFI_API_STRUCT_FIELD\((\w+)\);", text, re.MULTILINE)
+    return Interface((int(found["MAJOR"]), int(found["MINOR"])), tuple(functions))
+
+
+def write_handler(
+    module: ir.Module, functions: Sequence[ir.Function], buffers: tuple[int, int], threads: int
+) -> ir.Function:
+    """Handler that calls one function after the other once per part of the planes of nodes along x.
+
+    A function gets the addresses of its buffers, the number of cases, of nodes along x, y and z, the number
+    of the part, its first plane and the one after its last. The first result has shape (cases, 3, nodes...).
 
     Args:
+        functions: all but the last take no time: the caller calls them itself.
         buffers: number of arguments and of results.
-        version: major and minor number of the interface.
+        threads: number of parts, where there is enough to share.
     """
     handler = ir.Function(module, ir.FunctionType(POINTER, [POINTER]), "handler")
     frame = handler.args[0]
@@ -38,7 +72,7 @@ def write_handler(
     extension = _read(builder, frame, _EXTENSION, POINTER)
     with builder.if_then(builder.icmp_unsigned("!=", extension, none)):
         metadata = _read(builder, extension, _METADATA, POINTER)
-        for place, number in zip((_MAJOR, _MINOR), version, strict=True):
+        for place, number in zip((_MAJOR, _MINOR), interface().version, strict=True):
             builder.store(INT32(number), _offset(builder, metadata, place))
         builder.ret(none)
     task = _task(builder, frame, buffers)
@@ -50,9 +84,10 @@ def write_handler(
     )
     with builder.if_else(shared) as (together, alone):
         with together:
-            _share(module, builder, kernel, task, threads)
+            write_shared(builder, functions, task, threads, _pool(builder, frame))
         with alone:
-            builder.call(kernel, [*task, INT64(0), INT64(0), planes])
+            for function in functions:
+                builder.call(function, [*task, INT64(0), INT64(0), planes])
     builder.ret(none)
     return handler
 
@@ -66,51 +101,10 @@ def _task(builder: ir.IRBuilder, frame: Value, buffers: tuple[int, int]) -> list
     return [*(_read(builder, buffer, _DATA, POINTER) for buffer in found), *shape]
 
 
-def _share(
-    module: ir.Module, builder: ir.IRBuilder, kernel: ir.Function, task: list[Value], threads: int
-) -> None:
-    """A thread for each part but the last; the caller computes that, and any that gets no thread."""
-    planes = task[-3]
-    kinds = [value.type for value in task] + [INT64] * 3
-    packed = ir.LiteralStructType(kinds)
-    begin = _thread(module, kernel, packed)
-    create = ir.Function(module, ir.FunctionType(INT32, [POINTER] * 4), "pthread_create")
-    join = ir.Function(module, ir.FunctionType(INT32, [INT64, POINTER]), "pthread_join")
-    none = ir.Constant(POINTER, None)
-    parts = [_memory(builder, packed) for _ in range(threads)]
-    names = [_memory(builder, INT64) for _ in range(threads - 1)]
-    edges = [builder.sdiv(builder.mul(planes, INT64(n)), INT64(threads)) for n in range(threads + 1)]
-    failures = []
-    for number, part in enumerate(parts):
-        for place, value in enumerate((*task, INT64(number), edges[number], edges[number + 1])):
-            builder.store(value, builder.gep(part, [INT32(0), INT32(place)], source_etype=packed))
-        if number < threads - 1:
-            failures.append(builder.call(create, [names[number], none, begin, part]))
-    builder.call(begin, [parts[-1]])
-    for failure, name, part in zip(failures, names, parts, strict=False):
-        with builder.if_else(builder.icmp_signed("==", failure, INT32(0))) as (started, refused):
-            with started:
-                builder.call(join, [builder.load(name, typ=INT64), none])
-            with refused:
-                builder.call(begin, [part])
-
-
-def _thread(module: ir.Module, kernel: ir.Function, packed: ir.Type) -> ir.Function:
-    """What a thread starts with: the kernel, its inputs read from memory."""
-    begin = ir.Function(module, ir.FunctionType(POINTER, [POINTER]), "part")
-    builder = ir.IRBuilder(begin.append_basic_block())
-    places = range(len(packed.elements))
-    addresses = [builder.gep(begin.args[0], [INT32(0), INT32(n)], source_etype=packed) for n in places]
-    inputs = [builder.load(a, typ=kind) for a, kind in zip(addresses, packed.elements, strict=True)]
-    builder.call(kernel, inputs)
-    builder.ret(ir.Constant(POINTER, None))
-    return begin
-
-
-def _memory(builder: ir.IRBuilder, kind: ir.Type) -> Value:
-    address = builder.alloca(kind)
-    address.type = POINTER  # llvmlite has one of the old kind
-    return address
+def _pool(builder: ir.IRBuilder, frame: Value) -> Pool:
+    functions = _read(builder, frame, _INTERFACE, POINTER)
+    offered = (_read(builder, functions, interface().offset(name), kind) for name, kind in OFFERED.items())
+    return Pool(_read(builder, frame, _CONTEXT, POINTER), *offered)
 
 
 def _offset(builder: ir.IRBuilder, start: Value, length: int) -> Value:

@@ -3,66 +3,76 @@
 from __future__ import annotations
 
 import ctypes
-import re
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import jax
 import llvmlite.ir as ir
 import numpy as np
 
 from cranktopo.cores import usable_cores
-from cranktopo.fem.kernels.code import INT64, POINTER, VectorCode
-from cranktopo.fem.kernels.foreign import write_handler
-from cranktopo.fem.kernels.stencil import LEAD, write_stencil
-from cranktopo.fem.kernels.stiffness import write_product
+from cranktopo.fem.kernels.code import POINTER, VectorCode
+from cranktopo.fem.kernels.finishes import Smooth, Store
+from cranktopo.fem.kernels.foreign import interface, write_handler
+from cranktopo.fem.kernels.planes import NUMBERS, SPARE, Finish, Operator, write_copies, write_planes
+from cranktopo.fem.kernels.stencil import Stencil
+from cranktopo.fem.kernels.stiffness import Stiffness
 
 if TYPE_CHECKING:
     import llvmlite.binding as llvm
 
+_Result = TypeVar("_Result")
+Kernel = tuple[str, str]
+"""Names of an operator and of a finish."""
+
 # The call frame that `foreign` reads belongs to this major version of XLA's interface.
 _KNOWN_MAJOR = 0
-# Who writes a kernel, and its numbers of arguments and results.
-_KERNELS = {"stiffness": (write_product, (3, 2)), "stencil": (write_stencil, (2, 1))}
+_OPERATORS: Mapping[str, Operator] = {"stiffness": Stiffness(), "stencil": Stencil()}
+_FINISHES: Mapping[str, Finish] = {"product": Store(), "smoothing": Smooth()}
 _one_at_a_time = threading.Lock()
 _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its engine
 
 
 @cache
 def kernels_usable() -> bool:
-    """Whether kernels can be had here: threads of POSIX, 64 bits, and the interface of XLA that is known."""
-    return sys.platform != "win32" and sys.maxsize > 2**32 and _interface_version()[0] == _KNOWN_MAJOR
+    """Whether kernels can be had here: functions of POSIX, 64 bits, and a known interface of XLA."""
+    return sys.platform != "win32" and sys.maxsize > 2**32 and interface().version[0] == _KNOWN_MAJOR
 
 
 def by_kernel(
-    kernel: Callable[..., jax.Array], elsewhere: Callable[..., jax.Array], *arguments: jax.Array
-) -> jax.Array:
+    kernel: Callable[..., _Result], elsewhere: Callable[..., _Result], *arguments: object
+) -> _Result:
     """What a kernel computes on a processor, and JAX code elsewhere."""
     if not kernels_usable():
         return elsewhere(*arguments)
-    return jax.lax.platform_dependent(*arguments, cpu=kernel, default=elsewhere)
+    chosen: _Result = jax.lax.platform_dependent(*arguments, cpu=kernel, default=elsewhere)
+    return chosen
 
 
-def stiffness_kernel(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
-    """As `fem.operator.apply_stiffness`, on the processor."""
-    blocks, moduli = blocks.astype(field.dtype), moduli.astype(field.dtype)
-    spare = jax.ShapeDtypeStruct((usable_cores(), 3, *field.shape[3:]), field.dtype)
-    forces = jax.ShapeDtypeStruct(field.shape, field.dtype)
-    return jax.ffi.ffi_call(_registered("stiffness", field), (forces, spare))(blocks, moduli, field)[0]
+def called(kernel: Kernel, arrays: Sequence[jax.Array]) -> list[jax.Array]:
+    """Results of a kernel, shaped as its field and in its precision.
+
+    Args:
+        arrays: of the operator and of the finish, the field the first of these.
+    """
+    operator, finish = _OPERATORS[kernel[0]], _FINISHES[kernel[1]]
+    field = arrays[operator.arrays]
+    cases, _, _, *plane = field.shape
+    result = jax.ShapeDtypeStruct(field.shape, field.dtype)
+    # A result that nobody wants: it is how a kernel gets memory.
+    spare = jax.ShapeDtypeStruct((usable_cores(), SPARE * cases, 3, *plane), field.dtype)
+    replaced = {operator.arrays + number: number for number in range(finish.replaced)}
+    call = jax.ffi.ffi_call(
+        _registered(kernel, field), [*[result] * finish.arrays[1], spare], input_output_aliases=replaced
+    )
+    *results, _ = call(*(array.astype(field.dtype) for array in arrays))
+    return results
 
 
-def stencil_kernel(stencil: jax.Array, padded: jax.Array) -> jax.Array:
-    """As `fem.galerkin.apply_stencil` on the processor, of fields with a node of zeros around them."""
-    nodes = stencil.shape[0] - LEAD, stencil.shape[1], stencil.shape[5]
-    result = jax.ShapeDtypeStruct((padded.shape[0], 3, *nodes), padded.dtype)
-    return jax.ffi.ffi_call(_registered("stencil", padded), result)(stencil.astype(padded.dtype), padded)
-
-
-def _registered(kernel: str, field: jax.Array) -> str:
+def _registered(kernel: Kernel, field: jax.Array) -> str:
     """Name under which XLA finds a kernel for a field's numbers; compiled once, whichever thread asks."""
     precision = field.dtype.name
     with _one_at_a_time:
@@ -70,21 +80,26 @@ def _registered(kernel: str, field: jax.Array) -> str:
 
 
 @cache
-def _register(kernel: str, precision: str, width: int, threads: int) -> str:
-    name = f"cranktopo_{kernel}_{precision}_{width}_{threads}"
+def _register(kernel: Kernel, precision: str, width: int, threads: int) -> str:
+    name = f"cranktopo_{'_'.join(kernel)}_{precision}_{width}_{threads}"
     address = _compiled(str(_module(kernel, precision, width, threads)))
     handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(address)
     jax.ffi.register_ffi_target(name, jax.ffi.pycapsule(handler), platform="cpu")
     return name
 
 
-def _module(kernel: str, precision: str, width: int, threads: int) -> ir.Module:
+def _module(kernel: Kernel, precision: str, width: int, threads: int) -> ir.Module:
     """Code of a kernel and of what calls it."""
-    module, write, buffers = ir.Module(), *_KERNELS[kernel]
-    inputs = [POINTER] * sum(buffers) + [INT64] * 7
-    code = VectorCode(module, "product", inputs, precision, width)
-    write(code)
-    write_handler(module, code.function, buffers, threads, _interface_version())
+    module, operator, finish = ir.Module(), _OPERATORS[kernel[0]], _FINISHES[kernel[1]]
+    read, written = finish.arrays
+    buffers = operator.arrays + read, written + 1
+    inputs = [POINTER] * sum(buffers) + NUMBERS
+    functions = []
+    for name, write in (("copies", write_copies), ("planes", write_planes)):
+        code = VectorCode(module, name, inputs, precision, width)
+        write(code, operator, finish)
+        functions.append(code.function)
+    write_handler(module, functions, buffers, threads)
     return module
 
 
@@ -112,11 +127,3 @@ def _width(precision: str) -> int:
 
     wide = llvm.get_host_cpu_features().get("avx512f", False)
     return (64 if wide else 32) // np.dtype(precision).itemsize
-
-
-@cache
-def _interface_version() -> tuple[int, int]:
-    """Major and minor number of XLA's interface for foreign functions, from the header that comes with it."""
-    text = (Path(jax.ffi.include_dir()) / "xla/ffi/api/c_api.h").read_text(encoding="utf-8")
-    found = dict(re.findall(r"#define XLA_FFI_API_(MAJOR|MINOR) (\d+)", text))
-    return int(found["MAJOR"]), int(found["MINOR"])

@@ -1,99 +1,117 @@
-"""Code of the product with a stencil of 27 blocks 3 x 3, of which 14 are stored, row by row of nodes along z.
+"""Code of the product with stencils of 27 blocks 3 x 3, of which 14 are stored, row by row of nodes along z.
 
-What a row of nodes needs lies in one piece of memory, and the next row is asked for while this one is
-computed: the product takes little more time than reading the stencil.
+A row's blocks lie in one piece of memory. They are read once, for what the row's nodes get from their later
+neighbours and for what these get from them, and the next row is asked for meanwhile.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 from cranktopo.fem.kernels.code import INT64, Value, VectorCode
+from cranktopo.fem.kernels.planes import Grid, Layer, Pair
 
 # A node itself and the half of its neighbours that come later; the rest of a symmetric operator follows.
 OFFSETS = [offset for offset in product((-1, 0, 1), repeat=3) if offset >= (0, 0, 0)]
-# Empty planes before the first: rows of earlier neighbours can then be read everywhere.
-LEAD = 2
+_LATER_ROWS = sorted({(i, j) for i, j, _ in OFFSETS} - {(0, 0)})
+
+
+class Stencil:
+    """Stencils of the nodes (nodes along x, along y, 14, 3, 3, nodes along z)."""
+
+    arrays = 1
+    together = True  # for all cases a block is read once
+
+    def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
+        """Forces of a plane and of the one after it that are due to the blocks of the plane."""
+        length = code.times(INT64(9 * len(OFFSETS)), grid.nz)
+        with (
+            code.loop(INT64(0), grid.ny, INT64(1)) as row,
+            code.loop(INT64(0), grid.nz, INT64(code.width)) as nodes,
+        ):
+            number = code.plus(code.times(layer.number, grid.ny), row.index)
+            blocks = code.at(arrays[0], code.times(number, length), nodes.index)
+            vector = _Nodes(code, grid, blocks, row.index, nodes.index, layer.inside)
+            vector.prefetch(length)
+            with code.loop(INT64(0), layer.cases, INT64(1)) as case:
+                vector.write(layer.pair(case.index))
 
 
 @dataclass(frozen=True)
-class _Sizes:
-    """Numbers from a row, plane or component to the next: of the stencil, the padded fields, the result."""
+class _Nodes:
+    """A vector of nodes of a row, from k on, and where their blocks begin."""
 
-    stencil_row: Value
-    stencil_plane: Value
-    field_row: Value
-    field_plane: Value
-    field: Value
-    plane: Value
-    component: Value
+    code: VectorCode
+    grid: Grid
+    blocks: Value
+    row: Value
+    k: Value
+    inside: Value
 
+    def prefetch(self, length: Value) -> None:
+        """Ask for the same nodes of the next row."""
+        for entry in range(9 * len(OFFSETS)):
+            address = self.code.at(self.blocks, self.code.times(INT64(entry), self.grid.nz), length)
+            self.code.prefetch(address)
 
-def write_stencil(code: VectorCode) -> None:
-    """Product on the planes of nodes from `first` to before `last` of every case.
+    def write(self, pair: Pair) -> None:
+        """What the nodes get from themselves and later neighbours, and these from them."""
+        own = (0, 0)
+        field = {step: self._vectors(pair.field, own, step) for step in (-1, 0, 1)}
+        sums = self._vectors(pair.forces, own, 0)
+        for i, j, k in OFFSETS:
+            there = field[k] if (i, j) == own else self._vectors(pair.field, (i, j), k)
+            sums = self._added(sums, (i, j, k), there, transposed=False)
+        sums = self._added(sums, (0, 0, 1), field[-1], transposed=True)
+        self._store(sums, pair.forces, own)
+        for later in _LATER_ROWS:
+            sums = self._vectors(pair.forces, later, 0)
+            for step in (-1, 0, 1):
+                sums = self._added(sums, (*later, step), field[-step], transposed=True)
+            self._store(sums, pair.forces, later)
 
-    Inputs of the function: stencil (LEAD + nodes along x, along y, 14, 3, 3, along z), fields with a node of
-    zeros around them, result, cases, nodes along x, along y, along z, part, first, last.
-    """
-    stencil, fields, result, cases, nx, ny, nz, _, first, last = code.function.args
-    sizes = _sizes(code, nx, ny, nz)
-    zero, one = INT64(0), INT64(1)
-    with code.loop(first, last, one) as plane, code.loop(zero, ny, one) as row:
-        i, j = plane.index, row.index
-        rows = code.times(code.plus(i, LEAD), sizes.stencil_plane), code.times(j, sizes.stencil_row)
-        inner = (
-            code.times(code.plus(i, 1), sizes.field_plane),
-            code.times(code.plus(j, 1), sizes.field_row),
-        )
-        outer = code.times(i, sizes.plane), code.times(j, nz)
-        with code.loop(zero, nz, INT64(code.width)) as nodes, code.loop(zero, cases, one) as case:
-            k, components = nodes.index, code.times(case.index, INT64(3))
-            mask = code.first_lanes(code.plus(nz, code.builder.neg(k)))
-            field = code.at(fields, code.times(components, sizes.field), *inner, k, 1)
-            sums = _products(code, code.at(stencil, *rows, k), field, sizes, nz, mask)
-            target = code.at(result, code.times(components, sizes.component), *outer, k)
-            for c in range(3):
-                code.store(sums[c], code.at(target, code.times(INT64(c), sizes.component)), mask)
-    code.builder.ret_void()
+    def _added(
+        self, sums: list[Value], offset: tuple[int, int, int], field: list[Value], transposed: bool
+    ) -> list[Value]:
+        """Sums plus blocks times displacements; transposed ones are those of the nodes before along z."""
+        code, index = self.code, OFFSETS.index(offset)
+        step = -offset[2] if transposed else 0
+        mask = self._along(step)
+        for c, d in product(range(3), repeat=2):
+            row, column = (d, c) if transposed else (c, d)
+            entry = code.times(INT64(9 * index + 3 * row + column), self.grid.nz)
+            block = code.load(code.at(self.blocks, entry, step), mask)
+            sums = [code.add(s, code.multiply(block, field[d])) if n == c else s for n, s in enumerate(sums)]
+        return sums
 
+    def _vectors(self, planes: tuple[Sequence[Value], ...], to: tuple[int, int], step: int) -> list[Value]:
+        """Three components at nodes of a neighbouring row, so many on along z; 0 where there are none."""
+        code = self.code
+        mask = code.both(self._along(step), self._exists(to))
+        return [code.load(code.at(address, step), mask) for address in self._addresses(planes, to)]
 
-def _sizes(code: VectorCode, nx: Value, ny: Value, nz: Value) -> _Sizes:
-    stencil_row = code.times(INT64(9 * len(OFFSETS)), nz)
-    field_row, plane = code.plus(nz, 2), code.times(ny, nz)
-    field_plane = code.times(field_row, code.plus(ny, 2))
-    return _Sizes(
-        stencil_row=stencil_row,
-        stencil_plane=code.times(stencil_row, ny),
-        field_row=field_row,
-        field_plane=field_plane,
-        field=code.times(field_plane, code.plus(nx, 2)),
-        plane=plane,
-        component=code.times(plane, nx),
-    )
+    def _store(self, sums: list[Value], planes: tuple[Sequence[Value], ...], to: tuple[int, int]) -> None:
+        mask = self.code.both(self._along(0), self._exists(to))
+        for value, address in zip(sums, self._addresses(planes, to), strict=True):
+            self.code.store(value, address, mask)
 
+    def _addresses(self, planes: tuple[Sequence[Value], ...], to: tuple[int, int]) -> list[Value]:
+        row = self.code.times(self.code.plus(self.row, to[1]), self.grid.nz)
+        return [self.code.at(address, row, self.k) for address in planes[to[0]]]
 
-def _products(
-    code: VectorCode, blocks: Value, field: Value, sizes: _Sizes, nz: Value, mask: Value
-) -> list[Value]:
-    """The three components of the product at a vector of nodes, given where its blocks and fields begin."""
-    sums = [code.zero] * 3
+    def _along(self, step: int) -> Value:
+        """Which nodes have one so many on along z."""
+        code = self.code
+        mask = code.first_lanes(code.plus(self.grid.nz, code.builder.neg(self.k), -step))
+        if step >= 0:
+            return mask
+        at_start = code.builder.icmp_signed("==", self.k, INT64(0))
+        return code.builder.and_(mask, code.builder.select(at_start, code.later_lanes(), mask))
 
-    def add(c: int, entry: Value, displacement: Value) -> None:
-        sums[c] = code.add(sums[c], code.multiply(code.load(entry, mask), displacement))
-
-    for index, (i, j, k) in enumerate(OFFSETS):
-        shift = code.plus(code.times(INT64(i), sizes.field_plane), code.times(INT64(j), sizes.field_row), k)
-        back = code.times(INT64(-i), sizes.stencil_plane), code.times(INT64(-j), sizes.stencil_row)
-        before = code.at(blocks, *back, -k)
-        for d in range(3):
-            line = code.at(field, code.times(INT64(d), sizes.field))
-            later = code.load(code.at(line, shift), mask)
-            earlier = code.load(code.at(line, code.builder.neg(shift)), mask) if index else None
-            for c in range(3):
-                entry = code.at(blocks, code.times(INT64((index * 3 + c) * 3 + d), nz))
-                code.prefetch(code.at(entry, sizes.stencil_row))
-                add(c, entry, later)
-                if earlier is not None:
-                    add(c, code.at(before, code.times(INT64((index * 3 + d) * 3 + c), nz)), earlier)
-    return sums
+    def _exists(self, to: tuple[int, int]) -> Value:
+        """Whether a neighbouring row does."""
+        code, row = self.code, self.code.plus(self.row, to[1])
+        exists = code.builder.and_(code.below(INT64(-1), row), code.below(row, self.grid.ny))
+        return code.builder.and_(exists, self.inside) if to[0] else exists

@@ -6,6 +6,7 @@ last: sums over a row's nodes serve the rows of cells on both of its sides.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -13,76 +14,46 @@ import numpy as np
 
 from cranktopo.fem.element import COUPLED
 from cranktopo.fem.kernels.code import INT64, Value, VectorCode
+from cranktopo.fem.kernels.planes import Grid, Layer, Pair
 
 # What a row of nodes is known by: its plane (near or far along x), the component, the wave along z.
 _ROWS = list(product(range(2), range(3), range(2)))
 
 
+class Stiffness:
+    """Layers of cells: reflection blocks (8, 3, 3, cells along z) and moduli (cells...)."""
+
+    arrays = 2
+    together = False
+
+    def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
+        """Forces of a layer of cells on the planes on both sides of it, where there is one."""
+        blocks, moduli = arrays
+        cells = _Cells(code.plus(grid.ny, -1), code.plus(grid.nz, -1), grid.nz, grid.plane)
+        stiffness = code.at(moduli, code.times(layer.number, cells.ny, cells.nz))
+        with (
+            code.builder.if_then(layer.inside),
+            code.loop(INT64(0), layer.cases, INT64(1)) as case,
+            code.loop(INT64(0), cells.nz, INT64(code.width)) as column,
+        ):
+            _Column(code, cells, column.index, layer.pair(case.index)).write(blocks, stiffness)
+
+
 @dataclass(frozen=True)
-class _Grid:
-    """Sizes that the code computes with, in numbers: `row`, `plane` and `component` are those of a field."""
+class _Cells:
+    """Cells along y and z; numbers from a row and from a plane of nodes to the next."""
 
     ny: Value
     nz: Value
     row: Value
     plane: Value
-    component: Value
-
-
-def _grid(code: VectorCode, nodes: tuple[Value, Value, Value]) -> _Grid:
-    """Sizes of a grid of so many nodes along x, y and z."""
-    plane = code.times(nodes[1], nodes[2])
-    return _Grid(
-        ny=code.plus(nodes[1], -1),
-        nz=code.plus(nodes[2], -1),
-        row=nodes[2],
-        plane=plane,
-        component=code.times(nodes[0], plane),
-    )
-
-
-def write_product(code: VectorCode) -> None:
-    """Forces on the planes of nodes from `first` to before `last` of every case.
-
-    Inputs of the function: blocks, moduli, field, forces, spare planes (parts, 3, nodes along y, along z),
-    cases, nodes along x, along y, along z, part, first, last. A part computes the cells on both sides of its
-    planes, and leaves what belongs to a neighbour's plane in its spare ones, so that the number of parts does
-    not change the result.
-    """
-    blocks, moduli, field, forces, spare, cases, nx, ny, nz, part, first, last = code.function.args
-    grid = _grid(code, (nx, ny, nz))
-    one = INT64(1)
-    spare = code.at(spare, code.times(part, INT64(3), grid.plane))
-    least, most = code.plus(first, -1), code.plus(nx, -1)
-    start = code.builder.select(code.builder.icmp_signed("<", least, INT64(0)), INT64(0), least)
-    stop = code.builder.select(code.builder.icmp_signed("<", last, most), last, most)
-    with code.loop(INT64(0), cases, one) as case:
-        offset = code.times(case.index, INT64(3), grid.component)
-        u, f = code.at(field, offset), code.at(forces, offset)
-        for c in range(3):
-            begin = code.times(INT64(c), grid.component), code.times(first, grid.plane)
-            code.clear(code.at(f, *begin), grid.plane)
-        with code.loop(start, stop, one) as layer:
-            i, after = layer.index, code.plus(layer.index, 1)
-            outside = code.builder.icmp_signed("<", i, first), code.builder.icmp_signed(">=", after, last)
-            ends: list[list[tuple[Value, Value]]] = [[], []]
-            for x, c in product(range(2), range(3)):
-                there = code.times(INT64(c), grid.component), code.times((i, after)[x], grid.plane)
-                own, other = code.at(f, *there), code.at(spare, code.times(INT64(c), grid.plane))
-                ends[x].append((code.at(u, *there), code.builder.select(outside[x], other, own)))
-            for _, target in ends[1]:
-                code.clear(target, grid.plane)
-            stiffness = code.at(moduli, code.times(i, grid.ny, grid.nz))
-            with code.loop(INT64(0), grid.nz, INT64(code.width)) as column:
-                _Column(code, grid, column.index, ends).write(blocks, stiffness)
-    code.builder.ret_void()
 
 
 class _Column:
     """A column of cells between two planes of nodes, `width` along z from k."""
 
-    def __init__(self, code: VectorCode, grid: _Grid, k: Value, ends: list[list[tuple[Value, Value]]]):
-        self._code, self._grid, self._k, self._ends = code, grid, k, ends
+    def __init__(self, code: VectorCode, grid: _Cells, k: Value, pair: Pair):
+        self._code, self._grid, self._k, self._pair = code, grid, k, pair
         left, width = code.plus(grid.nz, code.builder.neg(k)), code.width
         self._cells = code.first_lanes(left)
         self._nodes = code.first_lanes(code.plus(left, 1))
@@ -109,15 +80,15 @@ class _Column:
         """What the next plane of cells reads: rows are too far apart for the processor to foresee it."""
         code, grid = self._code, self._grid
         code.prefetch(code.at(moduli, code.times(row, grid.nz), self._k, code.times(grid.ny, grid.nz)))
-        for field, _ in self._ends[1]:
+        for field in self._pair.field[1]:
             code.prefetch(code.at(field, code.times(row, grid.row), self._k, grid.plane))
 
     def _sums(self, row: Value) -> list[Value]:
         """Sums and differences along z of a row of nodes, in the order of `_ROWS`."""
         code = self._code
         result: list[Value] = []
-        for plane, c in product(self._ends, range(3)):
-            address = code.at(plane[c][0], code.times(row, self._grid.row), self._k)
+        for plane, c in product(self._pair.field, range(3)):
+            address = code.at(plane[c], code.times(row, self._grid.row), self._k)
             near, far = (code.load(code.at(address, step), self._cells) for step in (0, 1))
             result += _waves(code, near, far, c == 2)
         return result
@@ -156,9 +127,9 @@ class _Column:
     def _add(self, sums: list[Value], row: Value) -> None:
         """Add what a row of nodes has gathered to its forces."""
         code, width = self._code, self._code.width
-        for index, (plane, c) in enumerate(product(self._ends, range(3))):
+        for index, (plane, c) in enumerate(product(self._pair.forces, range(3))):
             near, far = _corners(code, sums[2 * index], sums[2 * index + 1], c == 2)
-            address = code.at(plane[c][1], code.times(row, self._grid.row), self._k)
+            address = code.at(plane[c], code.times(row, self._grid.row), self._k)
             shifted = code.pick(code.zero, far, list(range(width - 1, 2 * width - 1)))
             code.accumulate(code.add(near, shifted), address, self._nodes)
             end = code.pick(code.zero, far, [2 * width - 1, *range(width - 1)])
