@@ -125,8 +125,12 @@ def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dty
 
 def section_coordinates(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
     """Inner products (cases, m) of the section motions with a field's end planes."""
-    ends = jnp.stack([field[..., 0], field[..., -1]], axis=1)
-    coordinates = jnp.einsum("bmpcxy,bpcxy->bm", _basis(supports, field.dtype), ends)
+    return coordinates_of_ends(supports, jnp.stack([field[..., 0], field[..., -1]], axis=-1))
+
+
+def coordinates_of_ends(supports: BoundaryConditions, ends: jax.Array) -> jax.Array:
+    """The same from the end planes alone (cases, 3, nodes along x, along y, 2)."""
+    coordinates = jnp.einsum("bmpcxy,bcxyp->bm", _basis(supports, ends.dtype), ends)
     return supports.partition.sum_parts(coordinates)
 
 

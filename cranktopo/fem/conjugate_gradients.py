@@ -15,9 +15,19 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from cranktopo.fem.boundary_conditions import BoundaryConditions, add_section, section_coordinates
+from cranktopo.fem.boundary_conditions import (
+    BoundaryConditions,
+    add_section,
+    coordinates_of_ends,
+    interior_factors,
+    section_coordinates,
+)
+from cranktopo.fem.kernels.processor import by_kernel, coupled
 from cranktopo.fem.multigrid import Hierarchy, apply_cycle, project
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
+
+_Preconditioner = Callable[[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
+"""From a residual and its norms to a field and scales per case: the correction is their projected product."""
 
 # Aim a little lower: the recursive residual that is watched drifts from the true one by rounding.
 _AIM = 0.9
@@ -84,6 +94,28 @@ def stiffness_product(system: System, u: jax.Array) -> jax.Array:
     return project(supports, add_section(supports, forces, springs))
 
 
+def product_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Product with the stiffness, and its work (cases,) on the admissible displacements that it is of."""
+    if system.supports.partition.parts > 1:
+        return _by_product(system, u)
+    return by_kernel(_by_kernel, _by_product, system, u)
+
+
+def _by_product(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    image = stiffness_product(system, u)
+    return image, system.supports.partition.dot(u, image)
+
+
+def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """The same, with masks and work of the free nodes where the product is made."""
+    supports, nodes = system.supports, (u.shape[2], u.shape[3], u.shape[4])
+    factors = interior_factors(supports, nodes)
+    felt, ends, works = coupled("stiffness", "felt", [system.blocks, system.moduli, u, *factors])
+    moved = section_coordinates(supports, u)
+    pushed = coordinates_of_ends(supports, ends) + jnp.einsum("bmn,bn->bm", supports.springs, moved)
+    return add_section(supports, felt, pushed), jnp.sum(works, axis=1) + jnp.sum(moved * pushed, axis=1)
+
+
 @partial(jax.jit, donate_argnames="guess")
 def multigrid_cg(
     system: System,
@@ -114,8 +146,8 @@ def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterat
     diagonal = stiffness_diagonal(system.blocks, system.moduli)
     inverse = jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1.0), 0.0)
 
-    def precondition(residual: jax.Array) -> jax.Array:
-        return project(system.supports, inverse * residual)
+    def precondition(residual: jax.Array, norm: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return inverse * residual, jnp.ones_like(norm)
 
     return _iterate(system, precondition, guess, tolerance, max_iterations)
 
@@ -129,7 +161,7 @@ class _Iteration:
     """
 
     system: System
-    precondition: Callable[[jax.Array], jax.Array]
+    precondition: _Preconditioner
     load: jax.Array
     tolerance: jax.Array
     max_iterations: jax.Array
@@ -139,8 +171,7 @@ class _Iteration:
         direction, r, slope = jax.lax.cond(s.measure, self._measured, self._conjugate, s)
         # Not a result of the branches: it would be copied.
         u = jnp.where(s.measure, 0.0, s.u)
-        image = stiffness_product(self.system, direction)
-        curvature = self._dot(direction, image)
+        image, curvature = product_and_work(self.system, direction)
         alpha = _ratio(slope, curvature)
         u, r = u + _wide(alpha) * direction, r - _wide(alpha) * image
         error = jnp.sqrt(self._dot(r, r)) / self.load
@@ -172,9 +203,11 @@ class _Iteration:
         return s.u, forces, self._dot(forces, s.u)
 
     def _conjugate(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array]:
-        z = self.precondition(s.r)
-        rz = self._dot(s.r, z)
-        return z + _wide(_ratio(rz, s.rz)) * s.p, s.r, rz
+        z, scale = self.precondition(s.r, s.error * self.load)
+        # What z has outside the space of admissible displacements the residual does not feel.
+        rz = scale * self._dot(s.r, z.astype(s.r.dtype))
+        kept = _wide(_ratio(rz, s.rz)) * s.p
+        return project(self.system.supports, z.astype(s.r.dtype), scale, kept), s.r, rz
 
     def _dot(self, a: jax.Array, b: jax.Array) -> jax.Array:
         return self.system.supports.partition.dot(a, b)
@@ -182,7 +215,7 @@ class _Iteration:
 
 def _iterate(
     system: System,
-    precondition: Callable[[jax.Array], jax.Array],
+    precondition: _Preconditioner,
     guess: jax.Array,
     tolerance: jax.Array,
     max_iterations: jax.Array,

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import CORNERS
-from cranktopo.fem.kernels.processor import by_kernel, called
+from cranktopo.fem.kernels.processor import by_kernel, coupled
 from cranktopo.fem.kernels.stencil import OFFSETS
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_stiffness
 from cranktopo.fem.precision import Precision
@@ -147,7 +147,7 @@ def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
 
 
 def _apply_by_kernel(*arrays: jax.Array) -> jax.Array:
-    return called(("stencil", "product"), arrays)[0]
+    return coupled("stencil", "product", arrays)[0]
 
 
 def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:

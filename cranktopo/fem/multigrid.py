@@ -31,6 +31,7 @@ from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.fem.partition import WHOLE, Partition
 from cranktopo.fem.precision import Precision
 from cranktopo.fem.smoothing import Smoother, Smoothing, steps_of
+from cranktopo.fem.transfer import add_prolonged, prolong, restrict
 
 _Count = TypeVar("_Count", int, jax.Array)
 
@@ -114,27 +115,30 @@ def build_hierarchy(
 
 
 def apply_cycle(
-    hierarchy: Hierarchy, supports: BoundaryConditions, degree: jax.Array, residual: jax.Array
-) -> jax.Array:
+    hierarchy: Hierarchy,
+    supports: BoundaryConditions,
+    degree: jax.Array,
+    residual: jax.Array,
+    norm: jax.Array,
+) -> tuple[jax.Array, jax.Array]:
     """One V-cycle: an approximate, symmetric positive definite inverse applied to a residual.
 
     Args:
         degree: number of smoothing steps before and after the coarse correction on the finest level; twice as
             many on the next, but as many on a large grid; three times as many on the one after, and so on.
         residual: projected nodal forces (cases, 3, nodes...), any float type.
+        norm: norms of the residual (cases,), about: what is computed with are numbers near 1.
 
     Returns:
-        Correction of the same type, in the space of admissible displacements.
+        Field in the precision of the cycle and scale per case: the correction is what is admissible of their
+        product. Rounding in the cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
     """
     partition = supports.partition
-    norm = jnp.sqrt(partition.dot(residual, residual))[:, None, None, None, None]
     scale = jnp.where(norm > 0, norm, 1.0)
-    rounded = (residual / scale).astype(hierarchy.moduli.dtype)
+    rounded = (residual / scale[:, None, None, None, None]).astype(hierarchy.moduli.dtype)
     nodes = math.prod(rounded.shape[2:4]) * ((rounded.shape[4] - 1) * partition.parts + 1)
     counts = tuple(smoothing_steps(degree, level, nodes) for level in range(len(hierarchy.steps)))
-    correction = partition.copy_interfaces(_cycle(hierarchy, supports, counts, rounded, 0))
-    # Rounding in the cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
-    return project(supports, correction.astype(residual.dtype) * scale)
+    return partition.copy_interfaces(_cycle(hierarchy, supports, counts, rounded, 0)), scale
 
 
 def _cycle(
@@ -150,18 +154,18 @@ def _cycle(
     partition, coarser = supports.partition, supports.partition.at_level(level + 1)
     smoother = _smoother(hierarchy, supports, level)
 
-    def correct(residual: jax.Array) -> jax.Array:
-        joined = partition.whole_nodes(residual) if coarser != partition else residual
-        nodes = _coarser_nodes(hierarchy, supports, level)
-        coarse = coarser.add_interfaces(restrict(coarser.halve_interfaces(joined), nodes))
-        found = _cycle(hierarchy, supports._replace(partition=coarser), counts, coarse, level + 1)
-        fine = prolong(found, _nodes(joined))
-        return partition.own_nodes(fine) if coarser != partition else fine
-
+    joins = coarser != partition
     state = smoother.before(smoother.start(residual), counts[level])
-    coarse = correct(state.residual)
-    state = Smoothing(coarse, state.field + coarse, state.residual)
-    return smoother.after(state, counts[level]).field
+    joined = partition.whole_nodes(state.residual) if joins else state.residual
+    nodes = _coarser_nodes(hierarchy, supports, level)
+    coarse = coarser.add_interfaces(restrict(coarser.halve_interfaces(joined), nodes))
+    found = _cycle(hierarchy, supports._replace(partition=coarser), counts, coarse, level + 1)
+    if joins:
+        correction = partition.own_nodes(prolong(found, _nodes(joined)))
+        field = state.field + correction
+    else:
+        correction, field = add_prolonged(found, state.field)
+    return smoother.after(Smoothing(correction, field, state.residual), counts[level]).field
 
 
 def _smoother(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Smoother:
@@ -226,51 +230,24 @@ def _coarse_inverse(dense: jax.Array, supports: BoundaryConditions) -> jax.Array
     return jax.vmap(invert)(free, motions, supports.springs)
 
 
-def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Transpose of trilinear interpolation: fine nodal forces to the next coarser grid.
-
-    Args:
-        nodes: node counts of the coarser grid; an axis with as many as the finer one stays as it is.
-    """
-    for axis, count in zip((2, 3, 4), nodes, strict=True):
-        size = field.shape[axis]
-        if size == count:
-            continue
-        even = jax.lax.slice_in_dim(field, 0, size, 2, axis)
-        odd = jax.lax.slice_in_dim(field, 1, size, 2, axis) * 0.5
-        low, high = [(0, 0)] * 5, [(0, 0)] * 5
-        low[axis], high[axis] = (0, 1), (1, 0)
-        field = even + jnp.pad(odd, low) + jnp.pad(odd, high)
-    return field
-
-
-def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Trilinear interpolation of a coarse field to the next finer grid.
-
-    Args:
-        nodes: node counts of the finer grid; an axis with as many as the coarser one stays as it is.
-    """
-    for axis, count in zip((4, 3, 2), reversed(nodes), strict=True):
-        size = field.shape[axis]
-        if size == count:
-            continue
-        near = jax.lax.slice_in_dim(field, 0, size - 1, 1, axis)
-        far = jax.lax.slice_in_dim(field, 1, size, 1, axis)
-        pairs = jnp.stack([near, (near + far) * 0.5], axis=axis + 1)
-        shape = list(field.shape)
-        shape[axis] = 2 * (size - 1)
-        last = jax.lax.slice_in_dim(field, size - 1, size, 1, axis)
-        field = jnp.concatenate([pairs.reshape(shape), last], axis=axis)
-    return field
-
-
-def project(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
+def project(
+    supports: BoundaryConditions,
+    field: jax.Array,
+    scale: jax.Array | None = None,
+    more: jax.Array | float = 0.0,
+) -> jax.Array:
     """Orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
 
     For nodal forces it is the part that admissible displacements feel.
+
+    Args:
+        scale: factors per case (cases,).
+        more: an admissible field to add.
     """
-    interior = field * interior_mask(supports, _nodes(field), field.dtype)
-    return add_section(supports, interior, section_coordinates(supports, field))
+    factor = jnp.ones(field.shape[0], field.dtype) if scale is None else scale
+    mask = interior_mask(supports, _nodes(field), field.dtype)
+    interior = factor[:, None, None, None, None] * field * mask + more
+    return add_section(supports, interior, factor[:, None] * section_coordinates(supports, field))
 
 
 def _safe_inverse(diagonal: jax.Array) -> jax.Array:

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import COUPLED
-from cranktopo.fem.kernels.processor import by_kernel, called
+from cranktopo.fem.kernels.processor import by_kernel, coupled
 from cranktopo.fem.slabs import add_slabs
 
 
@@ -32,7 +32,7 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
 
 
 def _by_kernel(*arrays: jax.Array) -> jax.Array:
-    return called(("stiffness", "product"), arrays)[0]
+    return coupled("stiffness", "product", arrays)[0]
 
 
 def _apply_by_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:

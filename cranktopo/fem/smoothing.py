@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.fem.boundary_conditions import BoundaryConditions, interior_factors
-from cranktopo.fem.kernels.processor import by_kernel, called
+from cranktopo.fem.kernels.processor import by_kernel, coupled
 from cranktopo.fem.partition import Partition
 
 
@@ -96,7 +96,7 @@ class Smoother:
     def _by_kernel(
         self, arrays: Sequence[jax.Array], state: Smoothing, steps: Steps, weights: jax.Array
     ) -> Smoothing:
-        return Smoothing(*called((self.name, "smoothing"), [*arrays, *state, *steps, weights]))
+        return Smoothing(*coupled(self.name, "smoothing", [*arrays, *state, *steps, weights]))
 
     def _by_product(
         self, arrays: Sequence[jax.Array], state: Smoothing, steps: Steps, weights: jax.Array

@@ -6,19 +6,24 @@ Against assembled matrices products are tested in test_element.py and test_galer
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from cranktopo.fem.conjugate_gradients import product_and_work, stiffness_product
 from cranktopo.fem.galerkin import apply_stencil
 from cranktopo.fem.kernels import processor
 from cranktopo.fem.lattice import Lattice, layer_blocks
+from cranktopo.fem.multigrid import project
 from cranktopo.fem.operator import apply_stiffness
 from cranktopo.fem.partition import WHOLE
 from cranktopo.fem.precision import Precision
 from cranktopo.fem.smoothing import Smoother, Smoothing, Steps
+from cranktopo.fem.transfer import add_prolonged, restrict
+from tests.studies.parts import lopsided
 
 ROUNDING = {"float32": 2e-6, "float64": 4e-15}
 # Rows shorter than a vector, of whole vectors, one longer; and a grid that is shared out to threads.
@@ -67,7 +72,7 @@ def _smoothed(smoother: Smoother, count: int) -> Smoothing:
     return jax.jit(smooth)(jnp.asarray(residual, precision), jnp.asarray(change, precision))
 
 
-def _fresh(function: Callable[..., jax.Array], *inputs: jax.Array) -> jax.Array:
+def _fresh(function: Callable[..., Any], *inputs: Any) -> Any:
     """Result of a function traced anew, after what it depends on was replaced."""
     return jax.jit(lambda *a: function(*a))(*inputs)
 
@@ -117,6 +122,36 @@ def test_smoothing(
         _close(one, other, precision)
 
 
+def test_product_and_work_of_admissible_displacements(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two load cases with other mirrors, sections and springs."""
+    _, system = lopsided((8, 12, 36))
+    field = np.random.default_rng(4).standard_normal(system.forces.shape)
+    field = project(system.supports, jnp.asarray(field))
+    image, work = _fresh(product_and_work, system, field)
+    monkeypatch.setattr(processor, "kernels_usable", lambda: False)
+    expected = jax.jit(lambda s, u: stiffness_product(s, u))(system, field)
+    _close(image, expected, "float64")
+    np.testing.assert_allclose(work, jnp.sum(field * expected, axis=(1, 2, 3, 4)), rtol=1e-13)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("coarse", [(2, 2, 2), (3, 5, 9), (4, 3, 17), (2, 4, 18), (11, 16, 30)])
+def test_transfers(
+    coarse: tuple[int, int, int], precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(6)
+    small = jnp.asarray(rng.standard_normal((2, 3, *coarse)), precision)
+    large = jnp.asarray(rng.standard_normal((2, 3, *(2 * n - 1 for n in coarse))), precision)
+
+    def transfers(small: jax.Array, large: jax.Array) -> tuple[jax.Array, ...]:
+        return restrict(large, coarse), *add_prolonged(small, large)
+
+    found = _fresh(transfers, small, large)
+    monkeypatch.setattr(processor, "kernels_usable", lambda: False)
+    for one, other in zip(found, _fresh(transfers, small, large), strict=True):
+        _close(one, other, precision)
+
+
 @pytest.mark.parametrize("operator", ["stiffness", "stencil"])
 def test_threads_do_not_change_a_digit(operator: str, float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
     smoother = _smoother(GRIDS[-1], operator, "float64")
@@ -135,5 +170,5 @@ def test_processors_with_shorter_registers(
 ) -> None:
     system = _system((5, 4, 33), precision)
     wide = _fresh(apply_stiffness, *system)
-    monkeypatch.setattr(processor, "_width", lambda _: 4)
+    monkeypatch.setattr(processor, "vector_width", lambda _: 4)
     _close(_fresh(apply_stiffness, *system), wide, precision)

@@ -157,19 +157,35 @@ def test_state_survives_a_checkpoint_bit_for_bit(tmp_path_factory: pytest.TempPa
 
 
 @pytest.mark.parametrize("root", [-3.7, 0.0, 2.0])
-def test_root_of_a_falling_function_with_a_kink(root: float) -> None:
+@pytest.mark.parametrize("first", [-39.9, -0.3, 9.9])
+def test_root_of_a_falling_function_with_a_kink(root: float, first: float) -> None:
     with double_precision():
 
         def kinked(v: jax.Array) -> jax.Array:
             return jnp.where(v < root, 5.0 * (root - v), jnp.tanh(root - v))
 
-        found = falling_root(kinked, jnp.asarray(-40.0), jnp.asarray(10.0))
+        found = falling_root(kinked, jnp.asarray(-40.0), jnp.asarray(10.0), jnp.asarray(first))
     assert float(found) == pytest.approx(root, abs=1e-9)
+
+
+def test_root_takes_few_evaluations() -> None:
+    """Each is a density filter. Bisection would take 39."""
+    seen = []
+
+    def flattening(v: jax.Array) -> jax.Array:
+        jax.debug.callback(lambda v: seen.append(float(v)), v)
+        return 1 / (1 + jnp.exp(v)) - 0.3
+
+    with double_precision():
+        found = falling_root(flattening, jnp.asarray(-40.0), jnp.asarray(10.0), jnp.asarray(0.5))
+        jax.effects_barrier()
+    assert float(found) == pytest.approx(np.log(0.7 / 0.3), abs=1e-9)
+    assert len(seen) <= 8
 
 
 def test_without_a_root_the_nearer_end_is_taken() -> None:
     with double_precision():
-        ends = jnp.asarray(-1.0), jnp.asarray(1.0)
+        ends = jnp.asarray(-1.0), jnp.asarray(1.0), jnp.asarray(0.1)
         assert float(falling_root(lambda v: 3.0 - v, *ends)) == 1.0
         assert float(falling_root(lambda v: -3.0 - v, *ends)) == -1.0
 

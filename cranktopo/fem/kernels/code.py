@@ -42,6 +42,12 @@ class VectorCode:
         self._store = _declare(module, f"llvm.masked.store.{suffix}", ir.VoidType(), (self.vector, *memory))
         self._fill = _declare(module, "llvm.memset.p0.i64", ir.VoidType(), (POINTER, BYTE, INT64, BIT))
         self._copy = _declare(module, "llvm.memcpy.p0.p0.i64", ir.VoidType(), (POINTER, POINTER, INT64, BIT))
+        self._total = _declare(
+            module,
+            f"llvm.vector.reduce.fadd.v{width}f{8 * self.item_bytes}",
+            self.number,
+            (self.number, self.vector),
+        )
         self._fetch = _declare(module, "llvm.prefetch.p0", ir.VoidType(), (POINTER, INT32, INT32, INT32))
         self.function = ir.Function(module, ir.FunctionType(ir.VoidType(), inputs), name)
         self.builder = ir.IRBuilder(self.function.append_basic_block())
@@ -94,6 +100,10 @@ class VectorCode:
         """A mask where a condition holds, else none of it."""
         return self.builder.select(condition, mask, ir.Constant(self.mask, [0] * self.width))
 
+    def total(self, vector: Value) -> Value:
+        """Sum of a vector's numbers, from the first on."""
+        return self.builder.call(self._total, [ir.Constant(self.number, 0.0), vector])
+
     def below(self, a: Value, b: Value) -> Value:
         """Whether an integer is less than another."""
         return self.builder.icmp_signed("<", a, b)
@@ -127,6 +137,10 @@ class VectorCode:
     def later_lanes(self) -> Value:
         """Mask of all numbers but the first."""
         return ir.Constant(self.mask, [0] + [1] * (self.width - 1))
+
+    def all_lanes(self) -> Value:
+        """Mask of all numbers."""
+        return ir.Constant(self.mask, [1] * self.width)
 
     def pick(self, a: Value, b: Value, lanes: list[int]) -> Value:
         """Vector of numbers of two others: lanes of `a` count from 0, those of `b` from `width`."""

@@ -7,14 +7,18 @@ from collections.abc import Sequence
 import llvmlite.ir as ir
 
 from cranktopo.fem.kernels.code import INT64, Value, VectorCode
-from cranktopo.fem.kernels.planes import Grid, Planes, field_offset
+from cranktopo.fem.kernels.planes import Grid, Planes, Shape, field_offset
 
 
 class Store:
     """The forces themselves are the result: a product."""
 
-    arrays = 1, 1
+    arrays = 1
     replaced = 0
+
+    def results(self, field: Shape) -> list[Shape]:
+        """Forces."""
+        return [field]
 
     def write(
         self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes
@@ -22,6 +26,52 @@ class Store:
         """Write them to their place."""
         for c, address in enumerate(forces):
             code.copy(address, code.at(arrays[1], field_offset(code, grid, case, c, plane)), grid.plane)
+
+
+class Feel:
+    """The forces that displacements feel which are free to move, and the work of the field.
+
+    Arrays: field (cases, 3, nodes...), factors along x (cases, 3, nodes) and along z (cases, 3, nodes), 1
+    where a component is free.
+    """
+
+    arrays = 3
+    replaced = 0
+
+    def results(self, field: Shape) -> list[Shape]:
+        """Forces times factors, all forces on the two ends along z, and the work of the former per plane."""
+        cases, _, nx, ny, _ = field
+        return [field, (cases, 3, nx, ny, 2), (cases, nx)]
+
+    def write(
+        self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes
+    ) -> None:
+        """Row by row."""
+        field, along_x, along_z, felt, ends, works = arrays
+        total = code.zero
+        for c, address in enumerate(forces):
+            component = code.plus(code.times(case, INT64(3)), c)
+            start = field_offset(code, grid, case, c, plane)
+            across = code.spread(code.at(along_x, code.times(component, grid.nx), plane))
+            factors = code.at(along_z, code.times(component, grid.nz))
+            rows = code.times(code.plus(code.times(component, grid.nx), plane), grid.ny)
+            with code.loop(INT64(0), grid.ny, INT64(1), (total,)) as row:
+                line = code.times(row.index, grid.nz)
+                end = code.at(ends, code.times(code.plus(rows, row.index), INT64(2)))
+                for number, node in enumerate((INT64(0), code.plus(grid.nz, -1))):
+                    force = code.builder.load(code.at(address, line, node), typ=code.number)
+                    code.builder.store(force, code.at(end, number))
+                with code.loop(INT64(0), grid.nz, INT64(code.width), row.values) as column:
+                    k, (total,) = column.index, column.values
+                    mask = code.first_lanes(code.plus(grid.nz, code.builder.neg(k)))
+                    factor = code.multiply(across, code.load(code.at(factors, k), mask))
+                    value = code.multiply(factor, code.load(code.at(address, line, k), mask))
+                    code.store(value, code.at(felt, start, line, k), mask)
+                    moved = code.load(code.at(field, start, line, k), mask)
+                    column.following = (code.add(total, code.multiply(value, moved)),)
+                row.following = column.values
+            (total,) = row.values
+        code.builder.store(code.total(total), code.at(works, code.times(case, grid.nx), plane))
 
 
 class Smooth:
@@ -33,8 +83,12 @@ class Smooth:
     correction. With a second weight of 0 only the residual is changed.
     """
 
-    arrays = 7, 3
+    arrays = 7
     replaced = 3
+
+    def results(self, field: Shape) -> list[Shape]:
+        """Correction, field and residual."""
+        return [field] * 3
 
     def write(
         self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes

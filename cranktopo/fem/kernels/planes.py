@@ -18,6 +18,7 @@ NUMBERS = [INT64] * 7
 # Planes per case in the spare memory of a part: forces of the near and the far one, copies of its neighbours.
 SPARE = 4
 
+Shape = tuple[int, ...]
 Planes = tuple[Value, ...]
 """Addresses of a plane of nodes, one per component."""
 
@@ -78,12 +79,15 @@ class Finish(Protocol):
     """What is done with a plane whose forces are complete.
 
     Attributes:
-        arrays: numbers of arrays that it reads, the field first, and of those that it writes.
+        arrays: number of arrays that it reads, the field first; those that it writes come after.
         replaced: how many of those that it reads, from the first on, are the memory of its results.
     """
 
-    arrays: tuple[int, int]
+    arrays: int
     replaced: int
+
+    def results(self, field: Shape) -> list[Shape]:
+        """Shapes of what it writes; the first one has the field's."""
 
     def write(
         self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes

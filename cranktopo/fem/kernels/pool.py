@@ -20,6 +20,7 @@ OFFERED = {
 }
 # Places in a job: next part to begin, parts that are done, and who may still look at it.
 _NEXT, _DONE, _HOLDERS, _TASK = range(4)
+_SPINS, _SLEEP_US = 100, 10
 
 
 @dataclass(frozen=True)
@@ -115,15 +116,26 @@ def _begin(module: ir.Module, work: ir.Function, release: ir.Function) -> ir.Fun
 
 
 def _wait(builder: ir.IRBuilder, start: Value, job: ir.Type, threads: int) -> None:
-    """Until all parts are done: those that another thread has begun are about as long as the caller's."""
-    check, idle, after = (builder.append_basic_block() for _ in range(3))
+    """Until all parts are done: those that another thread has begun are about as long as the caller's.
+
+    The system may have put that thread on the caller's core: the caller sleeps before long.
+    """
+    before = builder.block
+    check, wait, spin, sleep, after = (builder.append_basic_block() for _ in range(5))
     builder.branch(check)
     builder.position_at_end(check)
+    turns = builder.phi(INT64)
     done = builder.load_atomic(_at(builder, start, job, _DONE), "acquire", 8, typ=INT64)
-    builder.cbranch(builder.icmp_signed("<", done, INT64(threads)), idle, after)
-    builder.position_at_end(idle)
-    builder.call(_known(builder.module, "sched_yield", INT32, []), [])
-    builder.branch(check)
+    builder.cbranch(builder.icmp_signed("<", done, INT64(threads)), wait, after)
+    builder.position_at_end(wait)
+    more = builder.add(turns, INT64(1))
+    builder.cbranch(builder.icmp_signed("<", turns, INT64(_SPINS)), spin, sleep)
+    for block, function, arguments in ((spin, "sched_yield", []), (sleep, "usleep", [INT32(_SLEEP_US)])):
+        builder.position_at_end(block)
+        builder.call(_known(builder.module, function, INT32, [value.type for value in arguments]), arguments)
+        builder.branch(check)
+        turns.add_incoming(more, block)
+    turns.add_incoming(INT64(0), before)
     builder.position_at_end(after)
 
 

@@ -1,4 +1,4 @@
-"""Compiling the kernels for this processor, and calling them from JAX."""
+"""Calling the kernels from JAX."""
 
 from __future__ import annotations
 
@@ -6,34 +6,62 @@ import ctypes
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import TypeVar
 
 import jax
 import llvmlite.ir as ir
-import numpy as np
 
 from cranktopo.cores import usable_cores
 from cranktopo.fem.kernels.code import POINTER, VectorCode
-from cranktopo.fem.kernels.finishes import Smooth, Store
+from cranktopo.fem.kernels.finishes import Feel, Smooth, Store
 from cranktopo.fem.kernels.foreign import interface, write_handler
+from cranktopo.fem.kernels.machine_code import address_of, vector_width
 from cranktopo.fem.kernels.planes import NUMBERS, SPARE, Finish, Operator, write_copies, write_planes
 from cranktopo.fem.kernels.stencil import Stencil
 from cranktopo.fem.kernels.stiffness import Stiffness
-
-if TYPE_CHECKING:
-    import llvmlite.binding as llvm
+from cranktopo.fem.kernels.transfer import write_prolongation, write_restriction
 
 _Result = TypeVar("_Result")
-Kernel = tuple[str, str]
-"""Names of an operator and of a finish."""
+_Writer = Callable[[VectorCode], None]
+
+
+@dataclass(frozen=True)
+class _Kernel:
+    """A kernel that XLA calls.
+
+    Attributes:
+        writers: who write its functions, called one after the other; all but the last take no time.
+        buffers: numbers of arguments and of results.
+        replaced: by the number of an argument, that of the result that takes its memory.
+    """
+
+    writers: tuple[_Writer, ...]
+    buffers: tuple[int, int]
+    replaced: Mapping[int, int]
+
+
+def _coupling(operator: Operator, finish: Finish) -> _Kernel:
+    """Kernel of an operator and a finish; its last result is spare memory: XLA gives none in another way."""
+    written = len(finish.results((1,) * 5))
+    return _Kernel(
+        tuple(partial(write, operator=operator, finish=finish) for write in (write_copies, write_planes)),
+        (operator.arrays + finish.arrays, written + 1),
+        {operator.arrays + number: number for number in range(finish.replaced)},
+    )
+
 
 # The call frame that `foreign` reads belongs to this major version of XLA's interface.
 _KNOWN_MAJOR = 0
 _OPERATORS: Mapping[str, Operator] = {"stiffness": Stiffness(), "stencil": Stencil()}
-_FINISHES: Mapping[str, Finish] = {"product": Store(), "smoothing": Smooth()}
+_FINISHES: Mapping[str, Finish] = {"product": Store(), "felt": Feel(), "smoothing": Smooth()}
+_KERNELS: Mapping[str, _Kernel] = {
+    **{f"{o}_{f}": _coupling(_OPERATORS[o], _FINISHES[f]) for o in _OPERATORS for f in _FINISHES},
+    "restriction": _Kernel((write_restriction,), (1, 1), {}),
+    "prolongation": _Kernel((write_prolongation,), (2, 2), {1: 1}),
+}
 _one_at_a_time = threading.Lock()
-_engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its engine
 
 
 @cache
@@ -52,78 +80,53 @@ def by_kernel(
     return chosen
 
 
-def called(kernel: Kernel, arrays: Sequence[jax.Array]) -> list[jax.Array]:
-    """Results of a kernel, shaped as its field and in its precision.
+def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:
+    """What the kernel of an operator and a finish computes, in the precision of the field.
 
     Args:
         arrays: of the operator and of the finish, the field the first of these.
     """
-    operator, finish = _OPERATORS[kernel[0]], _FINISHES[kernel[1]]
-    field = arrays[operator.arrays]
+    field = arrays[_OPERATORS[operator].arrays]
     cases, _, _, *plane = field.shape
-    result = jax.ShapeDtypeStruct(field.shape, field.dtype)
-    # A result that nobody wants: it is how a kernel gets memory.
-    spare = jax.ShapeDtypeStruct((usable_cores(), SPARE * cases, 3, *plane), field.dtype)
-    replaced = {operator.arrays + number: number for number in range(finish.replaced)}
-    call = jax.ffi.ffi_call(
-        _registered(kernel, field), [*[result] * finish.arrays[1], spare], input_output_aliases=replaced
-    )
-    *results, _ = call(*(array.astype(field.dtype) for array in arrays))
-    return results
+    spare = usable_cores(), SPARE * cases, 3, *plane
+    shapes = _FINISHES[finish].results(field.shape)
+    return called(f"{operator}_{finish}", arrays, [*shapes, spare], field.dtype)[:-1]
 
 
-def _registered(kernel: Kernel, field: jax.Array) -> str:
-    """Name under which XLA finds a kernel for a field's numbers; compiled once, whichever thread asks."""
-    precision = field.dtype.name
+def called(
+    name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]], precision: jax.typing.DTypeLike
+) -> Sequence[jax.Array]:
+    """Results of a kernel, of the given shapes; what goes in and out has one precision."""
+    results = [jax.ShapeDtypeStruct(shape, precision) for shape in shapes]
+    target = _registered(name, results[0].dtype.name)
+    call = jax.ffi.ffi_call(target, results, input_output_aliases=dict(_KERNELS[name].replaced))
+    found: Sequence[jax.Array] = call(*(array.astype(precision) for array in arrays))
+    return found
+
+
+def _registered(kernel: str, precision: str) -> str:
+    """Name under which XLA finds a kernel for a precision; compiled once, whichever thread asks."""
     with _one_at_a_time:
-        return _register(kernel, precision, _width(precision), usable_cores())
+        return _register(kernel, precision, vector_width(precision), usable_cores())
 
 
 @cache
-def _register(kernel: Kernel, precision: str, width: int, threads: int) -> str:
-    name = f"cranktopo_{'_'.join(kernel)}_{precision}_{width}_{threads}"
-    address = _compiled(str(_module(kernel, precision, width, threads)))
+def _register(kernel: str, precision: str, width: int, threads: int) -> str:
+    name = f"cranktopo_{kernel}_{precision}_{width}_{threads}"
+    address = address_of("handler", str(_module(_KERNELS[kernel], precision, width, threads)))
     handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(address)
     jax.ffi.register_ffi_target(name, jax.ffi.pycapsule(handler), platform="cpu")
     return name
 
 
-def _module(kernel: Kernel, precision: str, width: int, threads: int) -> ir.Module:
+def _module(kernel: _Kernel, precision: str, width: int, threads: int) -> ir.Module:
     """Code of a kernel and of what calls it."""
-    module, operator, finish = ir.Module(), _OPERATORS[kernel[0]], _FINISHES[kernel[1]]
-    read, written = finish.arrays
-    buffers = operator.arrays + read, written + 1
-    inputs = [POINTER] * sum(buffers) + NUMBERS
+    module = ir.Module()
+    inputs = [POINTER] * sum(kernel.buffers) + NUMBERS
     functions = []
-    for name, write in (("copies", write_copies), ("planes", write_planes)):
-        code = VectorCode(module, name, inputs, precision, width)
-        write(code, operator, finish)
+    for number, write in enumerate(kernel.writers):
+        code = VectorCode(module, f"planes{number}", inputs, precision, width)
+        write(code)
         functions.append(code.function)
-    write_handler(module, functions, buffers, threads)
+    write_handler(module, functions, kernel.buffers, threads)
     return module
-
-
-def _compiled(text: str) -> int:
-    """Address of the handler of a module, as machine code for this processor."""
-    import llvmlite.binding as llvm  # loads all of LLVM: only who solves needs it
-
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    module = llvm.parse_assembly(text)
-    features = llvm.get_host_cpu_features().flatten()
-    target = llvm.Target.from_default_triple()
-    machine = target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=3)
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
-    builder.getModulePassManager().run(module, builder)
-    engine = llvm.create_mcjit_compiler(module, machine)
-    engine.finalize_object()
-    _engines.append(engine)
-    return engine.get_function_address("handler")
-
-
-def _width(precision: str) -> int:
-    """Numbers in a vector register of this processor; 256 bits where it has no longer ones."""
-    import llvmlite.binding as llvm
-
-    wide = llvm.get_host_cpu_features().get("avx512f", False)
-    return (64 if wide else 32) // np.dtype(precision).itemsize
