@@ -1,4 +1,4 @@
-"""Two works at once: SciPy and JAX leave the interpreter while they compute.
+"""Works at once: SciPy and JAX leave the interpreter while they compute.
 
 Each computes what it computes alone, so that the numbers do not depend on it.
 """
@@ -6,11 +6,31 @@ Each computes what it computes alone, so that the numbers do not depend on it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Generic, TypeVar
 
 First = TypeVar("First")
 Second = TypeVar("Second")
+
+
+class Ahead(Generic[First]):
+    """A work that a thread does before its result is asked for."""
+
+    def __init__(self, work: Callable[[], First]) -> None:
+        self._work = work
+        self._found: Future[First] | None = None
+
+    def begin(self) -> Future[First]:
+        """Begin, unless it has begun."""
+        if self._found is None:
+            with_one = ThreadPoolExecutor(1)
+            self._found = with_one.submit(self._work)
+            with_one.shutdown(wait=False)
+        return self._found
+
+    def result(self) -> First:
+        """What the work returns; raises what it raises."""
+        return self.begin().result()
 
 
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:

@@ -214,7 +214,8 @@ def _coarse_inverse(dense: jax.Array, supports: BoundaryConditions) -> jax.Array
     motions = motions.at[..., -1].add(supports.coarse_basis[:, :, 1])
     motions = motions.reshape(free.shape[0], count, size)
 
-    def invert(free: jax.Array, motions: jax.Array, springs: jax.Array) -> jax.Array:
+    def invert(case: tuple[jax.Array, jax.Array, jax.Array]) -> jax.Array:
+        free, motions, springs = case
         forces = motions @ dense
         mixed = forces * free
         section = forces @ motions.T + springs
@@ -227,7 +228,9 @@ def _coarse_inverse(dense: jax.Array, supports: BoundaryConditions) -> jax.Array
         inverse = free[:, None] * solved[:size] + motions.T @ solved[size:]
         return jnp.where(jnp.all(jnp.isfinite(inverse)), inverse, 0.0)
 
-    return jax.vmap(invert)(free, motions, supports.springs)
+    # One after the other: with a stack of matrices a thread of jaxlib's pool (0.10.2) waits for others of the
+    # pool, and two solves at once, each in a Python thread, wait for ever.
+    return jax.lax.map(invert, (free, motions, supports.springs))
 
 
 def project(

@@ -19,6 +19,7 @@ from cranktopo.scene.goal import Goal
 from cranktopo.store import Json
 
 Info = Callable[[str], None]
+Cells = Callable[[], BoundModel]
 _MASSES, _BEYOND = 9, 0.08
 """Points of a curve over the mass, and how far it goes beyond original and result."""
 
@@ -38,25 +39,39 @@ def bound_beside(scene: Scene, goal: Goal, cell_mm: float, info: Info) -> Json:
         return {"none": error.message}
 
 
-def bounds_beside(scene: Scene, reached: Mapping[str, float], goal: Goal | None, info: Info) -> Json:
+def model_beside(scene: Scene, goal: Goal | None, info: Info) -> BoundModel:
+    """The cells that `bounds_beside` computes on; the web itself need not be known.
+
+    Raises:
+        CranktopoError: as `bound_model`.
+    """
+    with double_precision():
+        return _model(scene, goal, bound_cell_mm(scene), info)
+
+
+def bounds_beside(
+    scene: Scene, reached: Mapping[str, float], goal: Goal | None, info: Info, cells: Cells | None = None
+) -> Json:
     """The same beside a web whose goal may be no more than stiffness: statements, and curves over the mass.
 
     Args:
         reached: mass, stiffnesses and the goal's quantity as far as they are known, % of the original's.
         goal: what was wanted; without one it is the largest of each stiffness at the web's own mass.
+        cells: gives those of `model_beside`, where they have been made before.
 
     Returns:
         The entry `bound` of metrics.json; `none` says why there is no bound.
     """
     try:
+        model = cells() if cells else model_beside(scene, goal, info)
         with double_precision():
-            return _bounds(scene, reached, goal, info)
+            return _bounds(model, reached, goal)
     except CranktopoError as error:
         return {"none": error.message}
 
 
-def _bounds(scene: Scene, reached: Mapping[str, float], goal: Goal | None, info: Info) -> Json:
-    model, statements, start = _model(scene, goal, bound_cell_mm(scene), info), [], None
+def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) -> Json:
+    statements, start = [], None
     if goal is not None and goal.quantity in reached:
         bound = prove(model, goal)
         statements.append({**_entry(model, goal, bound), "reached_percent": reached[goal.quantity]})

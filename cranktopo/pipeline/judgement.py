@@ -15,7 +15,7 @@ from cranktopo.optimise.assessment import Assessment
 from cranktopo.optimise.problem import DensityProblem
 from cranktopo.optimise.stage import Prepared
 from cranktopo.optimise.state import State
-from cranktopo.pipeline.bound_beside import bounds_beside
+from cranktopo.pipeline.bound_beside import Cells, bounds_beside
 from cranktopo.scene import Scene
 from cranktopo.scene.goal.wanted import wanted
 from cranktopo.store import Json, RunStore
@@ -26,7 +26,7 @@ class Judgement(NamedTuple):
 
     Attributes:
         bound: what no web of the envelope can beat; None where the plan leaves it out.
-        bound_s: wall time of the bound.
+        bound_s: wall time of the bound, without its cells.
     """
 
     result: Assessment
@@ -36,9 +36,17 @@ class Judgement(NamedTuple):
 
 
 def judge(
-    run: RunStore, prepared: Prepared, problem: DensityProblem, state: State, density: NDArray[np.float64]
+    run: RunStore,
+    prepared: Prepared,
+    problem: DensityProblem,
+    state: State,
+    density: NDArray[np.float64],
+    cells: Cells | None,
 ) -> Judgement:
     """Judge the physical density (nx, ny, nw) that a state ended with, in any thread.
+
+    Args:
+        cells: of the bound; None leaves it out.
 
     Raises:
         CranktopoError: a solve failed.
@@ -48,18 +56,20 @@ def judge(
         result = assess(problem, scene, domain, density)
         original = problem.original or assess_original(problem.model, scene, domain)
     began, bound = time.perf_counter(), None
-    if prepared.plan["bound"].state == "on":
-        bound = _bound(run, scene, state, result, original)
+    if cells is not None:
+        bound = _bound(run, scene, state, result, original, cells)
     return Judgement(result, original, bound, time.perf_counter() - began)
 
 
-def _bound(run: RunStore, scene: Scene, state: State, result: Assessment, original: Assessment) -> Json:
+def _bound(
+    run: RunStore, scene: Scene, state: State, result: Assessment, original: Assessment, cells: Cells
+) -> Json:
     """What no web of the envelope can beat, beside the result in percent of the original."""
     if state.status != "converged":
         return {"none": "the run has not converged"}
     own = original.quantities
     reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
-    return bounds_beside(scene, reached, wanted(scene), run.log)
+    return bounds_beside(scene, reached, wanted(scene), run.log, cells)
 
 
 def beside_goal(bound: Json, goal: Mapping[str, Any] | None) -> Json:

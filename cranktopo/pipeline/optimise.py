@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cranktopo.accuracy.cell_choice import choose_cells
 from cranktopo.accuracy.level import OPTIMISER
 from cranktopo.accuracy.stored_studies import load_study
-from cranktopo.errors import CranktopoError, ExitCode
 from cranktopo.evaluate.evaluation import Info
-from cranktopo.evaluate.side_by_side import side_by_side
+from cranktopo.evaluate.side_by_side import Ahead
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
-from cranktopo.optimise import loop
 from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.coarse_start import first_state
 from cranktopo.optimise.continuation import with_limit
@@ -23,24 +21,10 @@ from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem, Progress
 from cranktopo.optimise.stage import Prepared, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
-from cranktopo.pipeline.evaluated_limits import EvaluatedGoal
-from cranktopo.pipeline.goal_by_evaluation import (
-    evaluated_goal,
-    evaluation_seconds,
-    met_by_evaluation,
-    told_by_evaluation,
-)
-from cranktopo.pipeline.judgement import beside_goal, judge
-from cranktopo.pipeline.metrics import Timing, optimise_metrics, surface_metrics
+from cranktopo.pipeline.goal_by_evaluation import evaluated_goal, met_by_evaluation
 from cranktopo.pipeline.new_run import new_run
 from cranktopo.pipeline.original import check_original
-from cranktopo.pipeline.run_files import history_rows, write_run_files
-from cranktopo.pipeline.run_report import record_of
 from cranktopo.pipeline.run_status import working_in
-from cranktopo.pipeline.run_stress import read_run_stress
-from cranktopo.pipeline.snapshots import snapshots
-from cranktopo.report.pages.report_file import REPORT, write_report
-from cranktopo.report.pages.run_page import run_page
 from cranktopo.scene import Scene
 from cranktopo.scene.assumed import (
     ENVELOPE,
@@ -68,8 +52,9 @@ from cranktopo.store import (
     save_checkpoint,
     save_iteration,
 )
-from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+
+if TYPE_CHECKING:
+    from cranktopo.pipeline.finishing import Finisher
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
@@ -186,7 +171,8 @@ def _optimise(
         if resume:
             run.resume()
         state = _saved_state(run, problem) if resume else None
-        shown = _checked(progress, check)
+        ahead = Ahead(lambda: _finisher(run, prepared))
+        shown = _checked(progress, check, ahead)
         keep = _kept(run, shown)
         if state is None:
             state = first_state(problem, prepared.scene, prepared.domain, prepared.cases, shown)
@@ -197,7 +183,7 @@ def _optimise(
             state, failure = met_by_evaluation(
                 case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, keep)
             )
-        metrics = _finish(run, prepared, problem, state, clock, began, case, failure)
+        metrics = ahead.result().finish(problem, state, began, clock, case, failure)
     run.log(f"{metrics['status']}: {metrics['stop_reason']}")
     return OptimisedRun(run.path, metrics)
 
@@ -209,11 +195,19 @@ def _saved_state(run: RunStore, problem: DensityProblem) -> State | None:
     return with_limit(problem, from_checkpoint(saved.arrays, saved.state))
 
 
-def _checked(progress: Progress, check: Callable[[], None]) -> Progress:
-    """Progress after which a run may be interrupted."""
+def _finisher(run: RunStore, prepared: Prepared) -> Finisher:
+    """What ends a run: the libraries that surfaces and pictures take are loaded here."""
+    from cranktopo.pipeline.finishing import got_ready
+
+    return got_ready(run, prepared)
+
+
+def _checked(progress: Progress, check: Callable[[], None], ahead: Ahead[Finisher]) -> Progress:
+    """Progress after which a run may be interrupted; after the first design the end is got ready."""
 
     def show(problem: DensityProblem, state: State) -> None:
         progress(problem, state)
+        ahead.begin()
         check()
 
     return show
@@ -234,75 +228,3 @@ def _kept(run: RunStore, progress: Progress) -> Progress:
 
 def _save(run: RunStore, state: State) -> None:
     save_checkpoint(run.checkpoint, *to_checkpoint(state))
-
-
-def _finish(
-    run: RunStore,
-    prepared: Prepared,
-    problem: DensityProblem,
-    state: State,
-    clock: CompileClock,
-    began: float,
-    case: EvaluatedGoal | None,
-    failure: str,
-) -> dict[str, Any]:
-    """Judge the final design, make and measure its surface meanwhile, and write every file."""
-    optimised = time.perf_counter()
-    scene, domain = prepared.scene, prepared.domain
-    design = loop.final_design(problem, state)
-    rows = history_rows(problem, state.history)
-    (measured, mesh, files), judged = side_by_side(
-        lambda: _shown(run, prepared, design, rows),
-        lambda: judge(run, prepared, problem, state, design.physical),
-    )
-    now = time.perf_counter()
-    assumed = run.manifest().get("assumed", ())
-    timing = Timing(now - began, now - optimised, clock.compile_s)
-    metrics = optimise_metrics(
-        run.name,
-        prepared,
-        problem,
-        state,
-        design.physical,
-        judged.result,
-        judged.original,
-        measured,
-        timing,
-        assumed,
-    )
-    if case is not None:
-        metrics["goal"] = told_by_evaluation(metrics["goal"], case, state, failure)
-        metrics["seconds"]["evaluation"] = evaluation_seconds(case)
-    if judged.bound is not None:
-        metrics["bound"] = beside_goal(judged.bound, metrics.get("goal"))
-        metrics["seconds"]["bound"] = judged.bound_s
-    metrics["files"] = {**files, **metrics["files"], "report": REPORT}
-    run.write_metrics(metrics)
-    designs = snapshots(run, domain, problem.chain)
-    stress = read_run_stress(run, files["stl"]) if "stl" in files else None
-    record = record_of(run, metrics, rows, scene, mesh, designs, stress)
-    write_report(run_page(record), run.path / REPORT)
-    end = time.perf_counter()
-    metrics["seconds"] |= {"total": end - began, "report": end - now}
-    run.write_metrics(metrics)
-    return metrics
-
-
-def _shown(
-    run: RunStore, prepared: Prepared, design: loop.WebDensities, rows: Sequence[Mapping[str, Any]]
-) -> tuple[dict[str, Any], SurfaceMesh | None, dict[str, str]]:
-    """What the surface measures, or why there is none, its half throw, and the files that show the design."""
-    surface = _surface(prepared, design)
-    mesh = None if isinstance(surface, str) else surface.surface.half_throw
-    files = write_run_files(run, prepared.scene, prepared.domain, design, rows, mesh)
-    return surface_metrics(surface, prepared.scene), mesh, files
-
-
-def _surface(prepared: Prepared, design: loop.WebDensities) -> CheckedSurface | str:
-    """The surface, or why there is none, as of the first designs, which are grey."""
-    try:
-        return checked_surface(prepared.scene, prepared.domain, design)
-    except CranktopoError as error:
-        if error.code != ExitCode.CRITERION_NOT_MET:
-            raise
-        return str(error)

@@ -54,6 +54,7 @@ def _coupling(operator: Operator, finish: Finish) -> _Kernel:
 
 # The call frame that `foreign` reads belongs to this major version of XLA's interface.
 _KNOWN_MAJOR = 0
+_CHOSEN_DEVICE = "jax_default_device"
 _OPERATORS: Mapping[str, Operator] = {"stiffness": Stiffness(), "stencil": Stencil()}
 _FINISHES: Mapping[str, Finish] = {"product": Store(), "felt": Feel(), "smoothing": Smooth()}
 _KERNELS: Mapping[str, _Kernel] = {
@@ -73,11 +74,17 @@ def kernels_usable() -> bool:
 def by_kernel(
     kernel: Callable[..., _Result], elsewhere: Callable[..., _Result], *arguments: object
 ) -> _Result:
-    """What a kernel computes on a processor, and JAX code elsewhere."""
-    if not kernels_usable():
-        return elsewhere(*arguments)
-    chosen: _Result = jax.lax.platform_dependent(*arguments, cpu=kernel, default=elsewhere)
-    return chosen
+    """What a kernel computes on a processor, and JAX code elsewhere.
+
+    Chosen when a program is traced, so that only one of them is.
+    """
+    return (kernel if _on_processor() and kernels_usable() else elsewhere)(*arguments)
+
+
+def _on_processor() -> bool:
+    """Whether JAX computes on a processor now."""
+    chosen = getattr(jax.config, _CHOSEN_DEVICE)
+    return (jax.default_backend() if chosen is None else getattr(chosen, "platform", chosen)) == "cpu"
 
 
 def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:
