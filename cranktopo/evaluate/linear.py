@@ -115,8 +115,8 @@ def two_level_cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Calla
 
     def cycle(residual: Array) -> Array:
         x = smooth(residual)
-        x += _times(prolongation, coarse(_times(restriction, residual - _times(matrix, x))))
-        return x + smooth(residual - _times(matrix, x))
+        x += prolongation @ coarse(restriction @ (residual - matrix @ x))
+        return x + smooth(residual - matrix @ x)
 
     return cycle
 
@@ -133,7 +133,7 @@ def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
         step = inverse * residual / centre
         x = step
         for _ in range(_SMOOTHING - 1):
-            residual = residual - _times(matrix, step)
+            residual = residual - matrix @ step
             following = 1.0 / (2 * centre / half - rho)
             step = following * rho * step + 2 * following / half * (inverse * residual)
             rho = following
@@ -162,13 +162,13 @@ def _conjugate_gradients(
     solution = np.zeros_like(loads)
     goal = tolerance * np.linalg.norm(loads, axis=0)
     columns = np.flatnonzero(goal > 0)
-    x, residual = (np.asfortranarray(array[:, columns]) for array in (solution, loads))
+    x, residual = solution[:, columns], loads[:, columns]
     direction, energy = np.zeros_like(x), np.zeros(len(columns))
     for _ in range(_CG_CYCLES if len(columns) else 0):
         z = cycle(residual)
         following = (residual * z).sum(axis=0)
         direction = z + following / np.where(energy > 0, energy, 1.0) * direction
-        image, energy = _times(matrix, direction), following
+        image, energy = matrix @ direction, following
         curvature = (direction * image).sum(axis=0)
         step = energy / np.where(curvature > 0, curvature, 1.0)
         x += step * direction
@@ -177,13 +177,8 @@ def _conjugate_gradients(
         if not open_.all():
             solution[:, columns] = x
             columns, energy = columns[open_], energy[open_]
-            x, residual, direction = (np.asfortranarray(a[:, open_]) for a in (x, residual, direction))
+            x, residual, direction = x[:, open_], residual[:, open_], direction[:, open_]
         if not len(columns):
             break
     solution[:, columns] = x
     return solution
-
-
-def _times(matrix: sp.csr_matrix, columns: Array) -> Array:
-    """Product with each column, which SciPy does twice as fast as that with all at once."""
-    return np.stack([matrix @ column for column in np.asfortranarray(columns).T]).T

@@ -15,8 +15,6 @@ from cranktopo.fem.kernels.code import INT64, Value, VectorCode
 
 # What a kernel gets after its arrays: cases, nodes along x, y, z, part, its first plane, that after its last.
 NUMBERS = [INT64] * 7
-# Planes per case in the spare memory of a part: forces of the near and the far one, copies of its neighbours.
-SPARE = 4
 
 Shape = tuple[int, ...]
 Planes = tuple[Value, ...]
@@ -98,9 +96,9 @@ class Finish(Protocol):
 def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
     """Kernel that ends the planes of nodes from `first` to before `last` of every case.
 
-    Inputs of the function: arrays of the operator and of the finish, spare memory (parts, SPARE * cases, 3,
-    nodes along y, along z), `NUMBERS`. A part couples the planes on both sides of its own, whose forces it
-    does not end, so that the number of parts does not change the result.
+    Inputs of the function: arrays of the operator and of the finish, spare memory (parts, planes, 3, nodes
+    along y, along z), `NUMBERS`. A part couples the planes on both sides of its own, whose forces it does not
+    end, so that the number of parts does not change the result.
     """
     march = _March(code, operator, finish)
     if operator.together:
@@ -109,6 +107,12 @@ def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
         with code.loop(INT64(0), march.grid.cases, INT64(1)) as case:
             march.write(case.index, INT64(1))
     code.builder.ret_void()
+
+
+def spare_planes(operator: Operator, finish: Finish) -> tuple[int, int]:
+    """Planes in the spare memory of a part, per case and besides: copies of neighbours, forces of two."""
+    copies = 2 if finish.replaced else 0
+    return (copies + 2, 0) if operator.together else (copies, 2)
 
 
 def write_copies(code: VectorCode, operator: Operator, finish: Finish) -> None:
@@ -129,7 +133,11 @@ class _March:
         self._code, self._operator, self._finish = code, operator, finish
         self.grid = Grid(cases, nx, ny, nz, plane, code.times(nx, plane))
         self._own, self._others = arrays[: operator.arrays], arrays[operator.arrays :]
-        self._spare = code.at(spare, code.times(part, INT64(3 * SPARE), cases, plane))
+        each, besides = spare_planes(operator, finish)
+        planes = code.plus(code.times(INT64(each), cases), besides)
+        self._copies = code.at(spare, code.times(part, INT64(3), planes, plane))
+        copied = INT64(6 if finish.replaced else 0)
+        self._near = code.at(self._copies, code.times(copied, cases, plane))
 
     def write(self, start: Value, cases: Value) -> None:
         """Through the planes with so many cases, from one on."""
@@ -137,7 +145,7 @@ class _March:
         size = code.times(INT64(3), cases, self.grid.plane)
         before = code.plus(first, -1)
         begin = code.builder.select(code.below(before, INT64(0)), INT64(0), before)
-        near, far = self._spare, code.at(self._spare, size)
+        near, far = self._near, code.at(self._near, size)
         code.clear(near, size)
         with code.loop(begin, self._last, INT64(1), (near, far)) as turn:
             plane, (near, far) = turn.index, turn.values
@@ -186,8 +194,8 @@ class _March:
 
     def _copy(self, side: int, case: Value, c: int) -> Value:
         code, cases = self._code, self.grid.cases
-        fields = code.plus(code.times(INT64(2 + side), cases), case)
-        return code.at(self._spare, code.times(code.plus(code.times(fields, INT64(3)), c), self.grid.plane))
+        fields = code.plus(code.times(INT64(side), cases), case)
+        return code.at(self._copies, code.times(code.plus(code.times(fields, INT64(3)), c), self.grid.plane))
 
     def _forces(self, start: Value, k: Value) -> Planes:
         code = self._code

@@ -18,7 +18,14 @@ from cranktopo.fem.kernels.code import POINTER, VectorCode
 from cranktopo.fem.kernels.finishes import Feel, Smooth, Store
 from cranktopo.fem.kernels.foreign import interface, write_handler
 from cranktopo.fem.kernels.machine_code import address_of, vector_width
-from cranktopo.fem.kernels.planes import NUMBERS, SPARE, Finish, Operator, write_copies, write_planes
+from cranktopo.fem.kernels.planes import (
+    NUMBERS,
+    Finish,
+    Operator,
+    spare_planes,
+    write_copies,
+    write_planes,
+)
 from cranktopo.fem.kernels.stencil import Stencil
 from cranktopo.fem.kernels.stiffness import Stiffness
 from cranktopo.fem.kernels.transfer import write_prolongation, write_restriction
@@ -54,6 +61,7 @@ def _coupling(operator: Operator, finish: Finish) -> _Kernel:
 
 # The call frame that `foreign` reads belongs to this major version of XLA's interface.
 _KNOWN_MAJOR = 0
+_MOST_THREADS = 16
 _CHOSEN_DEVICE = "jax_default_device"
 _OPERATORS: Mapping[str, Operator] = {"stiffness": Stiffness(), "stencil": Stencil()}
 _FINISHES: Mapping[str, Finish] = {"product": Store(), "felt": Feel(), "smoothing": Smooth()}
@@ -95,7 +103,8 @@ def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence
     """
     field = arrays[_OPERATORS[operator].arrays]
     cases, _, _, *plane = field.shape
-    spare = usable_cores(), SPARE * cases, 3, *plane
+    each, besides = spare_planes(_OPERATORS[operator], _FINISHES[finish])
+    spare = _threads(), each * cases + besides, 3, *plane
     shapes = _FINISHES[finish].results(field.shape)
     return called(f"{operator}_{finish}", arrays, [*shapes, spare], field.dtype)[:-1]
 
@@ -111,10 +120,15 @@ def called(
     return found
 
 
+def _threads() -> int:
+    """Threads that share a kernel: further ones would wait for memory."""
+    return min(usable_cores(), _MOST_THREADS)
+
+
 def _registered(kernel: str, precision: str) -> str:
     """Name under which XLA finds a kernel for a precision; compiled once, whichever thread asks."""
     with _one_at_a_time:
-        return _register(kernel, precision, vector_width(precision), usable_cores())
+        return _register(kernel, precision, vector_width(precision), _threads())
 
 
 @cache
