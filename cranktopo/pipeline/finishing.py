@@ -31,7 +31,7 @@ from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
 from cranktopo.triangles.surface_mesh import SurfaceMesh
 
 
-def got_ready(run: RunStore, prepared: Prepared) -> Finisher:
+def finisher(run: RunStore, prepared: Prepared) -> Finisher:
     """What can be had before the design is known; a thread makes the cells of the bound."""
     if prepared.plan["bound"].state != "on":
         return Finisher(run, prepared, None)

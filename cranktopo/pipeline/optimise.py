@@ -197,9 +197,9 @@ def _saved_state(run: RunStore, problem: DensityProblem) -> State | None:
 
 def _finisher(run: RunStore, prepared: Prepared) -> Finisher:
     """What ends a run: the libraries that surfaces and pictures take are loaded here."""
-    from cranktopo.pipeline.finishing import got_ready
+    from cranktopo.pipeline.finishing import finisher
 
-    return got_ready(run, prepared)
+    return finisher(run, prepared)
 
 
 def _checked(progress: Progress, check: Callable[[], None], ahead: Ahead[Finisher]) -> Progress:
