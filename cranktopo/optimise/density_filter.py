@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -42,6 +43,7 @@ class ConeFilter:
         return mean + jax.lax.stop_gradient(told - mean)
 
 
+@partial(jax.jit, static_argnames="mirrored_x")
 def cone_filter(design: jax.Array, kernel: jax.Array, mirrored_x: bool) -> ConeFilter:
     """The filter of a design space; arguments as the attributes of `ConeFilter`."""
     weight = convolved(design, kernel, mirrored_x)
