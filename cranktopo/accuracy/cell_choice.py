@@ -28,7 +28,7 @@ from cranktopo.optimise.error_bound import model_error_percent
 from cranktopo.scene import Scene
 from cranktopo.scene.goal.wanted import wanted
 
-_START_S = 20.0
+_START_S = 13.0
 """Compiling and writing files where nothing was measured, roughly."""
 
 
@@ -112,9 +112,9 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
         check_resolution(simulated, nearest, quarter, cases, available)
     found, todo = [], effort(simulated)
     for cell in usable:
-        work = estimated_cells(simulated, cell, quarter) * cases * todo.designs
+        cells = estimated_cells(simulated, cell, quarter)
         error = max(model_error_percent(simulated, cell).values())
-        seconds, source = _seconds(work, todo, measured)
+        seconds, source = _seconds(cells, cases * todo.designs, todo, measured)
         found.append(CellChoice(cell, error, seconds + _evaluating_s(todo, measured), source))
     return found
 
@@ -125,16 +125,17 @@ def _evaluating_s(todo: Effort, measured: StoredStudy | None) -> float:
     return todo.evaluation_seconds if each is None else todo.evaluations * each
 
 
-def _seconds(work: float, todo: Effort, measured: StoredStudy | None) -> tuple[float, str]:
+def _seconds(cells: float, solves: int, todo: Effort, measured: StoredStudy | None) -> tuple[float, str]:
     """Expected wall time of the optimiser and what it is taken from.
 
     Args:
-        work: cells times load cases times designs of an iteration.
+        solves: load cases times designs of an iteration.
     """
+    work = cells * solves
     levels = [r for r in measured.levels(OPTIMISER) if r["family"] == "cells"] if measured else []
     if measured is None or not levels:
         iterations = todo.iterations + todo.more_iterations
-        seconds = _START_S + iterations * CostRates().seconds_per_cell_solve * work
+        seconds = _START_S + iterations * solves * CostRates().solve_s(cells)
         return seconds, "not measured here: run cranktopo accuracy"
     sizes, times = np.array(sorted(_timed(level, todo) for level in levels)).T
     inside = float(np.exp(np.interp(np.log(work), np.log(sizes), np.log(times))))

@@ -59,24 +59,30 @@ class CostRates:
 
     Attributes:
         iterations: designs until an optimisation converges; 31 on the built-in engine.
-        seconds_per_cell_solve: one load case of one design iteration, per cell; 2.9e-6 to 4.8e-6 on two
-            cores ("Cost of effects", docs/pages/archive.md), without compilation.
-        seconds_per_element: one direct solve per quadratic tetrahedron; an order of magnitude.
+        seconds_per_solve: one load case of one design iteration, however few cells, without compilation.
+        seconds_per_cell_solve: the same per cell; from default cells to those of 0.4 mm ("Fine cells",
+            docs/pages/benchmarks.md) both together are what two cores take, within a quarter.
+        seconds_per_element: one solve per quadratic tetrahedron; an order of magnitude.
         moves: how often limits are moved until they hold by the evaluation; one to three on the built-in
             engines.
         iterations_per_move: designs until an optimisation has converged again.
         bound_steps: designs until the searches of a bound beside a result have settled.
-        seconds_per_evaluation: a body-fitted evaluation of the default size with its coarser mesh, on two
-            cores (docs/pages/accuracy.md).
+        seconds_per_evaluation: a body-fitted evaluation of a surface, default size and coarser mesh, on two
+            cores (`cranktopo evaluate RUN`).
     """
 
     iterations: int = 35
-    seconds_per_cell_solve: float = 4e-6
-    seconds_per_element: float = 5e-4
+    seconds_per_solve: float = 0.03
+    seconds_per_cell_solve: float = 0.8e-6
+    seconds_per_element: float = 2e-4
     moves: int = 2
     iterations_per_move: int = 10
     bound_steps: int = 30
-    seconds_per_evaluation: float = 10.0
+    seconds_per_evaluation: float = 15.0
+
+    def solve_s(self, cells: float) -> float:
+        """One load case of one design iteration."""
+        return self.seconds_per_solve + cells * self.seconds_per_cell_solve
 
 
 @dataclass(frozen=True)
@@ -128,12 +134,14 @@ class Costing:
     def load_case(self) -> Cost:
         """One more solve of each design in every iteration."""
         cells = self.half_throw_cells // (2 if self._mirrored else 1)
-        return Cost(float(self._effort.designs), 0, self._optimiser_seconds(cells))
+        seconds = self._optimiser_solves() * self._rates.solve_s(cells)
+        return Cost(float(self._effort.designs), 0, seconds)
 
     def mirror(self) -> Cost:
         """Half of the cells less, for one load case."""
         cells = self.half_throw_cells // 2
-        return Cost(0.0, -cells, -self._optimiser_seconds(cells))
+        seconds = self._optimiser_solves() * cells * self._rates.seconds_per_cell_solve
+        return Cost(0.0, -cells, -seconds)
 
     def fatigue(self) -> Cost:
         """A mesh fine enough for stresses in the fillets, and two load states: a tenth of a solve each."""
@@ -155,11 +163,11 @@ class Costing:
         edge = bound_cell_mm(self._scene)
         cells = round(estimated_cells(self._scene, edge, self._mirrored, _target(self._scene)))
         solves = 2 * self._rates.bound_steps
-        return Cost(float(solves), cells, cells * self._rates.seconds_per_cell_solve * solves)
+        return Cost(float(solves), cells, solves * self._rates.solve_s(cells))
 
-    def _optimiser_seconds(self, cells: int) -> float:
-        solves = self._effort.designs * (self._effort.iterations + self._effort.more_iterations)
-        return cells * self._rates.seconds_per_cell_solve * solves
+    def _optimiser_solves(self) -> int:
+        """Solves of a load case in the whole optimisation."""
+        return self._effort.designs * (self._effort.iterations + self._effort.more_iterations)
 
 
 def _target(scene: Scene) -> GridContent:

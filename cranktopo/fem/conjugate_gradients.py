@@ -110,10 +110,10 @@ def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
     """The same, with masks and work of the free nodes where the product is made."""
     supports, nodes = system.supports, (u.shape[2], u.shape[3], u.shape[4])
     factors = interior_factors(supports, nodes)
-    felt, ends, works = coupled("stiffness", "felt", [system.blocks, system.moduli, u, *factors])
+    free, ends, works = coupled("stiffness", "free_forces", [system.blocks, system.moduli, u, *factors])
     moved = section_coordinates(supports, u)
     pushed = coordinates_of_ends(supports, ends) + jnp.einsum("bmn,bn->bm", supports.springs, moved)
-    return add_section(supports, felt, pushed), jnp.sum(works, axis=1) + jnp.sum(moved * pushed, axis=1)
+    return add_section(supports, free, pushed), jnp.sum(works, axis=1) + jnp.sum(moved * pushed, axis=1)
 
 
 @partial(jax.jit, donate_argnames="guess")
@@ -221,8 +221,8 @@ def _iterate(
     max_iterations: jax.Array,
 ) -> CgResult:
     """From the guess until a measurement tells to stop."""
-    felt = project(system.supports, system.forces)
-    load = jnp.sqrt(system.supports.partition.dot(felt, felt))
+    free = project(system.supports, system.forces)
+    load = jnp.sqrt(system.supports.partition.dot(free, free))
     load = jnp.where(load > 0, load, 1.0)
     iteration = _Iteration(system, precondition, load, tolerance, max_iterations)
     first = _before_measuring(project(system.supports, guess))

@@ -66,8 +66,8 @@ def unsupported_load(system: System, threshold: float, across: Across = "corners
     moduli = np.asarray(system.moduli)
     material = moduli > threshold * moduli.max()
     labels, _ = label(material, structure=np.ones((3, 3, 3)) if across == "corners" else None)
-    felt = project(system.supports, system.forces)
-    for case, forces in enumerate(np.asarray(felt)):
+    free = project(system.supports, system.forces)
+    for case, forces in enumerate(np.asarray(free)):
         found = _unsupported(system.supports, case, forces, labels)
         if found:
             return case, found

@@ -152,7 +152,7 @@ def _cycle(
     if level == len(hierarchy.steps):
         return _solve_coarse(hierarchy, residual)
     partition, coarser = supports.partition, supports.partition.at_level(level + 1)
-    smoother = _smoother(hierarchy, supports, level)
+    smoother = level_smoother(hierarchy, supports, level)
 
     joins = coarser != partition
     state = smoother.before(smoother.start(residual), counts[level])
@@ -168,7 +168,8 @@ def _cycle(
     return smoother.after(Smoothing(correction, field, state.residual), counts[level]).field
 
 
-def _smoother(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Smoother:
+def level_smoother(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Smoother:
+    """Operator and steps of a level, 0 the finest."""
     steps = steps_of(hierarchy.steps[level], supports)
     if level == 0:
         arrays = hierarchy.blocks, hierarchy.moduli

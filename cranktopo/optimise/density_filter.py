@@ -8,10 +8,11 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.scipy.signal import fftconvolve
 from numpy.typing import NDArray
+from scipy.fft import next_fast_len
 
 Array = NDArray[np.float64]
+Shape = tuple[int, ...]
 # Sums by Fourier transform are rounded by 1e-15 of the largest one: less than this is nothing.
 _NOTHING, _DIGITS = 1e-12, 13
 
@@ -25,6 +26,7 @@ class ConeFilter:
         kernel: cone weights, odd sizes per axis.
         mirrored_x: whether the filter reflects at the first x plane.
         weight: sum of the weights of each cell's designable neighbours, infinite where it has none.
+        spectrum: of the kernel, for the sums over neighbours.
 
     Source: T. E. Bruns, D. A. Tortorelli, CMAME 190, 2001; B. Bourdin, IJNME 50, 2001.
     """
@@ -33,10 +35,11 @@ class ConeFilter:
     kernel: jax.Array
     mirrored_x: bool
     weight: jax.Array
+    spectrum: jax.Array
 
     def __call__(self, x: jax.Array) -> jax.Array:
         """Filtered densities (nx, ny, nw) of design variables."""
-        mean = convolved(x * self.design, self.kernel, self.mirrored_x) / self.weight
+        mean = _sums(x * self.design, self.spectrum, self.kernel.shape, self.mirrored_x) / self.weight
         # To so many digits, equal neighbours are equal on every machine: what a process makes of ties must
         # not hang on rounding.
         told = jnp.round(jnp.clip(mean, 0.0, 1.0), _DIGITS)
@@ -46,9 +49,10 @@ class ConeFilter:
 @partial(jax.jit, static_argnames="mirrored_x")
 def cone_filter(design: jax.Array, kernel: jax.Array, mirrored_x: bool) -> ConeFilter:
     """The filter of a design space; arguments as the attributes of `ConeFilter`."""
-    weight = convolved(design, kernel, mirrored_x)
+    spectrum = _spectrum(kernel, design.shape, mirrored_x)
+    weight = _sums(design, spectrum, kernel.shape, mirrored_x)
     counts = weight > _NOTHING * jnp.sum(kernel)
-    return ConeFilter(design, kernel, mirrored_x, jnp.where(counts, weight, jnp.inf))
+    return ConeFilter(design, kernel, mirrored_x, jnp.where(counts, weight, jnp.inf), spectrum)
 
 
 def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array:
@@ -64,14 +68,54 @@ def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array
 def convolved(values: jax.Array, kernel: jax.Array, mirrored_x: bool) -> jax.Array:
     """Weighted sums over the neighbours, zero beyond the grid, reflected at a mirror plane.
 
-    The kernel is its own mirror image, so that a convolution is the sum. By Fourier transform: on fine cells
-    it holds thousands of weights.
+    By Fourier transform: on fine cells the kernel holds thousands of weights. It is its own mirror image.
     """
-    reach = [(n // 2, n // 2) for n in kernel.shape]
+    return _sums(values, _spectrum(kernel, values.shape, mirrored_x), kernel.shape, mirrored_x)
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(2, 3))
+def _sums(values: jax.Array, spectrum: jax.Array, kernel: Shape, mirrored_x: bool) -> jax.Array:
+    """The same with the spectrum of a kernel of some shape."""
+    lengths, before = _lengths(values.shape, kernel, mirrored_x), kernel[0] // 2 if mirrored_x else 0
+    inner = tuple(slice(first, first + n) for first, n in zip((before, 0, 0), values.shape, strict=True))
     if mirrored_x:
-        values = jnp.pad(values, ((reach[0][0], 0), (0, 0), (0, 0)), mode="symmetric")
-        reach[0] = (0, reach[0][1])
-    return fftconvolve(jnp.pad(values, reach), kernel, mode="valid")
+        values = jnp.pad(values, ((before, 0), (0, 0), (0, 0)), mode="symmetric")
+    found: jax.Array = jnp.fft.irfftn(jnp.fft.rfftn(values, lengths) * spectrum, lengths)
+    return found[inner]
+
+
+def _sums_to_differentiate(
+    values: jax.Array, spectrum: jax.Array, kernel: Shape, mirrored_x: bool
+) -> tuple[jax.Array, jax.Array]:
+    return _sums(values, spectrum, kernel, mirrored_x), spectrum
+
+
+def _sums_back(
+    kernel: Shape, mirrored_x: bool, spectrum: jax.Array, by_sums: jax.Array
+) -> tuple[jax.Array, None]:
+    """What a cell gives to a neighbour it gets from it: the sums are their own transpose."""
+    return _sums(by_sums, spectrum, kernel, mirrored_x), None
+
+
+_sums.defvjp(_sums_to_differentiate, _sums_back)
+
+
+def _spectrum(kernel: jax.Array, shape: Shape, mirrored_x: bool) -> jax.Array:
+    """Transform of a kernel around the first cell, for values of a shape."""
+    lengths, reach = _lengths(shape, kernel.shape, mirrored_x), [n // 2 for n in kernel.shape]
+    after = [(0, length - n) for length, n in zip(lengths, kernel.shape, strict=True)]
+    around = jnp.roll(jnp.pad(kernel, after), [-n for n in reach], (0, 1, 2))
+    found: jax.Array = jnp.fft.rfftn(around)
+    return found
+
+
+def _lengths(shape: Shape, kernel: Shape, mirrored_x: bool) -> list[int]:
+    """Lengths that transform fast: the zeros between the last value and the first keep both apart."""
+    mirrored = [kernel[0] // 2 if mirrored_x else 0, 0, 0]
+    return [
+        next_fast_len(max(size + before + n // 2, n), real=True)
+        for size, n, before in zip(shape, kernel, mirrored, strict=True)
+    ]
 
 
 def share_within(plain: ConeFilter, solid: Array) -> jax.Array:
@@ -95,5 +139,5 @@ def share_within(plain: ConeFilter, solid: Array) -> jax.Array:
 
 
 jax.tree_util.register_dataclass(
-    ConeFilter, data_fields=["design", "kernel", "weight"], meta_fields=["mirrored_x"]
+    ConeFilter, data_fields=["design", "kernel", "weight", "spectrum"], meta_fields=["mirrored_x"]
 )

@@ -1,12 +1,14 @@
 """Peak memory of an optimisation against the estimate that refuses too fine a resolution.
 
-Run with `python -m tests.benchmarks.memory`: each row is a process of its own that evaluates two designs.
+Run with `python -m tests.benchmarks.memory`: each row is a process of its own that evaluates two designs,
+with nothing compiled before.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import subprocess
 import sys
 import tempfile
@@ -26,7 +28,8 @@ def measured_MiB(design: Path, cell_mm: float) -> tuple[int, float]:
     command = [sys.executable, "-c", program, "optimise", str(design), "--json"]
     command += ["--resolution-mm", str(cell_mm), "--max-iterations", "2"]
     command += ["--out", str(design.parent / f"{design.stem}-{cell_mm:g}")]
-    done = subprocess.run(command, capture_output=True, text=True)
+    here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false"}
+    done = subprocess.run(command, capture_output=True, text=True, env=here)
     metrics = json.loads(done.stdout)
     return math.prod(metrics["grid"]["cells"]), metrics["peak_memory_MiB"]
 

@@ -99,7 +99,7 @@ def product_ns(model: ThrowModel, design: jax.Array, precision: Precision) -> fl
     """
     field = jnp.asarray(np.random.default_rng(0).standard_normal(model.forces[:1].shape), precision)
     blocks, cells = jnp.asarray(layer_blocks(model.lattice), precision), design.astype(precision)
-    return 1e9 * _median_s(lambda: _products(blocks, cells, field)) / field.size / PRODUCTS
+    return 1e9 * median_s(lambda: _products(blocks, cells, field)) / field.size / PRODUCTS
 
 
 def solve_s(model: ThrowModel, design: jax.Array, precision: Precision) -> float:
@@ -117,7 +117,7 @@ def solve_s(model: ThrowModel, design: jax.Array, precision: Precision) -> float
             raise RuntimeError(f"{precision}: residual {result.relative_residual}")
         return result.displacements
 
-    return _median_s(solve, repeats=3)
+    return median_s(solve, repeats=3)
 
 
 def stream_GB_s() -> float:
@@ -132,7 +132,7 @@ def stream_GB_s() -> float:
         kept.append(add_one(kept.pop()))
         return kept[0]
 
-    return 2 * kept[0].nbytes / _median_s(task) / 1e9
+    return 2 * kept[0].nbytes / median_s(task) / 1e9
 
 
 def optimisation(grid: str, load_cases: int, iterations: int) -> tuple[Row, jax.Array, ThrowModel]:
@@ -156,7 +156,7 @@ def ideal_ns(model: ThrowModel, item_bytes: int, bandwidth_GB_s: float) -> float
     return item_bytes * (2 + cells / unknowns) / bandwidth_GB_s
 
 
-def _median_s(task: Callable[[], jax.Array], repeats: int = REPEATS) -> float:
+def median_s(task: Callable[[], jax.Array], repeats: int = REPEATS) -> float:
     """Median wall time of a task that was run once before."""
     seconds = []
     for _ in range(repeats + 1):

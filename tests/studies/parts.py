@@ -91,9 +91,9 @@ def _shared(tables: GridTables, system: System, parts: int) -> SharedSolve:
 
 def true_residual(system: System, u: jax.Array) -> float:
     """Largest relative residual of the cases, by the product of the whole grid."""
-    felt = project(system.supports, system.forces)
-    miss = felt - stiffness_product(system, u)
-    return float(jnp.sqrt(jnp.max(WHOLE.dot(miss, miss) / WHOLE.dot(felt, felt))))
+    free = project(system.supports, system.forces)
+    miss = free - stiffness_product(system, u)
+    return float(jnp.sqrt(jnp.max(WHOLE.dot(miss, miss) / WHOLE.dot(free, free))))
 
 
 def main(grid: str, parts: tuple[int, ...]) -> None:

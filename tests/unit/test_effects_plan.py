@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 import trimesh
@@ -212,13 +213,22 @@ def test_bores_matter_by_stiffness_or_by_mass():
 
 
 def test_costs_scale_with_rates_cells_and_iterations():
-    base, twice = plan(MIKRON), plan(MIKRON, CostRates(35, 8e-6, 1e-3))
-    for name in ("tangential", "lateral_symmetry", "fatigue"):
+    rates = CostRates(
+        iterations=20, seconds_per_solve=0.0, seconds_per_cell_solve=1e-6, seconds_per_element=1e-4
+    )
+    double = replace(rates, seconds_per_cell_solve=2e-6, seconds_per_element=2e-4)
+    base, twice = plan(MIKRON, rates), plan(MIKRON, double)
+    for name in ("tangential", "lateral_symmetry", "fatigue", "bound"):
         assert twice[name].cost.seconds == pytest.approx(2 * base[name].cost.seconds)
-    fine = plan(with_part(MIKRON, "optimise", resolution_mm=0.75))
+    fine = plan(with_part(MIKRON, "optimise", resolution_mm=0.75), rates)
     assert fine["tangential"].cost.seconds == pytest.approx(8 * base["tangential"].cost.seconds, rel=0.05)
-    lengths = plan(with_part(MIKRON, "optimise", min_member_mm=8.0))["tangential"].cost
+    lengths = plan(with_part(MIKRON, "optimise", min_member_mm=8.0), rates)["tangential"].cost
     assert (lengths.solves, lengths.seconds) == (2.0, 2 * base["tangential"].cost.seconds)
+    each = plan(MIKRON, replace(rates, seconds_per_solve=0.5))
+    more = {
+        name: each[name].cost.seconds - base[name].cost.seconds for name in ("tangential", "lateral_symmetry")
+    }
+    assert more == pytest.approx({"tangential": 20 * 0.5, "lateral_symmetry": 0.0})
     # 96 x 116 x 57 mm in cells of 1.5 mm, one half of them saved by the mirror
     assert base["lateral_symmetry"].cost.cells == -(round(96 * 116 * 57 / 1.5**3) // 2)
 

@@ -58,6 +58,16 @@ def test_sums_over_neighbours(float64: None, mirrored: bool) -> None:
     np.testing.assert_allclose(found, expected, atol=1e-12 * kernel.sum())
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_derivative_of_sums_over_neighbours(float64: None, mirrored: bool) -> None:
+    """The work of a change of values with what sums are worth, from either end."""
+    change, worth = np.random.default_rng(6).random((2, 9, 12, 4))
+    kernel = jnp.asarray(cone_kernel((1.0, 1.2, 0.8), 3.5))
+    sums, back = jax.vjp(lambda values: convolved(values, kernel, mirrored), jnp.asarray(change))
+    (by_values,) = back(jnp.asarray(worth))
+    assert np.vdot(by_values, change) == pytest.approx(np.vdot(worth, sums), rel=1e-12)
+
+
 def test_filter_keeps_constants_and_bounds(chain: Interpolation) -> None:
     inside = np.asarray(chain.design) > 0
     constant = chain.density_filter(jnp.full(chain.design.shape, 0.37))

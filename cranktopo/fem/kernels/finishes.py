@@ -28,8 +28,8 @@ class Store:
             code.copy(address, code.at(arrays[1], field_offset(code, grid, case, c, plane)), grid.plane)
 
 
-class Feel:
-    """The forces that displacements feel which are free to move, and the work of the field.
+class FreeForces:
+    """Forces on the displacements that are free to move, and the work of the field.
 
     Arrays: field (cases, 3, nodes...), factors along x (cases, 3, nodes) and along z (cases, 3, nodes), 1
     where a component is free.
@@ -47,7 +47,7 @@ class Feel:
         self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes
     ) -> None:
         """Row by row."""
-        field, along_x, along_z, felt, ends, works = arrays
+        field, along_x, along_z, free, ends, works = arrays
         total = code.zero
         for c, address in enumerate(forces):
             component = code.plus(code.times(case, INT64(3)), c)
@@ -66,7 +66,7 @@ class Feel:
                     mask = code.first_lanes(code.plus(grid.nz, code.builder.neg(k)))
                     factor = code.multiply(across, code.load(code.at(factors, k), mask))
                     value = code.multiply(factor, code.load(code.at(address, line, k), mask))
-                    code.store(value, code.at(felt, start, line, k), mask)
+                    code.store(value, code.at(free, start, line, k), mask)
                     moved = code.load(code.at(field, start, line, k), mask)
                     column.following = (code.add(total, code.multiply(value, moved)),)
                 row.following = column.values

@@ -15,7 +15,7 @@ import llvmlite.ir as ir
 
 from cranktopo.cores import usable_cores
 from cranktopo.fem.kernels.code import POINTER, VectorCode
-from cranktopo.fem.kernels.finishes import Feel, Smooth, Store
+from cranktopo.fem.kernels.finishes import FreeForces, Smooth, Store
 from cranktopo.fem.kernels.foreign import interface, write_handler
 from cranktopo.fem.kernels.machine_code import address_of, vector_width
 from cranktopo.fem.kernels.planes import (
@@ -64,7 +64,7 @@ _KNOWN_MAJOR = 0
 _MOST_THREADS = 16
 _CHOSEN_DEVICE = "jax_default_device"
 _OPERATORS: Mapping[str, Operator] = {"stiffness": Stiffness(), "stencil": Stencil()}
-_FINISHES: Mapping[str, Finish] = {"product": Store(), "felt": Feel(), "smoothing": Smooth()}
+_FINISHES: Mapping[str, Finish] = {"product": Store(), "free_forces": FreeForces(), "smoothing": Smooth()}
 _KERNELS: Mapping[str, _Kernel] = {
     **{f"{o}_{f}": _coupling(_OPERATORS[o], _FINISHES[f]) for o in _OPERATORS for f in _FINISHES},
     "restriction": _Kernel((write_restriction,), (1, 1), {}),

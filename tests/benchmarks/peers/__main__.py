@@ -5,7 +5,7 @@ The peers run in an environment of their own (`--environment`, made on the first
 volume fraction 0.3, filter of 1.5 cells, move 0.2, optimality criteria, number of iterations. Seconds are the
 medians of the design iterations after the first. The last design of every code is assessed by one solver.
 Grids of `--own-grids` are cranktopo's alone. `--plot FILE` draws seconds and peak memory over the cells, with
-the least seconds that cranktopo's products with the stiffness would take at the bandwidth of a copy.
+the least seconds that cranktopo's products with the stiffness would take at the bandwidth of the memory.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import resource
 import statistics
 import subprocess
@@ -83,7 +84,7 @@ def own_run(cells: Cells, iterations: int, density_file: str) -> Row:
 
 
 def _least_step_s(model: ThrowModel, degree: int) -> float:
-    """Least seconds of a step's products with the stiffness of the finest grid, at a copy's bandwidth."""
+    """Least seconds of a step's products with the stiffness of the finest grid, at the memory's bandwidth."""
     products = 1 + 2 * smoothing_steps(degree, 0, math.prod(model.forces.shape[2:]))
     return products * 1e-9 * ideal_ns(model, 4, stream_GB_s()) * model.forces.size
 
@@ -98,11 +99,13 @@ def compliance(density: NDArray[np.float64], cells: Cells) -> float:
 
 def _run(command: list[str], cells: Cells, limit_s: float) -> Row:
     """Seconds, memory and assessed design of one code, or why there are none."""
+    # Compiling takes memory too, and has to be in every row or in none.
+    here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false"}
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "density.npy"
         try:
             done = subprocess.run(
-                [*command, str(file)], capture_output=True, text=True, timeout=limit_s, check=False
+                [*command, str(file)], capture_output=True, text=True, timeout=limit_s, check=False, env=here
             )
         except subprocess.TimeoutExpired:
             return {"failure": f"not within {limit_s:g} s"}

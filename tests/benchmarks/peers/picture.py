@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 COLOURS = {"cranktopo": "#2f6db5", "pyMOTO": "#c2571a", "PyTopo3D": "#5b8c3a"}
-_LIMIT = "products at the bandwidth of a copy"
+_LIMIT = "products at the bandwidth of the memory"
 
 
 def save_picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
