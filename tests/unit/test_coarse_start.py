@@ -109,10 +109,7 @@ def test_summary_tells_both() -> None:
 
 @pytest.mark.slow
 def test_the_design_is_as_good(mikron: Scene) -> None:
-    """A free topology: weighted compliance 0.14 % above that from a uniform start, after half the iterations.
-
-    Each of both has settled to 0.1 %. The benchmark `coarse_start` has the forged one, 0.08 % above.
-    """
+    """Weighted compliance within 0.1 % of that from a uniform start, after half the iterations."""
     prepared = prepare(mikron.with_optimise(resolution_mm=1.0, volume_fraction=0.3))
     with double_precision():
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
@@ -120,6 +117,6 @@ def test_the_design_is_as_good(mikron: Scene) -> None:
         state = iterate(problem, started(prepared, problem))
     first = np.array(plain.initial_N_mm)
     objective, other = (float(np.mean(s.last.compliance_N_mm / first)) for s in (state, plain))
-    assert objective < 1.002 * other
+    assert objective < 1.001 * other
     assert len(state.history) < 0.6 * len(plain.history)
     assert (state.status, plain.status) == ("converged", "converged")
