@@ -131,12 +131,12 @@ def _seconds(cells: float, solves: int, todo: Effort, measured: StoredStudy | No
     Args:
         solves: load cases times designs of an iteration.
     """
-    work = cells * solves
     levels = [r for r in measured.levels(OPTIMISER) if r["family"] == "cells"] if measured else []
     if measured is None or not levels:
         iterations = todo.iterations + todo.more_iterations
         seconds = _START_S + iterations * solves * CostRates().solve_s(cells)
         return seconds, "not measured here: run cranktopo accuracy"
+    work = cells * solves
     sizes, times = np.array(sorted(_timed(level, todo) for level in levels)).T
     inside = float(np.exp(np.interp(np.log(work), np.log(sizes), np.log(times))))
     beyond = max(1.0, work / float(sizes[-1]))

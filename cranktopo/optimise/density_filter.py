@@ -76,7 +76,7 @@ def convolved(values: jax.Array, kernel: jax.Array, mirrored_x: bool) -> jax.Arr
 @partial(jax.custom_vjp, nondiff_argnums=(2, 3))
 def _sums(values: jax.Array, spectrum: jax.Array, kernel: Shape, mirrored_x: bool) -> jax.Array:
     """The same with the spectrum of a kernel of some shape."""
-    lengths, before = _lengths(values.shape, kernel, mirrored_x), kernel[0] // 2 if mirrored_x else 0
+    lengths, before = _lengths(values.shape, kernel, mirrored_x), _reflected(kernel, mirrored_x)
     inner = tuple(slice(first, first + n) for first, n in zip((before, 0, 0), values.shape, strict=True))
     if mirrored_x:
         values = jnp.pad(values, ((before, 0), (0, 0), (0, 0)), mode="symmetric")
@@ -111,11 +111,16 @@ def _spectrum(kernel: jax.Array, shape: Shape, mirrored_x: bool) -> jax.Array:
 
 def _lengths(shape: Shape, kernel: Shape, mirrored_x: bool) -> list[int]:
     """Lengths that transform fast: the zeros between the last value and the first keep both apart."""
-    mirrored = [kernel[0] // 2 if mirrored_x else 0, 0, 0]
+    reflected = (_reflected(kernel, mirrored_x), 0, 0)
     return [
         next_fast_len(max(size + before + n // 2, n), real=True)
-        for size, n, before in zip(shape, kernel, mirrored, strict=True)
+        for size, n, before in zip(shape, kernel, reflected, strict=True)
     ]
+
+
+def _reflected(kernel: Shape, mirrored_x: bool) -> int:
+    """Planes of reflected values before the first along x."""
+    return kernel[0] // 2 if mirrored_x else 0
 
 
 def share_within(plain: ConeFilter, solid: Array) -> jax.Array:

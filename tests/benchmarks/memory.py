@@ -16,6 +16,7 @@ from pathlib import Path
 
 from cranktopo.domain.resolution import optimiser_memory_MiB
 from cranktopo.scene import load_scene
+from tests.benchmarks.solver import COMPILED_ANEW
 
 CELLS_MM = (3.0, 2.0, 1.5, 1.0, 0.8)
 CASES = {2: "", 4: 'tangential = "on"\ncentrifugal = "on"\n[optimise.weights]\ncentrifugal = 0.5\n'}
@@ -28,7 +29,7 @@ def measured_MiB(design: Path, cell_mm: float) -> tuple[int, float]:
     command = [sys.executable, "-c", program, "optimise", str(design), "--json"]
     command += ["--resolution-mm", str(cell_mm), "--max-iterations", "2"]
     command += ["--out", str(design.parent / f"{design.stem}-{cell_mm:g}")]
-    here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false"}
+    here = os.environ | COMPILED_ANEW
     done = subprocess.run(command, capture_output=True, text=True, env=here)
     metrics = json.loads(done.stdout)
     return math.prod(metrics["grid"]["cells"]), metrics["peak_memory_MiB"]

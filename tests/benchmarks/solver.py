@@ -41,6 +41,8 @@ FINE_GRIDS = ("48x24x24", "64x32x32", "96x48x48", "128x64x64", "160x80x80", "192
 ITERATIONS = 12
 REPEATS = 7
 PRODUCTS = 10
+# Compiling takes time and memory too: every row has it.
+COMPILED_ANEW = {"JAX_ENABLE_COMPILATION_CACHE": "false"}
 Row = dict[str, Any]
 
 
@@ -201,7 +203,7 @@ def _in_own_process(grid: str, iterations: int, device: str) -> Row:
         "--iterations",
         str(iterations),
     ]
-    here = os.environ | {"JAX_PLATFORMS": device, "JAX_ENABLE_COMPILATION_CACHE": "false"}
+    here = os.environ | COMPILED_ANEW | {"JAX_PLATFORMS": device}
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=here)
     if done.returncode:
         raise SystemExit(f"{grid}: {done.stderr}")

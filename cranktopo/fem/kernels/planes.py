@@ -111,8 +111,13 @@ def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
 
 def spare_planes(operator: Operator, finish: Finish) -> tuple[int, int]:
     """Planes in the spare memory of a part, per case and besides: copies of neighbours, forces of two."""
-    copies = 2 if finish.replaced else 0
+    copies = _copied_planes(finish)
     return (copies + 2, 0) if operator.together else (copies, 2)
+
+
+def _copied_planes(finish: Finish) -> int:
+    """Planes that a part keeps copies of, per case: one on each side of what it overwrites."""
+    return 2 if finish.replaced else 0
 
 
 def write_copies(code: VectorCode, operator: Operator, finish: Finish) -> None:
@@ -136,7 +141,7 @@ class _March:
         each, besides = spare_planes(operator, finish)
         planes = code.plus(code.times(INT64(each), cases), besides)
         self._copies = code.at(spare, code.times(part, INT64(3), planes, plane))
-        copied = INT64(6 if finish.replaced else 0)
+        copied = INT64(3 * _copied_planes(finish))
         self._near = code.at(self._copies, code.times(copied, cases, plane))
 
     def write(self, start: Value, cases: Value) -> None:

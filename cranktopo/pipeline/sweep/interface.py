@@ -67,25 +67,12 @@ def sweep(
     if resume is not None:
         done = resume_sweep(str(resume), place, info, function)
     else:
-        designs = [design] if isinstance(design, str | Path) else list(design)
+        designs = [str(d) for d in ([design] if isinstance(design, str | Path) else design)]
         varied = [read_entry(key, entry) for key, entry in (vary or {}).items()]
-        plan = sweep_plan(
-            [str(d) for d in designs],
-            varied,
-            sampling,
-            samples,
-            stage,
-            element_size_mm,
-            accuracy_percent,
-            refine,
-            budget_s,
-            minimise,
-            maximise,
-            limits,
-        )
-        done = run_sweep(
-            plan, place, None if out is None else Path(out), ("cranktopo.sweep",), info, function
-        )
+        fineness, goal = (element_size_mm, accuracy_percent, refine, budget_s), (minimise, maximise, limits)
+        plan = sweep_plan(designs, varied, sampling, samples, stage, *fineness, *goal)
+        folder = None if out is None else Path(out)
+        done = run_sweep(plan, place, folder, ("cranktopo.sweep",), info, function)
     frame = done.frame
     frame.attrs |= {"run": str(done.folder), "front": done.data["front"], "picks": done.data["picks"]}
     return frame

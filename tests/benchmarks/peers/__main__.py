@@ -32,7 +32,7 @@ from cranktopo.fem.multigrid import smoothing_steps
 from cranktopo.fem.precision import double_precision
 from cranktopo.fem.response import compliances, solve
 from tests.benchmarks.peers.picture import save_picture
-from tests.benchmarks.solver import ideal_ns, stream_GB_s
+from tests.benchmarks.solver import COMPILED_ANEW, ideal_ns, stream_GB_s
 from tests.studies.cantilever import TOLERANCE, cantilever, optimise, physical
 
 GRIDS = ("48x24x24", "96x48x48")
@@ -99,8 +99,7 @@ def compliance(density: NDArray[np.float64], cells: Cells) -> float:
 
 def _run(command: list[str], cells: Cells, limit_s: float) -> Row:
     """Seconds, memory and assessed design of one code, or why there are none."""
-    # Compiling takes memory too, and has to be in every row or in none.
-    here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false"}
+    here = os.environ | COMPILED_ANEW
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "density.npy"
         try:
