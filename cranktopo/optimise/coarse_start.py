@@ -1,7 +1,7 @@
-"""The first stages of a fine optimisation on cells twice as large, an eighth of the work.
+"""A fine optimisation that begins with the design of cells twice as large, an eighth of the work.
 
-While the projection is soft a design has no detail that finer cells would show, and the filter, whose radius
-stays that of the fine cells, keeps it so. The design variables are then interpolated.
+The filter, whose radius stays that of the fine cells, keeps designs alike on both. The design variables are
+interpolated, and the fine cells repeat the last stages.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 _FINE_CELLS = 200_000
 # Radius of the filter over the large cells: with less, they would see another problem.
 _LEAST_RADIUS = 1.5
-# Stages of the projection that the large cells take: with more the objective ends more than 0.1 % worse
-# (`python -m tests.benchmarks.coarse_start`).
-_STAGES = 2
+# Doublings by which the projection is softer again where the fine cells begin: with fewer the objective may
+# end more than 0.1 % worse, with more it gains little (`python -m tests.benchmarks.coarse_start`).
+_SOFTER = 2
 
 
 def coarse_scene(scene: Scene, domain: Domain) -> Scene | None:
@@ -71,15 +71,14 @@ def first_state(
     began, schedule = time.perf_counter(), problem.schedule
     there = build_domain(coarser, coarser.optimise.resolution_mm)
     coarse = build_problem(coarser, there, cases, problem.solving)
-    coarse = replace(coarse, max_iterations=_STAGES * schedule.stage_iterations)
-    steepest = min(schedule.projection_first * 2**_STAGES, schedule.projection_last)
     state = loop.init(coarse)
-    while not state.done and state.beta < steepest:
+    while not state.done:
         state = loop.step(coarse, state)
         progress(coarse, state)
     x = interpolated(state.x, np.asarray(coarse.chain.design), there, domain)
     told = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
-    start = replace(loop.init(problem), x=x, evaluated=x, beta=steepest)
+    beta = max(schedule.projection_first, schedule.projection_last / 2**_SOFTER)
+    start = replace(loop.init(problem), x=x, evaluated=x, beta=beta)
     return replace(start, initial_N_mm=state.initial_N_mm, coarse_start=told)
 
 
