@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import _thread
 import atexit
+import gc
 import os
 import signal
 import sys
@@ -14,11 +15,17 @@ from typing import Any, NoReturn
 _ENDING = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 """Signals that ask the program to end, and what Python does with them if nobody says otherwise."""
 _INTERRUPTED = 130
+_COLLECTING = 50_000, 20, 100
+"""Objects after which Python looks for some that are not used: loading and tracing make many that stay."""
+_ONE_THREAD = "OPENBLAS_NUM_THREADS", "1"
+"""Small matrices gain nothing by more threads, which then wait busily: a fifth of a run's processor time."""
 _AGAIN_S = 0.05
 
 
 def main() -> NoReturn:
     """Load the program, then run it; Ctrl-C and SIGTERM interrupt it alike, so that it saves what it has."""
+    gc.set_threshold(*_COLLECTING)
+    os.environ.setdefault(*_ONE_THREAD)
     ours = [number for number, usual in _ENDING.items() if signal.getsignal(number) is usual]
     for number in ours:
         signal.signal(number, signal.SIG_DFL)

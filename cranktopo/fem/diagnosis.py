@@ -33,12 +33,13 @@ def void_energy_share(system: System, u: jax.Array) -> Array:
     Returns:
         Array (cases,), 0 for a case without work.
     """
-    energy, work = (np.asarray(values) for values in _void_energy_and_work(system, u))
+    energy, work = (np.asarray(values) for values in void_energy_and_work(system, u))
     return np.asarray(np.where(work > 0, energy / np.where(work > 0, work, 1.0), 0.0))
 
 
 @jax.jit
-def _void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+def void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Strain energy in void cells, twice, and the work of the loads (cases,), N mm over the modulus."""
     moduli = system.moduli
     void = (moduli > 0) & (moduli < VOID * jnp.max(moduli))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
 from typing import NamedTuple, TypeVar
 
@@ -26,6 +27,7 @@ from cranktopo.fem.galerkin import (
     jacobi_bound,
     stencil_diagonal,
 )
+from cranktopo.fem.lanczos import largest_eigenvalues
 from cranktopo.fem.lattice import Array, Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.fem.partition import WHOLE, Partition
@@ -38,7 +40,6 @@ _Count = TypeVar("_Count", int, jax.Array)
 # On larger grids the stencils of the second level do not stay in the cache, and take as long as the finest
 # product. With half the smoothing there a solve takes at most a tenth more cycles, each a fifth cheaper.
 _LARGE_NODES = 50_000
-_LANCZOS_STEPS = 12
 # Shift of the coarsest matrix relative to its diagonal: void around an island leaves it singular.
 _SHIFT = 1e-13
 
@@ -106,12 +107,27 @@ def build_hierarchy(
     diagonal = partition.add_interfaces(stiffness_diagonal(blocks, rounded))
     fine = _safe_inverse(diagonal) / jnp.asarray(tables.bound, precision)
     # The bounds hold whatever the moduli, estimates need a third fewer cycles: the fast method takes those.
-    bounds = [None if precision == "float32" else c.bound for c in tables.coarse]
-    steps = fine, *map(_jacobi_steps, stencils, bounds, levels)
+    bounds = None if precision == "float32" else [c.bound for c in tables.coarse]
+    steps = fine, *_coarse_steps(stencils, levels, bounds)
     springs = supports.springs / scale
     ends = supports._replace(springs=springs, partition=WHOLE)
     inverse = _coarse_inverse(assemble_dense(coarse_cells(*coarsest)), ends)
     return Hierarchy(blocks, rounded, steps, stencils, inverse.astype(precision))
+
+
+def _coarse_steps(
+    stencils: Sequence[jax.Array], levels: Sequence[Partition], bounds: Sequence[Array] | None
+) -> Iterator[jax.Array]:
+    """Inverse diagonals over bounds, or estimates, of the spectra of the Jacobi-scaled stencils."""
+    inverses = [
+        _safe_inverse(at.add_interfaces(stencil_diagonal(stencil)))
+        for stencil, at in zip(stencils, levels, strict=False)
+    ]
+    roots = [jnp.sqrt(inverse) for inverse in inverses]
+    largest = largest_eigenvalues(stencils, roots, levels) if bounds is None else bounds
+    for inverse, value in zip(inverses, largest, strict=False):
+        over = jnp.asarray(value, inverse.dtype)
+        yield inverse / jnp.where(over > 0, over, 1.0)
 
 
 def apply_cycle(
@@ -256,52 +272,3 @@ def project(
 
 def _safe_inverse(diagonal: jax.Array) -> jax.Array:
     return jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1), 0)
-
-
-def _jacobi_steps(stencil: jax.Array, bound: Array | None, partition: Partition) -> jax.Array:
-    """Inverse diagonal over the bound, or an estimate, of the Jacobi-scaled stencil's spectrum."""
-    inverse = _safe_inverse(partition.add_interfaces(stencil_diagonal(stencil)))
-    if bound is not None:
-        return inverse / jnp.asarray(bound, stencil.dtype)
-    largest = largest_eigenvalue(stencil, jnp.sqrt(inverse), partition).astype(stencil.dtype)
-    return inverse / jnp.where(largest > 0, largest, 1.0)
-
-
-def largest_eigenvalue(stencil: jax.Array, root: jax.Array, partition: Partition = WHOLE) -> jax.Array:
-    """Largest eigenvalue of the Jacobi-scaled stencil from Lanczos steps: the Ritz value plus its residual.
-
-    A power iteration fell below it on grids above a million cells, where the mode that has it is small beside
-    the grid: the cycle was then not positive definite.
-
-    Source: Y. Zhou, R.-C. Li, Bounding the spectrum of large Hermitian matrices, Linear Algebra Appl. 435,
-    2011, bound (11).
-
-    Args:
-        root: root of the inverse diagonal, 0 in void.
-    """
-    waves = jnp.sin(partition.node_numbers(root.shape).astype(stencil.dtype) * 12.9898)[None]
-    waves = waves * (root > 0)
-
-    def dot(a: jax.Array, b: jax.Array) -> jax.Array:
-        return partition.dot(a, b)[0]
-
-    def step(k: jax.Array, state: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-        before, vector, length, matrix = state
-        product = partition.add_interfaces(apply_stencil(stencil, root * vector))
-        image = root * product - length * before
-        diagonal = dot(image, vector)
-        image = image - diagonal * vector
-        following = jnp.sqrt(dot(image, image))
-        matrix = matrix.at[k, k].set(diagonal).at[k + 1, k].set(following).at[k, k + 1].set(following)
-        return vector, _scaled(image, following), following, matrix
-
-    none = jnp.zeros((_LANCZOS_STEPS + 1,) * 2, stencil.dtype)
-    first = _scaled(waves, jnp.sqrt(dot(waves, waves)))
-    start = jnp.zeros_like(first), first, jnp.zeros((), stencil.dtype), none
-    matrix = jax.lax.fori_loop(0, _LANCZOS_STEPS, step, start)[3].astype(jnp.float64)
-    values, vectors = jnp.linalg.eigh(matrix[:-1, :-1])
-    return values[-1] + matrix[-1, -2] * jnp.abs(vectors[-1, -1])
-
-
-def _scaled(field: jax.Array, length: jax.Array) -> jax.Array:
-    return field / jnp.where(length > 0, length, 1)

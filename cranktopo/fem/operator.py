@@ -6,6 +6,7 @@ eight 3 x 3 products, sums and differences back: no gather, no scatter, no (cell
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import jax
@@ -13,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.fem.element import COUPLED
-from cranktopo.fem.kernels.processor import by_kernel, coupled
+from cranktopo.fem.kernels.processor import by_kernel, called, coupled
 from cranktopo.fem.slabs import add_slabs
 
 
@@ -61,19 +62,32 @@ def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
     Returns:
         Array (nx, ny, nz), N mm per MPa.
     """
-
-    def layer(start: jax.Array) -> jax.Array:
-        at = [jax.lax.dynamic_slice_in_dim(field, start, 2, axis=2) for field in (left, right)]
-        return _layer_energy_density(blocks, *at)
-
-    # Layer by layer, so that sums and differences stay in the cache.
-    return jnp.squeeze(jax.lax.map(layer, jnp.arange(left.shape[2] - 1)), axis=1)
+    return jnp.sum(by_kernel(_energies_by_kernel, _energies_by_layers, blocks, left, right), axis=0)
 
 
 @jax.jit
 def strain_energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
     """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus, N mm per MPa."""
-    return jax.lax.map(lambda v: strain_energy_density(blocks, v[None], v[None]), u)
+    return by_kernel(_energies_by_kernel, _energies_by_layers, blocks, u, u)
+
+
+def _energies_by_kernel(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
+    cases, _, *nodes = right.shape
+    shape = (cases, 1, *(n - 1 for n in nodes))
+    return called("energy", [blocks, left, right], [shape], right.dtype)[0][:, 0]
+
+
+def _energies_by_layers(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
+    """The same as JAX code, layer by layer: sums and differences stay in the cache."""
+
+    def layer(fields: tuple[jax.Array, jax.Array], start: jax.Array) -> jax.Array:
+        at = [jax.lax.dynamic_slice_in_dim(field[None], start, 2, axis=2) for field in fields]
+        return jnp.squeeze(_layer_energy_density(blocks, *at), axis=0)
+
+    def case(fields: tuple[jax.Array, jax.Array]) -> jax.Array:
+        return jax.lax.map(partial(layer, fields), jnp.arange(right.shape[2] - 1))
+
+    return jax.lax.map(case, (left, right))
 
 
 def _layer_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:

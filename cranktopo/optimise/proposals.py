@@ -40,6 +40,14 @@ def by_optimality_criteria(problem: DensityProblem, state: State, design: Design
     return Proposal(np.asarray(new), float(jnp.dot(factors, design.works)))
 
 
+def compile_optimality_criteria(problem: DensityProblem) -> None:
+    """Compile the step ahead of its first call, such as beside the first solve."""
+    x, number = jnp.zeros(problem.chain.design.shape), jnp.asarray(0.5)
+    cells = jnp.zeros(problem.model.lattice.cells)
+    by_solid = cells if problem.model.spinning else None
+    _update.lower(problem.chain, x, number, cells, number, number, by_solid).compile()
+
+
 def _compliance_slopes(
     model: ThrowModel, design: Design, factors: jax.Array
 ) -> tuple[jax.Array, jax.Array | None]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +14,14 @@ from cranktopo.accuracy.level import OPTIMISER
 from cranktopo.accuracy.stored_studies import load_study
 from cranktopo.evaluate.evaluation import Info
 from cranktopo.evaluate.side_by_side import Ahead
+from cranktopo.fem.kernels.processor import compile_kernels
 from cranktopo.fem.precision import CompileClock, check_device, double_precision
 from cranktopo.optimise.build import build_problem
 from cranktopo.optimise.coarse_start import first_state
 from cranktopo.optimise.continuation import with_limit
 from cranktopo.optimise.feasibility import check_limits
 from cranktopo.optimise.problem import DensityProblem, Progress
+from cranktopo.optimise.proposals import by_optimality_criteria, compile_optimality_criteria
 from cranktopo.optimise.stage import Prepared, describe, iterate, prepare
 from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
 from cranktopo.pipeline.goal_by_evaluation import evaluated_goal, met_by_evaluation
@@ -58,6 +61,15 @@ if TYPE_CHECKING:
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
+_LIBRARIES = (
+    "trimesh",
+    "meshio",
+    "skimage.measure",
+    "scipy.ndimage",
+    "matplotlib.backends.backend_svg",
+    "jinja2",
+)
+"""What the end of a run imports, half a second's worth."""
 RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)
 """What an optimisation uses of a scene."""
 
@@ -95,6 +107,7 @@ def optimise_design(
     check_destination(out)
     check_device()
     check_original(scene)
+    Ahead(compile_kernels).begin()
     prepared = prepare(scene)
     assumed = assumptions(scene, RUN_TABLES)
     announce(prepared, assumed, info)
@@ -171,6 +184,7 @@ def _optimise(
         if resume:
             run.resume()
         state = _saved_state(run, problem) if resume else None
+        Ahead(lambda: _compiled(problem)).begin()
         ahead = Ahead(lambda: _finisher(run, prepared))
         shown = _checked(progress, check, ahead)
         keep = _kept(run, shown)
@@ -195,11 +209,21 @@ def _saved_state(run: RunStore, problem: DensityProblem) -> State | None:
     return with_limit(problem, from_checkpoint(saved.arrays, saved.state))
 
 
+def _compiled(problem: DensityProblem) -> None:
+    """Compile the first step's program while the first solve's are compiled."""
+    if problem.method is by_optimality_criteria:
+        with double_precision():
+            compile_optimality_criteria(problem)
+
+
 def _finisher(run: RunStore, prepared: Prepared) -> Finisher:
-    """What ends a run: the libraries that surfaces and pictures take are loaded here."""
+    """What ends a run: the libraries that surfaces, pictures and pages take are loaded here."""
     from cranktopo.pipeline.finishing import finisher
 
-    return finisher(run, prepared)
+    found = finisher(run, prepared)
+    for name in _LIBRARIES:
+        import_module(name)
+    return found
 
 
 def _checked(progress: Progress, check: Callable[[], None], ahead: Ahead[Finisher]) -> Progress:

@@ -129,3 +129,22 @@ def test_every_numeric_option_refuses(value: str, capsys: pytest.CaptureFixture[
             assert main([*path.split(), *needed, option.opts[0], value]) == 2, (path, option.opts)
             assert option.opts[0] in capsys.readouterr().err
     assert tried > 15
+
+
+LAUNCHED = """
+import os, sys
+from cranktopo.cli import launch, main
+assert "numpy" not in sys.modules
+main.main = lambda: print(os.environ["OPENBLAS_NUM_THREADS"])
+launch.main()
+"""
+
+
+@pytest.mark.parametrize(("asked", "used"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_threads_that_would_wait_busily(asked: dict[str, str], used: str) -> None:
+    """Small matrices are factorised by one thread, unless the user says otherwise."""
+    own = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    done = subprocess.run(
+        [sys.executable, "-c", LAUNCHED], env=own | asked, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"{used}\n"

@@ -18,7 +18,7 @@ from cranktopo.fem.galerkin import apply_stencil
 from cranktopo.fem.kernels import processor
 from cranktopo.fem.lattice import Lattice, layer_blocks
 from cranktopo.fem.multigrid import project
-from cranktopo.fem.operator import apply_stiffness
+from cranktopo.fem.operator import apply_stiffness, strain_energy_densities, strain_energy_density
 from cranktopo.fem.partition import WHOLE
 from cranktopo.fem.precision import Precision
 from cranktopo.fem.smoothing import Smoother, Smoothing, Steps
@@ -120,6 +120,22 @@ def test_smoothing(
     monkeypatch.setattr(processor, "kernels_usable", lambda: False)
     for one, other in zip(found, _smoothed(smoother, 2), strict=True):
         _close(one, other, precision)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("cells", GRIDS)
+def test_strain_energies(
+    cells: tuple[int, int, int], precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two fields that differ, summed over cases, and of one field per case."""
+    blocks, _, field = _system(cells, precision)
+    other = jnp.flip(field, axis=2) + 1
+    found = _fresh(strain_energy_density, blocks, other, field)
+    each = _fresh(strain_energy_densities, blocks, field)
+    monkeypatch.setattr(processor, "kernels_usable", lambda: False)
+    jax.clear_caches()
+    _close(found, _fresh(strain_energy_density, blocks, other, field), precision)
+    _close(each, _fresh(strain_energy_densities, blocks, field), precision)
 
 
 def test_product_and_work_of_admissible_displacements(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,14 @@
-"""Programs compiled side by side are the ones that a solve finds; the clock counts overlaps once."""
+"""Programs compiled ahead are the ones that are run; the clock counts overlaps once."""
 
 from __future__ import annotations
+
+import json
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import jax
 import jax.numpy as jnp
@@ -9,11 +17,41 @@ import pytest
 
 from cranktopo.fem.compiling import compile_multigrid
 from cranktopo.fem.conjugate_gradients import System, multigrid_cg
+from cranktopo.fem.kernels import processor
 from cranktopo.fem.multigrid import build_hierarchy, build_tables
 from cranktopo.fem.precision import CompileClock
+from cranktopo.fem.response import compliance_gradients, solve
+from cranktopo.optimise import loop
+from cranktopo.optimise.build import build_problem
+from cranktopo.optimise.proposals import compile_optimality_criteria
+from cranktopo.optimise.stage import prepare
+from cranktopo.scene import Scene
 from tests.studies.cantilever import cantilever
 
 EVENT = "/jax/core/compile/backend_compile_duration"
+MEMORY = """
+import json
+import jax.numpy as jnp
+from cranktopo.fem import compiling
+from cranktopo.fem.conjugate_gradients import System
+from cranktopo.fem.multigrid import build_tables
+from cranktopo.fem.precision import double_precision
+from tests.studies.cantilever import cantilever
+
+def resident_MiB():
+    line = next(line for line in open("/proc/self/status") if line.startswith("RssAnon"))
+    return int(line.split()[1]) / 1024
+
+known = {}
+give_back = compiling._give_back_memory
+compiling._give_back_memory = lambda: (known.update(before=resident_MiB()), give_back())
+with double_precision():
+    model, _ = cantilever((16, 8, 8))
+    tables = build_tables(model.lattice, model.levels)
+    system = System(jnp.asarray(tables.blocks), model.supports, jnp.ones((8, 8, 16)), model.forces)
+    compiling.compile_multigrid(tables, system, "float32")
+print(json.dumps({**known, "after": resident_MiB()}))
+"""
 
 
 def test_a_solve_compiles_nothing_more(float64: None) -> None:
@@ -35,6 +73,64 @@ def test_a_solve_compiles_nothing_more(float64: None) -> None:
     compiled.clear()
     build_hierarchy(tables, system.supports, moduli, "float64")
     assert compiled == [EVENT]
+
+
+def test_the_step_compiles_nothing_more(mikron: Scene, float64: None) -> None:
+    prepared = prepare(mikron.with_optimise(resolution_mm=4.5))
+    problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
+    compile_optimality_criteria(problem)
+    names: list[str] = []
+    with compiled(names):
+        loop.step(problem, loop.init(problem))
+    assert "jit(_made)" in names
+    assert "jit(update)" not in names
+
+
+@contextmanager
+def compiled(names: list[str]) -> Iterator[None]:
+    """Collect the names of programs that are compiled meanwhile."""
+
+    class Handler(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            if record.getMessage().startswith("Finished XLA compilation of"):
+                names.append(record.getMessage().split()[4])
+
+    handler, logger = Handler(), logging.getLogger("jax._src.dispatch")
+    logger.addHandler(handler)
+    try:
+        with jax.log_compiles():
+            yield
+    finally:
+        logger.removeHandler(handler)
+
+
+def test_the_memory_of_compilers_is_given_back() -> None:
+    """Some 300 MiB for the programs of a solve, of which the allocator would keep most."""
+    here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false"}
+    done = subprocess.run(
+        [sys.executable, "-c", MEMORY], env=here, capture_output=True, text=True, check=True
+    )
+    known = json.loads(done.stdout)
+    assert known["after"] < known["before"] - 100
+
+
+def test_kernels_ahead_are_those_of_a_solve(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[tuple[str, str]] = []
+    register = processor._register
+
+    def noted(kernel: str, precision: str, *width_and_threads: int) -> str:
+        made.append((kernel, precision))
+        return register(kernel, precision, *width_and_threads)
+
+    monkeypatch.setattr(processor, "_register", noted)
+    processor.compile_kernels()
+    ahead, _ = set(made), made.clear()
+    jax.clear_caches()
+    model, _ = cantilever((32, 16, 16))
+    moduli = jnp.ones(model.lattice.cells)
+    u = solve(model, moduli).displacements
+    compliance_gradients(model, u)
+    assert set(made) == ahead
 
 
 def test_clocks_share_one_listener(monkeypatch: pytest.MonkeyPatch) -> None:

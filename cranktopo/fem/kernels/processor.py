@@ -15,6 +15,7 @@ import llvmlite.ir as ir
 
 from cranktopo.cores import usable_cores
 from cranktopo.fem.kernels.code import POINTER, VectorCode
+from cranktopo.fem.kernels.energy import write_energies
 from cranktopo.fem.kernels.finishes import FreeForces, Smooth, Store
 from cranktopo.fem.kernels.foreign import interface, write_handler
 from cranktopo.fem.kernels.machine_code import address_of, vector_width
@@ -69,7 +70,18 @@ _KERNELS: Mapping[str, _Kernel] = {
     **{f"{o}_{f}": _coupling(_OPERATORS[o], _FINISHES[f]) for o in _OPERATORS for f in _FINISHES},
     "restriction": _Kernel((write_restriction,), (1, 1), {}),
     "prolongation": _Kernel((write_prolongation,), (2, 2), {1: 1}),
+    "energy": _Kernel((write_energies,), (3, 1), {}),
 }
+# What solves, optimisations and bounds take as long as the first method does.
+_FAST = (
+    ("stencil_product", "float32"),
+    ("stiffness_smoothing", "float32"),
+    ("restriction", "float32"),
+    ("stencil_smoothing", "float32"),
+    ("prolongation", "float32"),
+    ("stiffness_free_forces", "float64"),
+    ("energy", "float64"),
+)
 _one_at_a_time = threading.Lock()
 
 
@@ -93,6 +105,16 @@ def _on_processor() -> bool:
     """Whether JAX computes on a processor now."""
     chosen = getattr(jax.config, _CHOSEN_DEVICE)
     return (jax.default_backend() if chosen is None else getattr(chosen, "platform", chosen)) == "cpu"
+
+
+def compile_kernels() -> None:
+    """Make the machine code that the fast method takes, ahead of its first solve.
+
+    LLVM leaves the interpreter meanwhile: a thread that calls this has it while scenes are read.
+    """
+    if kernels_usable() and _on_processor():
+        for name, precision in _FAST:
+            _registered(name, precision)
 
 
 def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:

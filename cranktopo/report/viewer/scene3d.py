@@ -106,7 +106,7 @@ class Arrays:
         text = json.dumps({**header, "arrays": self.index}, separators=(",", ":")).encode()
         text += b" " * (-len(text) % _ALIGNMENT)
         block = struct.pack("<I", len(text)) + text + b"".join(self.parts)
-        return base64.b64encode(zlib.compress(block, 9)).decode("ascii")
+        return base64.b64encode(zlib.compress(block)).decode("ascii")
 
     def add(self, array: NDArray[Any]) -> int:
         """Add an array and return its number."""
