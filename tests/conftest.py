@@ -12,8 +12,6 @@ from cranktopo.cli.main import main
 from cranktopo.fem.precision import double_precision
 from cranktopo.scene import Scene, load_scene
 
-# One thread, as the command has: SciPy, which reads it, is not loaded yet.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # A suite that was started in the background ignores Ctrl-C, and so would the commands that it interrupts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
