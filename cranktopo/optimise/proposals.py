@@ -42,8 +42,11 @@ def by_optimality_criteria(problem: DensityProblem, state: State, design: Design
 
 def compile_optimality_criteria(problem: DensityProblem) -> None:
     """Compile the step ahead of its first call, such as beside the first solve."""
-    x, number = jnp.zeros(problem.chain.design.shape), jnp.asarray(0.5)
-    cells = jnp.zeros(problem.model.lattice.cells)
+    number = jnp.asarray(0.5)
+    x, cells = (
+        jax.ShapeDtypeStruct(shape, number.dtype)
+        for shape in (problem.chain.design.shape, problem.model.lattice.cells)
+    )
     by_solid = cells if problem.model.spinning else None
     _update.lower(problem.chain, x, number, cells, number, number, by_solid).compile()
 
