@@ -1,4 +1,4 @@
-"""`cranktopo completion`: what a shell needs to complete the command line."""
+"""Values that a shell offers for arguments: designs, runs, files."""
 
 from __future__ import annotations
 
@@ -6,35 +6,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cranktopo.cli.parameters import Choice
-
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-_SHELLS = ("bash", "zsh", "fish")
-_VARIABLE = "_CRANKTOPO_COMPLETE"
 
 
-@click.command("completion")
-@click.argument("shell", type=Choice(_SHELLS))
-def command(shell: str) -> None:
-    """Print the completion script of SHELL; the shell's start-up file evaluates it.
-
-    \b
-    bash  echo 'eval "$(cranktopo completion bash)"' >> ~/.bashrc
-    zsh   echo 'eval "$(cranktopo completion zsh)"' >> ~/.zshrc
-    fish  cranktopo completion fish > ~/.config/fish/completions/cranktopo.fish
-
-    Example: eval "$(cranktopo completion bash)"
-    """
-    from click.shell_completion import get_completion_class
-
-    from cranktopo.cli.main import cli
-
-    kind = get_completion_class(shell)
-    if kind is None:
-        raise click.UsageError(f"click knows no completion for {shell}")
-    click.echo(kind(cli, {}, "cranktopo", _VARIABLE).source())
 
 
 def designs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:

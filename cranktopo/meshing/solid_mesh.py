@@ -27,6 +27,7 @@ from cranktopo.scene.fillet_section import FilletSection
 from cranktopo.scene.halves import difference, halves
 from cranktopo.scene.scale import usual_scale
 from cranktopo.scene.symmetry import may_mirror, web_asymmetry
+from cranktopo.meshing.tet_mesh import TetMesh
 
 _TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -41,22 +42,6 @@ _ROUND_MM = 8.0
 """Fillet of a throw of usual size, others in proportion, that the general element size suits."""
 
 
-@dataclass(frozen=True)
-class TetMesh:
-    """A mesh of ten-node tetrahedra.
-
-    Attributes:
-        points_mm: nodes, shape (3, nodes).
-        cells: node numbers, shape (10, elements), VTK order (corners, then edges 01 12 02 03 13 23).
-        mirrored: the mesh is the half x >= 0 of a body symmetric in x.
-        off_surface_mm: from each node to where the surface would have it, but for elements that would fold,
-            shape (3, nodes); None: all nodes are there.
-    """
-
-    points_mm: NDArray[np.float64]
-    cells: NDArray[np.int64]
-    mirrored: bool
-    off_surface_mm: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)

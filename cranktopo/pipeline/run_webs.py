@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, cast
 
 from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.report.tables.steps_table import best_row, row_folder
 from cranktopo.scene import Scene, load_scene
 from cranktopo.scene.loading import builtin_designs
 from cranktopo.scene.of_run import scene_of_run
@@ -27,6 +27,7 @@ from cranktopo.store import (
     shown_results,
 )
 
+Step = Mapping[str, Any]
 REMODEL = "remodel.json"
 _WEB = "web.toml"
 
@@ -152,3 +153,21 @@ def _of_remodel(folder: Path) -> WebTarget:
         f"re-model '{folder}': the run '{name}' that it was made of is gone, so its original is not known.",
         hint=f"Give its scene, which then is its own original: {file}",
     )
+
+
+def best_row(data: Mapping[str, Any]) -> Step | None:
+    """The best web: that of the shape optimisation where it is better than the best step, else that step."""
+    shape = data.get("shape")
+    if shape is not None and shape["better_than_best_step"]:
+        return cast(Step, data["steps"][-1])
+    return None if data["best_step"] is None else cast(Step, data["steps"][data["best_step"]])
+
+
+def row_words(row: Step) -> str:
+    """A row in a sentence: `step 6`, or `shape`."""
+    return SHAPE if row.get("name") == SHAPE else f"step {row['number']}"
+
+
+def row_folder(row: Step) -> str:
+    """Name of the folder of a row's web in the loop's directory."""
+    return SHAPE if row.get("name") == SHAPE else f"step-{row['number']:02d}"

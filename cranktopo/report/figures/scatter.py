@@ -6,13 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count, cycle
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.formats import PLOTS
-from cranktopo.report.comparison import Comparison
-from cranktopo.report.quantities import BENDING, MASS, TORSION
-from cranktopo.store import check_file, replacing
+from cranktopo.report.figures.plot import Picture, picture
+from cranktopo.report.quantities import BENDING, TORSION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,30 +38,6 @@ class Most:
     stiffness: tuple[float, ...]
 
 
-def plot_stiffness_over_mass(
-    comparison: Comparison, path: Path, bound: Mapping[str, Any] | None = None
-) -> None:
-    """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
-
-    Args:
-        path: .png, .svg or .pdf; replaced only when the plot is complete.
-        bound: whose curves are drawn, where there is one; the baseline is then the original.
-
-    Raises:
-        CranktopoError: another suffix, no such folder, or the file cannot be written.
-    """
-    check_file(path, "--plot", PLOTS)
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11, 4.8), layout="constrained")
-    FigureCanvasAgg(figure)
-    plots = scatter_points(comparison)
-    most = most_by_label(bound, {label: points[comparison.baseline] for label, points in plots.items()})
-    for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
-        draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=130)
 
 
 def draw_stiffness_over_mass(
@@ -120,12 +93,6 @@ def most_by_label(bound: Mapping[str, Any] | None, baseline: Mapping[str, Point]
     return found
 
 
-def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
-    """The points of a comparison by the label of their stiffness."""
-    return {
-        label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
-        for stiffness, label in LABELS.items()
-    }
 
 
 def equal_ratio_factors(ratios: Sequence[float]) -> list[float]:
@@ -158,3 +125,33 @@ def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, 
         va="top",
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
     )
+
+
+def scatter_pictures(
+    points: Mapping[str, Sequence[Point]], baseline: int, bound: Mapping[str, Any] | None = None
+) -> tuple[Picture, ...]:
+    """Stiffness over mass, one plot per stiffness.
+
+    Args:
+        points: by the label of the stiffness.
+        baseline: number of the point that counts as 100 %.
+        bound: whose curves are drawn, where there is one; the baseline is then the original.
+    """
+    most = most_by_label(bound, {label: row[baseline] for label, row in points.items()})
+    return tuple(
+        picture(
+            f"scatter-{label.split()[0]}",
+            _words(label, row),
+            draw_stiffness_over_mass,
+            row,
+            baseline,
+            label,
+            most.get(label),
+        )
+        for label, row in points.items()
+    )
+
+
+def _words(label: str, points: Sequence[Point]) -> str:
+    values = "; ".join(f"{p.name} {p.mass_kg:.3f} kg, {p.stiffness:.1f}" for p in points)
+    return f"{label} over mass: {values}"

@@ -1,4 +1,4 @@
-"""What a user wants to know of a finished run or loop, as lines of text."""
+"""What a user wants to know of a finished run, as lines of text."""
 
 from __future__ import annotations
 
@@ -10,20 +10,10 @@ from cranktopo.report.tables.bound_text import bound_lines
 from cranktopo.report.tables.goal_table import evaluation_note, goal_line, limits_table, unjudged_line
 from cranktopo.report.tables.length_text import length_lines
 from cranktopo.report.tables.result_table import terminal
-from cranktopo.report.tables.steps_table import (
-    best_line,
-    best_row,
-    row_folder,
-    shape_line,
-    steps_estimate,
-    steps_tables,
-)
 from cranktopo.report.tables.undercut_table import obstacles
 from cranktopo.report.verdict_sentence import ended, percent_change, run_changes_percent, worse_line
 
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
-LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
-"""What a loop leaves in its directory beside the folders of its steps."""
 
 
 def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
@@ -59,20 +49,6 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
     return "\n".join(lines)
 
 
-def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
-    """A finished loop; `data` as iterate.json holds it."""
-    lines = []
-    for caption, table in steps_tables(data["steps"]):
-        lines += [caption, terminal(table), ""]
-    lines.append(steps_estimate(data["steps"]))
-    lines += bound_lines(data)
-    lines += [f"ended: {data['stop_reason']}", *filter(None, [shape_line(data)]), best_line(data)]
-    lines += [f"note: {notice}" for notice in data.get("notices", ())]
-    best = best_row(data)
-    if best is not None:
-        lines.append(str(folder / row_folder(best) / "web.toml"))
-    files = (folder / file for file in LOOP_FILES.values())
-    return "\n".join([*lines, *(str(file) for file in files if file.is_file())])
 
 
 def _goal_lines(metrics: Mapping[str, Any]) -> list[str]:

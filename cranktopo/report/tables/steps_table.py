@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, cast
+from pathlib import Path
+from typing import Any
 
 from cranktopo.report.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.report.tables.evaluation_table import estimate_line
 from cranktopo.report.tables.goal_table import goal_words
-from cranktopo.report.tables.result_table import Column, ResultTable, tabulate
+from cranktopo.report.tables.bound_text import bound_lines
+from cranktopo.report.tables.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.scene.goal import QUANTITIES
-from cranktopo.store import SHAPE
+from cranktopo.pipeline.run_webs import Step, best_row, row_folder, row_words
 
-Step = Mapping[str, Any]
+LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
+"""What a loop leaves in its directory beside the folders of its steps."""
 IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
 """What every step shows in percent of the original web."""
 
@@ -67,22 +70,10 @@ def steps_estimate(steps: Sequence[Step]) -> str:
     )
 
 
-def best_row(data: Mapping[str, Any]) -> Step | None:
-    """The best web: that of the shape optimisation where it is better than the best step, else that step."""
-    shape = data.get("shape")
-    if shape is not None and shape["better_than_best_step"]:
-        return cast(Step, data["steps"][-1])
-    return None if data["best_step"] is None else cast(Step, data["steps"][data["best_step"]])
 
 
-def row_words(row: Step) -> str:
-    """A row in a sentence: `step 6`, or `shape`."""
-    return SHAPE if row.get("name") == SHAPE else f"step {row['number']}"
 
 
-def row_folder(row: Step) -> str:
-    """Name of the folder of a row's web in the loop's directory."""
-    return SHAPE if row.get("name") == SHAPE else f"step-{row['number']:02d}"
 
 
 def best_line(data: Mapping[str, Any]) -> str:
@@ -132,3 +123,19 @@ def _thin_words(data: Mapping[str, Any]) -> str:
     return (
         f", {thickness:.1f} mm beside a journal where a step keeps {least:g} mm" if thickness < least else ""
     )
+
+
+def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
+    """A finished loop; `data` as iterate.json holds it."""
+    lines = []
+    for caption, table in steps_tables(data["steps"]):
+        lines += [caption, terminal(table), ""]
+    lines.append(steps_estimate(data["steps"]))
+    lines += bound_lines(data)
+    lines += [f"ended: {data['stop_reason']}", *filter(None, [shape_line(data)]), best_line(data)]
+    lines += [f"note: {notice}" for notice in data.get("notices", ())]
+    best = best_row(data)
+    if best is not None:
+        lines.append(str(folder / row_folder(best) / "web.toml"))
+    files = (folder / file for file in LOOP_FILES.values())
+    return "\n".join([*lines, *(str(file) for file in files if file.is_file())])

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from cranktopo.evaluate.case_stress import CaseStress
 from cranktopo.loads.load_case import LoadCase
+from cranktopo.report.viewer.scene3d import FACES_ALONG
 from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
 
 SHARE = 0.99
 """Part of a surface that the colours tell apart: the rest lies at sharp edges, where stress has no limit."""
-FACES_ALONG = 48
-"""Longest extent of a body over the longest edge of a face that one colour or one value stands for."""
 _LARGE = 1000
 
 
