@@ -22,115 +22,119 @@ TYPE_CHECKING = (
 if TYPE_CHECKING:
     from typing import Any
 
-    from cranktopo.cad.solid_files import export_solid
-    from cranktopo.effects import EffectPlan, plan
-    from cranktopo.errors import CranktopoError
-    from cranktopo.evaluate.evaluation import Evaluation
-    from cranktopo.evaluate.shaft import evaluate_shaft
-    from cranktopo.evaluate.targets import Target, resolve_target, resolve_targets
-    from cranktopo.fem.precision import double_precision
-    from cranktopo.loads import LoadCase, load_cases
-    from cranktopo.loads.whole_engine import EngineBalance, engine_balance
-    from cranktopo.optimise.stage import Optimum, Prepared, optimise_density, prepare
-    from cranktopo.pipeline.accuracy import study_accuracy
-    from cranktopo.pipeline.balance import balance_json, report_balance
-    from cranktopo.pipeline.bound import bound_of
-    from cranktopo.pipeline.compare import compare_targets, report_comparison
-    from cranktopo.pipeline.doctor import check_machine
-    from cranktopo.pipeline.evaluate import MeshRequest, evaluate_target, evaluate_targets
-    from cranktopo.pipeline.extract import extract_surface
-    from cranktopo.pipeline.fatigue import assess_fatigue
-    from cranktopo.pipeline.iterate import continue_loop, loop_scene, loop_settings, start_loop
-    from cranktopo.pipeline.loads import loads_at_speeds, plot_load_curves, write_load_curves
-    from cranktopo.pipeline.optimise import optimise_design, resume_optimisation, with_cells_for
-    from cranktopo.pipeline.remodel import remodel_run
-    from cranktopo.pipeline.run_report import report_run
-    from cranktopo.pipeline.run_webs import WebTarget, web_target
-    from cranktopo.pipeline.runs import clean_runs, summarise_runs
-    from cranktopo.pipeline.sensitivities import Sensitivities, evaluate_sensitivities
-    from cranktopo.pipeline.shape import ShapedRun, resume_shape, shape_design, shape_settings
-    from cranktopo.pipeline.sweep import sweep
-    from cranktopo.pipeline.vibration import shaft_vibration
-    from cranktopo.remodel.fit import FittedWeb, fit_web
-    from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-    from cranktopo.report.comparison import Comparison, Entry, compare
-    from cranktopo.scene import Scene, load_scene
-    from cranktopo.scene.goal import Goal, Limit
-    from cranktopo.scene.goal.changing import with_goal
-    from cranktopo.scene.goal.wanted import wanted
-    from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
-    from cranktopo.triangles.surface_files import write_stl
+    from cranktopo.base.errors import CranktopoError
+    from cranktopo.bodies.solid.files import export_solid
+    from cranktopo.design.goal.changing import with_goal
+    from cranktopo.design.goal.limit import Goal, Limit
+    from cranktopo.design.goal.wanted import wanted
+    from cranktopo.design.loading import load_scene
+    from cranktopo.design.manufacturing_limits import ManufacturingLimits
+    from cranktopo.design.schema import Scene
+    from cranktopo.engine.balance.whole_engine import EngineBalance, engine_balance
+    from cranktopo.engine.cases import load_cases
+    from cranktopo.engine.load_case import LoadCase
+    from cranktopo.engine.plan.effect import EffectPlan
+    from cranktopo.engine.plan.planning import plan
+    from cranktopo.numerics.precision import double_precision
+    from cranktopo.numerics.surfaces.files import write_stl
+    from cranktopo.tasks.accuracy.stage import study_accuracy
+    from cranktopo.tasks.balance.stage import balance_json, report_balance
+    from cranktopo.tasks.bound.stage import bound_of
+    from cranktopo.tasks.compare.result import Comparison, Entry, compare
+    from cranktopo.tasks.compare.stage import compare_targets, report_comparison
+    from cranktopo.tasks.density.stage import Optimum, Prepared, optimise_density, prepare
+    from cranktopo.tasks.designs.run_webs import WebTarget, web_target
+    from cranktopo.tasks.doctor.stage import check_machine
+    from cranktopo.tasks.evaluate.sensitivities import Sensitivities, evaluate_sensitivities
+    from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
+    from cranktopo.tasks.extraction.run import extract_surface
+    from cranktopo.tasks.fatigue.stage import assess_fatigue
+    from cranktopo.tasks.fea.evaluation import Evaluation
+    from cranktopo.tasks.fea.stage import MeshRequest, evaluate_target, evaluate_targets
+    from cranktopo.tasks.fea.targets import Target, resolve_target, resolve_targets
+    from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
+    from cranktopo.tasks.iterate.settings import loop_settings
+    from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
+    from cranktopo.tasks.optimise.run_report import report_run
+    from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation, with_cells_for
+    from cranktopo.tasks.refit.fit import FittedWeb, fit_web
+    from cranktopo.tasks.refit.stage import remodel_run
+    from cranktopo.tasks.run_list.stage import clean_runs, summarise_runs
+    from cranktopo.tasks.shaft.stage import evaluate_shaft
+    from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
+    from cranktopo.tasks.sweep.interface import sweep
+    from cranktopo.tasks.vibration.stage import shaft_vibration
 
 _HOMES = {
-    "CranktopoError": "errors",
-    "Scene": "scene",
-    "load_scene": "scene",
-    "Goal": "scene.goal",
-    "Limit": "scene.goal",
-    "with_goal": "scene.goal.changing",
-    "wanted": "scene.goal.wanted",
-    "EffectPlan": "effects",
-    "plan": "effects",
-    "LoadCase": "loads",
-    "load_cases": "loads",
-    "EngineBalance": "loads.whole_engine",
-    "engine_balance": "loads.whole_engine",
-    "double_precision": "fem.precision",
-    "Prepared": "optimise.stage",
-    "prepare": "optimise.stage",
-    "Optimum": "optimise.stage",
-    "optimise_density": "optimise.stage",
-    "CheckedSurface": "surface.checked_surface",
-    "checked_surface": "surface.checked_surface",
-    "write_stl": "triangles.surface_files",
-    "FittedWeb": "remodel.fit",
-    "fit_web": "remodel.fit",
-    "ManufacturingLimits": "remodel.manufacturing_limits",
-    "ShapedRun": "pipeline.shape",
-    "shape_design": "pipeline.shape",
-    "shape_settings": "pipeline.shape",
-    "Sensitivities": "pipeline.sensitivities",
-    "evaluate_sensitivities": "pipeline.sensitivities",
-    "WebTarget": "pipeline.run_webs",
-    "web_target": "pipeline.run_webs",
-    "resume_shape": "pipeline.shape",
-    "bound_of": "pipeline.bound",
-    "sweep": "pipeline.sweep",
-    "balance_json": "pipeline.balance",
-    "report_balance": "pipeline.balance",
-    "export_solid": "cad.solid_files",
-    "Target": "evaluate.targets",
-    "resolve_target": "evaluate.targets",
-    "resolve_targets": "evaluate.targets",
-    "Evaluation": "evaluate.evaluation",
-    "evaluate_shaft": "evaluate.shaft",
-    "Comparison": "report.comparison",
-    "Entry": "report.comparison",
-    "compare": "report.comparison",
-    "MeshRequest": "pipeline.evaluate",
-    "evaluate_target": "pipeline.evaluate",
-    "evaluate_targets": "pipeline.evaluate",
-    "compare_targets": "pipeline.compare",
-    "report_comparison": "pipeline.compare",
-    "assess_fatigue": "pipeline.fatigue",
-    "study_accuracy": "pipeline.accuracy",
-    "optimise_design": "pipeline.optimise",
-    "resume_optimisation": "pipeline.optimise",
-    "with_cells_for": "pipeline.optimise",
-    "report_run": "pipeline.run_report",
-    "extract_surface": "pipeline.extract",
-    "remodel_run": "pipeline.remodel",
-    "loop_scene": "pipeline.iterate",
-    "loop_settings": "pipeline.iterate",
-    "start_loop": "pipeline.iterate",
-    "continue_loop": "pipeline.iterate",
-    "loads_at_speeds": "pipeline.loads",
-    "write_load_curves": "pipeline.loads",
-    "plot_load_curves": "pipeline.loads",
-    "summarise_runs": "pipeline.runs",
-    "clean_runs": "pipeline.runs",
-    "check_machine": "pipeline.doctor",
-    "shaft_vibration": "pipeline.vibration",
+    "CranktopoError": "base.errors",
+    "Scene": "design.schema",
+    "load_scene": "design.loading",
+    "Goal": "design.goal.limit",
+    "Limit": "design.goal.limit",
+    "with_goal": "design.goal.changing",
+    "wanted": "design.goal.wanted",
+    "EffectPlan": "engine.plan.effect",
+    "plan": "engine.plan.planning",
+    "LoadCase": "engine.load_case",
+    "load_cases": "engine.cases",
+    "EngineBalance": "engine.balance.whole_engine",
+    "engine_balance": "engine.balance.whole_engine",
+    "double_precision": "numerics.precision",
+    "Prepared": "tasks.density.stage",
+    "prepare": "tasks.density.stage",
+    "Optimum": "tasks.density.stage",
+    "optimise_density": "tasks.density.stage",
+    "CheckedSurface": "tasks.extraction.checked_surface",
+    "checked_surface": "tasks.extraction.checked_surface",
+    "write_stl": "numerics.surfaces.files",
+    "FittedWeb": "tasks.refit.fit",
+    "fit_web": "tasks.refit.fit",
+    "ManufacturingLimits": "design.manufacturing_limits",
+    "ShapedRun": "tasks.shape.run",
+    "shape_design": "tasks.shape.run",
+    "shape_settings": "tasks.shape.run",
+    "Sensitivities": "tasks.evaluate.sensitivities",
+    "evaluate_sensitivities": "tasks.evaluate.sensitivities",
+    "WebTarget": "tasks.designs.run_webs",
+    "web_target": "tasks.designs.run_webs",
+    "resume_shape": "tasks.shape.run",
+    "bound_of": "tasks.bound.stage",
+    "sweep": "tasks.sweep.interface",
+    "balance_json": "tasks.balance.stage",
+    "report_balance": "tasks.balance.stage",
+    "export_solid": "bodies.solid.files",
+    "Target": "tasks.fea.targets",
+    "resolve_target": "tasks.fea.targets",
+    "resolve_targets": "tasks.fea.targets",
+    "Evaluation": "tasks.fea.evaluation",
+    "evaluate_shaft": "tasks.shaft.stage",
+    "Comparison": "tasks.compare.result",
+    "Entry": "tasks.compare.result",
+    "compare": "tasks.compare.result",
+    "MeshRequest": "tasks.fea.stage",
+    "evaluate_target": "tasks.fea.stage",
+    "evaluate_targets": "tasks.fea.stage",
+    "compare_targets": "tasks.compare.stage",
+    "report_comparison": "tasks.compare.stage",
+    "assess_fatigue": "tasks.fatigue.stage",
+    "study_accuracy": "tasks.accuracy.stage",
+    "optimise_design": "tasks.optimise.stage",
+    "resume_optimisation": "tasks.optimise.stage",
+    "with_cells_for": "tasks.optimise.stage",
+    "report_run": "tasks.optimise.run_report",
+    "extract_surface": "tasks.extraction.run",
+    "remodel_run": "tasks.refit.stage",
+    "loop_scene": "tasks.iterate.loop",
+    "loop_settings": "tasks.iterate.settings",
+    "start_loop": "tasks.iterate.loop",
+    "continue_loop": "tasks.iterate.loop",
+    "loads_at_speeds": "tasks.loads.stage",
+    "write_load_curves": "tasks.loads.stage",
+    "plot_load_curves": "tasks.loads.stage",
+    "summarise_runs": "tasks.run_list.stage",
+    "clean_runs": "tasks.run_list.stage",
+    "check_machine": "tasks.doctor.stage",
+    "shaft_vibration": "tasks.vibration.stage",
 }
 
 __all__ = [

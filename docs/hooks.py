@@ -14,11 +14,11 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 import cranktopo
-from cranktopo.cli.main import COMMANDS, cli
-from cranktopo.scene.goal import QUANTITIES
-from cranktopo.scene.reference import KeyReference, TableReference, scene_reference
-from cranktopo.scene.schema import material_library
-from cranktopo.scene.supports import bearing_library
+from cranktopo.app.main import COMMANDS, cli
+from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.design.reference import KeyReference, TableReference, scene_reference
+from cranktopo.design.schema import material_library
+from cranktopo.design.supports import bearing_library
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ("designs/mikron-iiic.png",)

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.fem.precision import double_precision
-from cranktopo.scene import Scene, load_scene
+from cranktopo.app.main import main
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
 
 # A suite that was started in the background ignores Ctrl-C, and so would the commands that it interrupts.
 signal.signal(signal.SIGINT, signal.default_int_handler)

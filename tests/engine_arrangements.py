@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cranktopo.scene import Scene, parse_scene
-from cranktopo.scene.loading import designs_folder
+from cranktopo.design.loading import designs_folder, parse_scene
+from cranktopo.design.schema import Scene
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 VEE = "layout = 'V'\nbank_angle_deg = 90.0\n"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 
 def unpacked(text: str) -> tuple[dict[str, Any], list[np.ndarray]]:

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
 
 OUTLINES = ("obround", "tapered", "rectangle", "ellipse")
 

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.shape import ShapedRun
-from cranktopo.scene import Scene
-from cranktopo.scene.goal.outcome import goal_json
-from cranktopo.scene.goal.wanted import wanted
-from cranktopo.scene.writing import toml_text
-from cranktopo.shape.stage import ShapeSettings
-from cranktopo.store import RunStore, create_run, open_run
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.design.goal.outcome import goal_json
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.runs.directories import RunStore, create_run, open_run
+from cranktopo.tasks.shape.run import ShapedRun
+from cranktopo.tasks.shape.stage import ShapeSettings
 
 ORIGINAL = {
     "mass": 1.6,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cranktopo.cad.session import cad_session
+from cranktopo.numerics.gmsh_session import cad_session
 
 
 def step_volume_mm3(path: Path) -> float:

@@ -7,9 +7,9 @@ import signal
 import time
 from pathlib import Path
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.scene import Scene
-from cranktopo.scene.features import ObroundWeb
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.schema import Scene
+from cranktopo.throw.hull import ObroundWeb
 
 TRACE, HELD = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS"
 

@@ -1,1 +1,1 @@
-"""Command line: one file per command, a thin layer over the stages."""
+"""The kit of all commands: options, types of arguments, streams, verbosity, completion."""

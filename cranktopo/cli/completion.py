@@ -10,14 +10,11 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 
-
-
-
 def designs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Names of built-in designs, and files, for an argument's `shell_complete`."""
     from click.shell_completion import CompletionItem
 
-    from cranktopo.scene.loading import builtin_designs
+    from cranktopo.design.loading import builtin_designs
 
     names = [CompletionItem(name) for name in builtin_designs() if name.startswith(incomplete)]
     return [*names, CompletionItem(incomplete, type="file")]
@@ -34,7 +31,7 @@ def runs(context: click.Context, parameter: click.Parameter, incomplete: str) ->
     """Names of runs under runs/, and folders, for an argument's `shell_complete`."""
     from click.shell_completion import CompletionItem
 
-    from cranktopo.store import list_runs
+    from cranktopo.runs.directories import list_runs
 
     names = [CompletionItem(run.name) for run in list_runs() if run.name.startswith(incomplete)]
     return [*names, CompletionItem(incomplete, type="dir")]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from cranktopo.scene import Scene
+    from cranktopo.design.schema import Scene
 
 
 def goal_options(function: Any) -> Any:
@@ -45,7 +45,7 @@ def with_goal_options(
         click.UsageError: two goals, or a limit without a goal.
         CranktopoError: a goal or limit that makes no sense.
     """
-    from cranktopo.scene.goal.changing import with_goal
+    from cranktopo.design.goal.changing import with_goal
 
     if minimise is not None and maximise is not None:
         raise click.UsageError("--minimise excludes --maximise: keep one of them, limit the other quantity")

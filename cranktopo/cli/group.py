@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import click
 
-from cranktopo.errors import suggest
+from cranktopo.base.errors import suggest
+
+_COMMAND = re.compile(r'"""`cranktopo (?P<name>[a-z-]+)`\n\n(?P<help>.+)\n"""')
 
 
 class SuggestingGroup(click.Group):
@@ -31,15 +37,43 @@ class SuggestingGroup(click.Group):
         return super().resolve_command(ctx, args)
 
 
+@dataclass(frozen=True)
+class Found:
+    """A command of a task: the folder that holds it, and its line in the help."""
+
+    folder: str
+    help: str
+
+
+def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, Found]:
+    """Find the commands of the tasks, none of them imported, so that `--help` stays fast.
+
+    A task with a command has a `command.py` that begins with its name and its line in the help.
+
+    Args:
+        tasks: the folder of the tasks.
+        first: names in the order in which they are listed; others follow by name.
+    """
+    found = {}
+    for file in tasks.glob("*/command.py"):
+        with file.open(encoding="utf-8") as text:
+            named = _COMMAND.match("".join(islice(text, 4)))
+        if named is None:
+            raise ValueError(f"{file}: begins without the name of its command")
+        found[named["name"]] = Found(file.parent.name, named["help"])
+    order = {name: place for place, name in enumerate(first)}
+    return dict(sorted(found.items(), key=lambda item: (order.get(item[0], len(order)), item[0])))
+
+
 class LazyGroup(SuggestingGroup):
     """A click group that imports a command's module when the command is used.
 
     Args:
-        entries: help line of each command by name.
-        package: where the modules are, named after the commands; each holds a click command `command`.
+        entries: where each command is, and its help line, by name.
+        package: where the folders of the entries are; each `command.py` there holds a click `command`.
     """
 
-    def __init__(self, *args: Any, entries: Mapping[str, str], package: str, **kwargs: Any) -> None:
+    def __init__(self, *args: Any, entries: Mapping[str, Found], package: str, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._entries, self._package = dict(entries), package
 
@@ -51,10 +85,11 @@ class LazyGroup(SuggestingGroup):
         """The command of a name, imported now; None when there is none."""
         if cmd_name not in self._entries:
             return None
-        command: click.Command = importlib.import_module(f"{self._package}.{cmd_name}").command
+        module = f"{self._package}.{self._entries[cmd_name].folder}.command"
+        command: click.Command = importlib.import_module(module).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The command list, from the table and not from the modules."""
+        """The command list, from what was found and not from the modules."""
         with formatter.section("Commands"):
-            formatter.write_dl(list(self._entries.items()))
+            formatter.write_dl([(name, entry.help) for name, entry in self._entries.items()])

@@ -8,10 +8,10 @@ import click
 from click.core import ParameterSource
 
 from cranktopo.cli.parameters import CELL_MM, Choice, Number
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
-    from cranktopo.scene import Scene
+    from cranktopo.design.schema import Scene
 
 DEFAULT_DESIGN = "mikron-iiic"
 FATIGUE_METHODS = ("lsa", "fkm", "m53")
@@ -39,9 +39,7 @@ bound_option = click.option(
 
 def with_bound_option(scene: Scene, no_bound: bool) -> Scene:
     """The scene without its bound where the option leaves it out."""
-    from cranktopo.effects import switched
-
-    return switched(scene, "bound", "off") if no_bound else scene
+    return scene.with_effect("bound", "off") if no_bound else scene
 
 
 def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from cranktopo.errors import shown, suggest
+from cranktopo.base.errors import shown, suggest
 
 
 class Number(click.FloatRange):

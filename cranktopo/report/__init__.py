@@ -1,1 +1,1 @@
-"""Reports: pages, figures, tables and the 3D view of finished results; nothing is solved or meshed here."""
+"""The kit of all reports: page, HTML, Markdown, tables, plots, 3D view; it knows no task."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.store.files import replacing
+from cranktopo.base.files import replacing
 
 Array = NDArray[np.float64]
 # Corners of a hexahedron in the order of VTK_HEXAHEDRON: the lower face counter-clockwise, then the upper.
@@ -26,7 +26,7 @@ def write_density_vtu(
     """Write the kept cells of a grid as hexahedra, compressed binary, atomically.
 
     Args:
-        x_edges_mm: (nx + 1,) node coordinates in the frame of `cranktopo.frames`, increasing.
+        x_edges_mm: (nx + 1,) node coordinates in the frame of `cranktopo.base.frames`, increasing.
         y_edges_mm: (ny + 1,) likewise.
         z_edges_mm: (nz + 1,) likewise.
         cell_data: by name, (nx, ny, nz) each.
@@ -47,12 +47,6 @@ def write_density_vtu(
     mesh = meshio.Mesh(points, [("hexahedron", cells)], cell_data=data)
     with replacing(path) as temporary:
         meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
-
-
-
-
-
-
 
 
 def _hexahedra(edges: tuple[Array, Array, Array], keep: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:

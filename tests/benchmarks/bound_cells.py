@@ -8,10 +8,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from cranktopo.accuracy.extrapolation import extrapolate
-from cranktopo.pipeline.bound import bound_of
-from cranktopo.scene import load_scene
-from cranktopo.scene.goal.changing import with_goal
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.extrapolation import extrapolate
+from cranktopo.tasks.bound.stage import bound_of
 
 GOALS = (
     {"minimise": "mass"},

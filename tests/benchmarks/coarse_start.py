@@ -13,14 +13,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import coarse_start, loop
-from cranktopo.optimise.build import build_problem
-from cranktopo.optimise.coarse_start import first_state
-from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.stage import Prepared, iterate, prepare
-from cranktopo.optimise.state import State
-from cranktopo.scene import load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import coarse_start, loop
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.coarse_start import first_state
+from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.stage import Prepared, iterate, prepare
+from cranktopo.tasks.density.state import State
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from cranktopo.errors import ExitCode
+from cranktopo.base.errors import ExitCode
 
 RUN = "RUN"
 # Commands that refuse to write where something is, so that cold and warm need folders of their own.
@@ -35,7 +35,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "shape": ("shape", "--minimise", "mass"),
 }
 WORKED = {ExitCode.DONE, ExitCode.CRITERION_NOT_MET}
-_PROGRAM = "import sys; from cranktopo.cli.launch import main; sys.exit(main())"
+_PROGRAM = "import sys; from cranktopo.app.launch import main; sys.exit(main())"
 
 
 class Used(NamedTuple):

@@ -13,10 +13,10 @@ from __future__ import annotations
 import argparse
 import math
 
-from cranktopo.fem.devices import partition_of
-from cranktopo.fem.equilibrium import METHODS
-from cranktopo.fem.lattice import Cells, Lattice
-from cranktopo.fem.multigrid import build_tables, smoothing_steps
+from cranktopo.numerics.grid.devices import partition_of
+from cranktopo.numerics.grid.equilibrium import METHODS
+from cranktopo.numerics.grid.lattice import Cells, Lattice
+from cranktopo.numerics.grid.multigrid import build_tables, smoothing_steps
 from tests.benchmarks.gpu import GRIDS, SHEETS, cells_of, expected_s, measure
 from tests.benchmarks.solver import Row
 from tests.studies.cantilever import halvings

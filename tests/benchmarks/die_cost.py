@@ -10,11 +10,11 @@ import sys
 from copy import deepcopy
 from typing import Any
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import stage
-from cranktopo.optimise.assess import assess
-from cranktopo.optimise.assessment import Assessment
-from cranktopo.scene import load_scene, scene_from_dict
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import stage
+from cranktopo.tasks.density.assess import assess
+from cranktopo.tasks.density.assessment import Assessment
 from tests.studies.example_throws import CAR
 
 ENVELOPE = {"shape": "box", "half_width_mm": 50.0, "y_min_mm": -45.0, "y_max_mm": 85.0}

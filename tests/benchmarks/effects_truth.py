@@ -5,7 +5,7 @@ Run with `python -m tests.benchmarks.effects_truth`; what is computed: `tests.st
 
 from __future__ import annotations
 
-from cranktopo.fem.precision import double_precision
+from cranktopo.numerics.precision import double_precision
 from tests.studies.effect_truths import estimates, scenes, truths
 
 

@@ -21,14 +21,15 @@ from typing import Any
 
 from scipy.optimize import brentq
 
-from cranktopo.loads.balance import throw_balance
-from cranktopo.pipeline.shape import shape_design
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.features.counterweight import LEAST_HALF_ANGLE_DEG
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.shape_table import ShapeTable
-from cranktopo.shape.body_fitted import evaluated_web
-from cranktopo.store import Work
+from cranktopo.base.progress import Work
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.design.shape import ShapeTable
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.shape.body_fitted import evaluated_web
+from cranktopo.tasks.shape.run import shape_design
+from cranktopo.throw.counterweight import LEAST_HALF_ANGLE_DEG
 
 DESIGNS = ("car-diesel", "industrial-gas")
 KEPT = ("torsion", "bending", "fatigue_safety")

@@ -16,13 +16,13 @@ from unittest.mock import patch
 
 import numpy as np
 
-from cranktopo.effects import planned_scene
-from cranktopo.evaluate import evaluation
-from cranktopo.evaluate.error_bound import change_bound_percent
-from cranktopo.evaluate.evaluation import RATIO, MeshResult, evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
-from cranktopo.scene import load_scene
-from cranktopo.scene.scale import default_element_size_mm
+from cranktopo.design.loading import load_scene
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.tasks.fea import evaluation
+from cranktopo.tasks.fea.error_bound import change_bound_percent
+from cranktopo.tasks.fea.evaluation import RATIO, MeshResult, evaluate_on_mesh
+from cranktopo.tasks.fea.targets import Target
 
 STEPS = (3, 2, 1, 0, -1)
 """Element sizes as powers of 1.5 over the default; the first one is only the coarser one of the next."""

@@ -11,16 +11,16 @@ import sys
 import time
 from unittest.mock import patch
 
-from cranktopo.effects import planned_scene
-from cranktopo.evaluate import linear
-from cranktopo.evaluate.condense import condense
-from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.side_by_side import side_by_side
-from cranktopo.evaluate.support_stiffness import torsional_stiffness_Nm_per_rad
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import load_scene
-from cranktopo.scene.scale import default_element_size_mm
-from cranktopo.units import MPA_PER_GPA
+from cranktopo.base.side_by_side import side_by_side
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.loading import load_scene
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.numerics.tetrahedra import linear_solve as linear
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.tasks.fea.condense import condense
+from cranktopo.tasks.fea.support_stiffness import torsional_stiffness_Nm_per_rad
 
 SIZES = (2.8, 2.25, 1.9, 1.5, 1.0)
 """Element sizes over the default one."""

@@ -11,10 +11,10 @@ import argparse
 import subprocess
 import sys
 
-from cranktopo.evaluate.m53 import concentration_factors, outside_validity
-from cranktopo.evaluate.rule_check import dimensions, element_factors
-from cranktopo.evaluate.stress_model import solve_stresses
-from cranktopo.evaluate.targets import Target
+from cranktopo.tasks.fatigue.m53 import concentration_factors, outside_validity
+from cranktopo.tasks.fatigue.rule_check import dimensions, element_factors
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fea.targets import Target
 from tests.studies.example_throws import rule_throws
 
 FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)

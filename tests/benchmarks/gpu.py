@@ -20,7 +20,7 @@ import subprocess
 import sys
 from itertools import product
 
-from cranktopo.fem.precision import double_precision
+from cranktopo.numerics.precision import double_precision
 from tests.benchmarks.solver import (
     Row,
     devices,

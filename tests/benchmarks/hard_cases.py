@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cranktopo.errors import CranktopoError
-from cranktopo.fem.equilibrium import Solution
-from cranktopo.fem.precision import double_precision
+from cranktopo.base.errors import CranktopoError
+from cranktopo.numerics.grid.equilibrium import Solution
+from cranktopo.numerics.precision import double_precision
 from tests.hard.cases import cases
 from tests.hard.outcome import attempt, compare
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import sys
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise.assess import assess
-from cranktopo.optimise.stage import optimise_density, prepare
-from cranktopo.scene import load_scene
-from cranktopo.surface.checked_surface import checked_surface
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density.assess import assess
+from cranktopo.tasks.density.stage import optimise_density, prepare
+from cranktopo.tasks.extraction.checked_surface import checked_surface
 
 ENGINES = ("mikron-iiic", "opposed-piston")
 FRACTIONS = (0.2, 0.3, 0.4)

@@ -14,8 +14,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from cranktopo.domain.resolution import optimiser_memory_MiB
-from cranktopo.scene import load_scene
+from cranktopo.bodies.cells.resolution import optimiser_memory_MiB
+from cranktopo.design.loading import load_scene
 from tests.benchmarks.solver import COMPILED_ANEW
 
 CELLS_MM = (3.0, 2.0, 1.5, 1.0, 0.8)
@@ -25,7 +25,7 @@ DESIGN = Path(__file__).parents[2] / "designs" / "mikron-iiic.toml"
 
 def measured_MiB(design: Path, cell_mm: float) -> tuple[int, float]:
     """Cells, padding included, and peak memory of one process."""
-    program = "import sys; from cranktopo.cli.main import main; sys.exit(main())"
+    program = "import sys; from cranktopo.app.main import main; sys.exit(main())"
     command = [sys.executable, "-c", program, "optimise", str(design), "--json"]
     command += ["--resolution-mm", str(cell_mm), "--max-iterations", "2"]
     command += ["--out", str(design.parent / f"{design.stem}-{cell_mm:g}")]

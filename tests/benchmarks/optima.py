@@ -13,13 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop
-from cranktopo.optimise.assess import assess, assess_original
-from cranktopo.optimise.build import build_problem
-from cranktopo.optimise.stage import iterate, prepare
-from cranktopo.optimise.state import State
-from cranktopo.scene import load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.assess import assess, assess_original
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.stage import iterate, prepare
+from cranktopo.tasks.density.state import State
 
 METHODS = ("optimality_criteria", "moving_asymptotes")
 

@@ -19,17 +19,18 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop
-from cranktopo.optimise.assess import assess, assess_original
-from cranktopo.optimise.build import build_problem
-from cranktopo.optimise.continuation import largest_move
-from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.proposals import pulled_back
-from cranktopo.optimise.responses import Design, slopes
-from cranktopo.optimise.stage import Prepared, iterate, prepare
-from cranktopo.optimise.state import Proposal, State
-from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.assess import assess, assess_original
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.continuation import largest_move
+from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.proposals import pulled_back
+from cranktopo.tasks.density.responses import Design, slopes
+from cranktopo.tasks.density.stage import Prepared, iterate, prepare
+from cranktopo.tasks.density.state import Proposal, State
 
 _RESTARTED_STEPS, _LAST_STEPS = 8, 20
 

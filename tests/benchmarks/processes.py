@@ -12,9 +12,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from cranktopo.pipeline.evaluate import evaluate_target
-from cranktopo.pipeline.optimise import optimise_design
-from cranktopo.scene import load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.tasks.fea.stage import evaluate_target
+from cranktopo.tasks.optimise.stage import optimise_design
 
 ENGINES = ("mikron-iiic", "opposed-piston")
 PROCESSES: dict[str, dict[str, Any]] = {

@@ -13,15 +13,15 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from cranktopo.effects.simulated import without
-from cranktopo.evaluate.evaluation import evaluate
-from cranktopo.evaluate.targets import Target
-from cranktopo.meshing.imported_body import read_half_throw
-from cranktopo.remodel import fit, select
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.shape_error import shape_error
-from cranktopo.scene.of_run import scene_of_run
-from cranktopo.store import open_run
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.of_run import scene_of_run
+from cranktopo.engine.plan.simulated import without
+from cranktopo.runs.directories import open_run
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.importing.imported_body import read_half_throw
+from cranktopo.tasks.refit import fit, select
+from cranktopo.tasks.refit.shape_error import shape_error
 
 
 def timed(name: str, work: Callable[[], Any]) -> Any:

@@ -13,19 +13,19 @@ import sys
 
 import numpy as np
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import load_scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.box_pocket import FittedBox
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.goal.wanted import wanted
-from cranktopo.shape.goal_in_model import search_goal_of
-from cranktopo.shape.search import EVALUATIONS, Found, search
-from cranktopo.shape.start import bevel_start, outline_start
-from cranktopo.shape.web_model import web_model
-from cranktopo.store import Work
+from cranktopo.base.progress import Work
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.goal_in_model import search_goal_of
+from cranktopo.tasks.shape.search import EVALUATIONS, Found, search
+from cranktopo.tasks.shape.start import bevel_start, outline_start
+from cranktopo.tasks.shape.web_model import web_model
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.box_pocket import FittedBox
 
 CELL_MM, SPREAD_MM = 3.0, 5.0
 BEVELS = FittedBevel("journal"), FittedBevel("pin")

@@ -17,13 +17,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from cranktopo.pipeline.optimise import optimise_design
-from cranktopo.pipeline.remodel import remodel_run
-from cranktopo.pipeline.shape import shape_design
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.shape.body_fitted import evaluated_web
-from cranktopo.store import Work
+from cranktopo.base.progress import Work
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.optimise.stage import optimise_design
+from cranktopo.tasks.refit.stage import remodel_run
+from cranktopo.tasks.shape.body_fitted import evaluated_web
+from cranktopo.tasks.shape.run import shape_design
 
 OWN: dict[str, dict[str, Any]] = {
     "wide": {

@@ -27,13 +27,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.conjugate_gradients import System, multigrid_cg
-from cranktopo.fem.equilibrium import METHODS
-from cranktopo.fem.lattice import layer_blocks
-from cranktopo.fem.model import ThrowModel
-from cranktopo.fem.multigrid import build_hierarchy, build_tables
-from cranktopo.fem.operator import apply_stiffness
-from cranktopo.fem.precision import CompileClock, Precision, double_precision
+from cranktopo.numerics.grid.conjugate_gradients import System, multigrid_cg
+from cranktopo.numerics.grid.equilibrium import METHODS
+from cranktopo.numerics.grid.lattice import layer_blocks
+from cranktopo.numerics.grid.multigrid import build_hierarchy, build_tables
+from cranktopo.numerics.grid.operator import apply_stiffness
+from cranktopo.numerics.precision import CompileClock, Precision, double_precision
+from cranktopo.tasks.density.model import ThrowModel
 from tests.studies.cantilever import TOLERANCE, cantilever, moduli, optimise
 
 GRIDS = ("48x24x24", "96x48x48", "160x80x80")

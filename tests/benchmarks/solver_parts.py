@@ -16,22 +16,22 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.conjugate_gradients import System, product_and_work
-from cranktopo.fem.equilibrium import METHODS
-from cranktopo.fem.model import ThrowModel
-from cranktopo.fem.multigrid import (
+from cranktopo.numerics.grid.conjugate_gradients import System, product_and_work
+from cranktopo.numerics.grid.equilibrium import METHODS
+from cranktopo.numerics.grid.multigrid import (
     Hierarchy,
     build_hierarchy,
     build_tables,
     level_smoother,
     smoothing_steps,
 )
-from cranktopo.fem.precision import CompileClock, double_precision
-from cranktopo.fem.response import compliance_gradients, compliances
-from cranktopo.fem.smoothing import Smoothing
-from cranktopo.fem.transfer import add_prolonged, restrict
-from cranktopo.optimise.material import Interpolation
-from cranktopo.optimise.optimality_criteria import update
+from cranktopo.numerics.grid.smoothing import Smoothing
+from cranktopo.numerics.grid.transfer import add_prolonged, restrict
+from cranktopo.numerics.precision import CompileClock, double_precision
+from cranktopo.tasks.density.material import Interpolation
+from cranktopo.tasks.density.model import ThrowModel
+from cranktopo.tasks.density.optimality_criteria import update
+from cranktopo.tasks.density.response import compliance_gradients, compliances
 from tests.benchmarks.solver import median_s, stream_GB_s
 from tests.studies.cantilever import BETA, MOVE, VOLUME_FRACTION, cantilever, moduli, optimise
 

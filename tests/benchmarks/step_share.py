@@ -16,13 +16,13 @@ from unittest.mock import patch
 
 import jax
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop, proposals
-from cranktopo.optimise.build import build_problem
-from cranktopo.optimise.mma import MmaStep, mma_step
-from cranktopo.optimise.stage import iterate, prepare
-from cranktopo.scene import load_scene
-from cranktopo.scene.goal.changing import with_goal
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.optimisers.mma import MmaStep, mma_step
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import loop, proposals
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.stage import iterate, prepare
 
 ENGINES = ("mikron-iiic", "opposed-piston")
 

@@ -12,13 +12,14 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from cranktopo.pipeline.sweep.front import front_of
-from cranktopo.pipeline.sweep.plan import SweepPlan, sweep_plan
-from cranktopo.pipeline.sweep.points import points_of
-from cranktopo.pipeline.sweep.run import SweptRun, Workplace, run_sweep
-from cranktopo.pipeline.sweep.table import frame_of, write_tables
-from cranktopo.pipeline.sweep.variation import read_option
-from cranktopo.report.pages.sweep_page import sweep_html
+from cranktopo.tasks.sweep.computed import Workplace
+from cranktopo.tasks.sweep.front import front_of
+from cranktopo.tasks.sweep.page import sweep_html
+from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
+from cranktopo.tasks.sweep.points import points_of
+from cranktopo.tasks.sweep.run import SweptRun, run_sweep
+from cranktopo.tasks.sweep.table import frame_of, write_tables
+from cranktopo.tasks.sweep.variation import read_option
 from tests.sweep_cases import empty
 
 

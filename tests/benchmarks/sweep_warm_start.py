@@ -14,10 +14,11 @@ import time
 from pathlib import Path
 
 from cranktopo import sweep
-from cranktopo.effects import switched
-from cranktopo.pipeline.shape import shape_design
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.goal.changing import with_goal
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.simulated import switched
+from cranktopo.tasks.shape.run import shape_design
 
 LOW, HIGH = 95, 115
 

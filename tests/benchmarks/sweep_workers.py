@@ -14,12 +14,13 @@ import time
 from pathlib import Path
 from typing import Any
 
-from cranktopo.pipeline.sweep.engine import Engine, compute
-from cranktopo.pipeline.sweep.job import Job
-from cranktopo.pipeline.sweep.plan import SweepPlan, sweep_plan
-from cranktopo.pipeline.sweep.points import points_of
-from cranktopo.pipeline.sweep.variation import Variation, read_option
-from cranktopo.store import Json, write_json
+from cranktopo.base.files import write_json
+from cranktopo.base.progress import Json
+from cranktopo.tasks.sweep.executor import Engine, compute
+from cranktopo.tasks.sweep.job import Job
+from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
+from cranktopo.tasks.sweep.points import points_of
+from cranktopo.tasks.sweep.variation import Variation, read_option
 
 OPTIMISED = ["optimise.resolution_mm=3", "optimise.max_iterations=20", "effects.bound=off"]
 ENGINES = (Engine(1, 1), Engine(1, 2), Engine(2, 1))

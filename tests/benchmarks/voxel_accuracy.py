@@ -14,8 +14,8 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.scene import load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.precision import double_precision
 from tests.studies.cell_models import (
     REFERENCE,
     every_feature,

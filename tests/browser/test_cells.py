@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.report.figures.plot import picture
-from cranktopo.report.pages.html import html
-from cranktopo.report.pages.page import Page
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.html import html
+from cranktopo.report.page import Page
+from cranktopo.report.plot import picture
 from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody
-from cranktopo.surface import DensityGrid
-from cranktopo.triangles.surface_mesh import SurfaceMesh
 from tests.browser.conftest import NEXT_FRAMES
 
 

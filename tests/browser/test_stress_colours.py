@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cli.main import main
-from cranktopo.evaluate.case_stress import CaseStress
-from cranktopo.loads import LoadCase
-from cranktopo.report.figures.plot import picture
-from cranktopo.report.pages.html import html
-from cranktopo.report.pages.page import Page
+from cranktopo.app.main import main
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.html import html
+from cranktopo.report.page import Page
+from cranktopo.report.plot import picture
 from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
-from cranktopo.surface import DensityGrid
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.tasks.fea.case_stress import CaseStress
 
 
 @pytest.fixture(scope="module")

@@ -14,15 +14,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.evaluate.targets import Target, simulated
-from cranktopo.pipeline.sweep.front import front_of, picks_of
-from cranktopo.pipeline.sweep.web_view import web_view
-from cranktopo.report.pages.sweep_page import sweep_html
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.design.varying import with_value
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.report.viewer.small_web import packed_web
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.varying import with_value
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.tasks.fea.targets import Target, simulated
+from cranktopo.tasks.sweep.front import front_of, picks_of
+from cranktopo.tasks.sweep.page import sweep_html
+from cranktopo.tasks.sweep.web_view import web_view
 
 POINTS, MOST_BYTES, MOST_MS = 500, 10_000_000, 100.0
 NARROW_MM, WIDE_MM = 48.0, 60.0

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.volume import half_throw_volume_mm3
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.volume import half_throw_volume_mm3
 from tests.physics.test_drillings import LEANING, STRAIGHT, mikron
 
 pytestmark = pytest.mark.slow

@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.step_surface import step_surface
-from cranktopo.formats import PARTS, SolidPart
-from cranktopo.meshing.imported_body import half_throw_surface
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.loading import builtin_designs
+from cranktopo.base.formats import PARTS, SolidPart
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.solid.step_surface import step_surface
+from cranktopo.design.loading import builtin_designs, load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.importing.imported_body import half_throw_surface
 from tests.unit.remodel_cases import WHOLE, known_scene
 
 pytestmark = pytest.mark.slow

@@ -9,11 +9,10 @@ from typing import Any
 
 import pytest
 
-from cranktopo.accuracy.evaluation_study import MESHES
-from cranktopo.cli.main import main
-from cranktopo.scene import load_scene
-from cranktopo.scene.loading import designs_folder
-from cranktopo.store import create_run
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.runs.directories import create_run
+from cranktopo.tasks.fea.levels import MESHES
 
 CASTING = (designs_folder() / "opposed-piston-casting.toml").read_text(encoding="utf-8")
 """No envelope, so there is nothing to optimise."""
@@ -41,7 +40,7 @@ def test_a_budget_buys_levels_a_table_a_plot_and_a_stored_study(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Two levels, and a budget that is enough for them even on a slow or busy machine."""
-    monkeypatch.setattr("cranktopo.accuracy.evaluation_study.MESHES", MESHES[:2])
+    monkeypatch.setattr("cranktopo.tasks.fea.levels.MESHES", MESHES[:2])
     out = tmp_path / "out"
     assert main(["accuracy", design, "--budget", "10min", "--out", str(out), "--json"]) == 0
     captured = capsys.readouterr()
@@ -119,7 +118,7 @@ def test_the_folder_is_checked_before_the_budget_is_spent(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the destination was checked")
 
-    monkeypatch.setattr("cranktopo.accuracy.study.run_studies", solved)
+    monkeypatch.setattr("cranktopo.tasks.accuracy.study.run_studies", solved)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     assert main(["accuracy", "--out", str(tmp_path / "mine" / "folder")]) == 3
     assert "is a file. Choose another --out." in capsys.readouterr().err
@@ -130,7 +129,7 @@ def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
 ) -> None:
     """Nothing is dropped beside an STL of the user's."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cranktopo.accuracy.study.planned_studies", lambda _: {})
+    monkeypatch.setattr("cranktopo.tasks.accuracy.study.planned_studies", lambda _: {})
     run, scene = tmp_path / "one", load_scene("opposed-piston-casting").model_dump(mode="json")
     command = ["cranktopo", "optimise"]
     create_run(design="casting", design_toml=CASTING, scene=scene, options={}, command=command, out=run)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.scene.loading import designs_folder
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 
@@ -161,7 +161,7 @@ def test_misspelt_word_of_an_option(typed: str, message: str, capsys: pytest.Cap
 def test_elements_too_fine_say_what_fits(
     command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cranktopo.evaluate.mesh_memory.available_memory_MiB", lambda: 8 * 1024.0)
+    monkeypatch.setattr("cranktopo.bodies.mesh.memory.available_memory_MiB", lambda: 8 * 1024.0)
     assert main([command, "mikron-iiic", "--element-size-mm", "0.3", "--quiet"]) == 3
     captured = capsys.readouterr()
     assert captured.out == ""

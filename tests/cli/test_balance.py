@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.scene.loading import designs_folder
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder
 from tests.engine_arrangements import MIKRON
 
 V2 = (

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.errors import ExitCode
+from cranktopo.app.main import main
+from cranktopo.base.errors import ExitCode
 
 COARSE = ["--resolution-mm", "4.5", "--quiet"]
 

@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.throw_solid import add_half_throw
-from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.safety_field import check_inputs
-from cranktopo.evaluate.stress_model import solve_stresses
-from cranktopo.evaluate.targets import Target, simulated
-from cranktopo.meshing.found_fillets import ring_of
-from cranktopo.meshing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
-from cranktopo.scene import Scene
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.solid.throw import add_half_throw
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.fatigue.safety_field import check_inputs
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fea.targets import Target, simulated
+from cranktopo.tasks.importing.found_fillets import ring_of
+from cranktopo.tasks.importing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 Capture = pytest.CaptureFixture[str]

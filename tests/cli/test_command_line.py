@@ -13,11 +13,11 @@ from pathlib import Path
 import click
 import pytest
 
-from cranktopo.cli.main import COMMANDS, cli, main
-from cranktopo.scene.loading import designs_folder
+from cranktopo.app.main import COMMANDS, cli, main
+from cranktopo.design.loading import designs_folder
 
 LONG = ("optimise", "evaluate", "compare", "accuracy", "fatigue", "shaft", "extract", "remodel", "iterate")
-PROGRAM = [sys.executable, "-c", "from cranktopo.cli.main import main; main()"]
+PROGRAM = [sys.executable, "-c", "from cranktopo.app.main import main; main()"]
 
 
 def commands() -> dict[str, click.Command]:

@@ -10,17 +10,17 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.evaluate.evaluation import Evaluation, Stiffness
-from cranktopo.evaluate.m53 import Factors, FilletCheck, Nominal
-from cranktopo.evaluate.rule_check import AlternatingLoads, RuleCheck, dimensions
-from cranktopo.evaluate.stress_model import Quality
-from cranktopo.evaluate.targets import Target, resolve_target
-from cranktopo.report.comparison import Entry, compare
-from cranktopo.report.quantities import SAFETY, TORSION
-from cranktopo.report.tables.fatigue_tables import FatigueComparison
-from cranktopo.scene import Scene
-from cranktopo.scene.loading import design_text, designs_folder
+from cranktopo.app.main import main
+from cranktopo.design.loading import design_text, designs_folder
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.compare.result import Entry, compare
+from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal
+from cranktopo.tasks.fatigue.rule_check import AlternatingLoads, RuleCheck, dimensions
+from cranktopo.tasks.fatigue.stress_model import Quality
+from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.fea.quantities import SAFETY, TORSION
+from cranktopo.tasks.fea.targets import Target, resolve_target
 
 NAMES = ["opposed-piston", "opposed-piston-casting"]
 
@@ -41,8 +41,8 @@ def evaluated(name: str, torsion: float, error: float) -> Evaluation:
 
 @pytest.fixture(autouse=True)
 def _without_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.pipeline.evaluate.evaluate", invented)
-    monkeypatch.setattr("cranktopo.pipeline.compare.bounds_beside", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_beside", lambda *_: None)
 
 
 @pytest.mark.slow
@@ -57,7 +57,7 @@ def test_what_no_web_can_beat(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         curves = {"mass_percent": [70.0, 100.0], "torsion_percent": [None, 115.0]}
         return {"statements": [entry | told], "stiffest": curves}
 
-    monkeypatch.setattr("cranktopo.pipeline.compare.bounds_beside", bounds)
+    monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_beside", bounds)
     path = tmp_path / "page.html"
     command = ["compare", NAMES[0], str(copied(NAMES[0], tmp_path)), "--baseline", NAMES[0], "--quiet"]
     assert main([*command, "--report", str(path), "--plot", str(tmp_path / "plot.png")]) == 0
@@ -101,7 +101,7 @@ def alike(monkeypatch: pytest.MonkeyPatch) -> None:
         found = invented(target)
         return replace(found, throw_kg=2.0, fine=replace(found.fine, torsion={"free": 100e3 + found.web_kg}))
 
-    monkeypatch.setattr("cranktopo.pipeline.evaluate.evaluate", near)
+    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", near)
 
 
 @pytest.mark.usefixtures("alike")
@@ -211,8 +211,8 @@ def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
         )
         return (check,)
 
-    monkeypatch.setattr("cranktopo.pipeline.fatigue.check_inputs", lambda *_: None)
-    monkeypatch.setattr("cranktopo.pipeline.fatigue.check_rule", checked)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_inputs", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
 
 
 @pytest.mark.usefixtures("safeties")
@@ -259,7 +259,7 @@ def test_sharp_fillets_are_refused_before_the_work(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
 
-    monkeypatch.setattr("cranktopo.evaluate.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
     text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
     path = tmp_path / "sharp.toml"
     path.write_text(text.replace("fillet_mm = 2.5", "fillet_mm = 0.0"), encoding="utf-8")
@@ -274,7 +274,7 @@ def _nothing_solved(monkeypatch: pytest.MonkeyPatch) -> None:
     def solved(*_: object) -> None:
         raise AssertionError("solved before everything was checked")
 
-    monkeypatch.setattr("cranktopo.pipeline.evaluate.evaluate", solved)
+    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", solved)
 
 
 @pytest.mark.usefixtures("_nothing_solved")

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.evaluate.targets import resolve_target, resolve_targets
-from cranktopo.scene import load_scene
-from cranktopo.scene.loading import builtin_designs, designs_folder
-from cranktopo.store import create_run
+from cranktopo.app.main import main
+from cranktopo.design.loading import builtin_designs, designs_folder, load_scene
+from cranktopo.runs.directories import create_run
+from cranktopo.tasks.fea.targets import resolve_target, resolve_targets
 from tests.cli.test_run_scene import with_files
 
 

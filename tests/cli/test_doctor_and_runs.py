@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.pipeline import doctor as checks
-from cranktopo.store import RunStore, create_run, locked
+from cranktopo.app.main import main
+from cranktopo.runs.directories import RunStore, create_run
+from cranktopo.runs.lock import locked
+from cranktopo.tasks.doctor import stage as checks
 
 
 def doctor(capsys: pytest.CaptureFixture[str], code: int) -> dict[str, dict[str, Any]]:
@@ -80,9 +81,9 @@ def test_missing_packages_and_tools(
 def test_python_and_memory_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     assert checks.python((3, 10, 12)).state == "missing"
     assert checks.python((3, 11, 0)).state == "ok"
-    monkeypatch.setattr("cranktopo.domain.resolution.available_memory_MiB", lambda: 100.0)
+    monkeypatch.setattr("cranktopo.bodies.cells.resolution.available_memory_MiB", lambda: 100.0)
     assert checks.memory().state == "absent"
-    monkeypatch.setattr("cranktopo.domain.resolution.available_memory_MiB", lambda: 1e6)
+    monkeypatch.setattr("cranktopo.bodies.cells.resolution.available_memory_MiB", lambda: 1e6)
     assert checks.memory().state == "ok"
 
 

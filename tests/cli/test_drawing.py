@@ -10,15 +10,16 @@ import pytest
 from manifold3d import CrossSection, FillRule
 from matplotlib.figure import Figure
 
-from cranktopo.cad.solid_files import surface_of
-from cranktopo.cli.main import main
-from cranktopo.loads.balance import throw_balance
-from cranktopo.pipeline.drawing_file import throw_sheets
-from cranktopo.report.figures.drawing import drawing_figure
-from cranktopo.report.figures.drawing_views import Sheet
-from cranktopo.scene import Scene, load_scene
-from cranktopo.surface.solids import web_region
-from cranktopo.triangles.surface_mesh import SurfaceMesh, solid_of
+from cranktopo.app.main import main
+from cranktopo.bodies.prisms import web_region
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
+from cranktopo.tasks.drawing.sheet import drawing_figure
+from cranktopo.tasks.drawing.stage import throw_sheets
+from cranktopo.tasks.drawing.views import Sheet
 from tests.physics.test_two_webs import POCKET, lopsided
 from tests.unit.remodel_cases import WHOLE, known_scene
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cli.main import main
-from cranktopo.store import load_checkpoint, load_iteration
+from cranktopo.app.main import main
+from cranktopo.runs.checkpoint import load_checkpoint
+from cranktopo.runs.iterations import load_iteration
 from tests.plain_runs import plain_runs
 
 Capture = pytest.CaptureFixture[str]

@@ -10,12 +10,11 @@ import meshio
 import numpy as np
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.targets import Target
-from cranktopo.scene import load_scene
-from cranktopo.scene.loading import designs_folder
-from cranktopo.store import create_run
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.runs.directories import create_run
+from cranktopo.tasks.fea.targets import Target
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 NO_DATA = 'name = "31CrMoV9"'
@@ -95,8 +94,8 @@ def test_small_fillets_stay_where_the_method_needs_no_fatigue_strength(
         met.append(target.scene.throw.crankpin.fillet_mm)
         raise CranktopoError("met.")
 
-    monkeypatch.setattr("cranktopo.evaluate.safety_field.solve_stresses", solved)
-    monkeypatch.setattr("cranktopo.evaluate.rule_check.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.solve_stresses", solved)
     path = design(
         tmp_path,
         (NO_DATA, STEEL),
@@ -113,7 +112,7 @@ def test_a_later_target_is_checked_before_the_first_is_solved(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
 
-    monkeypatch.setattr("cranktopo.evaluate.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
     sharp = design(tmp_path, ("fillet_mm = 2.5", "fillet_mm = 0.0"))
     assert main(["fatigue", "mikron-iiic", sharp]) == 3
     assert "singular" in capsys.readouterr().err
@@ -150,7 +149,7 @@ def test_a_file_is_no_folder_for_results(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the destination was checked")
 
-    monkeypatch.setattr("cranktopo.evaluate.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     for out in (tmp_path / "mine", tmp_path / "mine" / "folder"):
         assert main(["fatigue", "mikron-iiic", "--out", str(out)]) == 3

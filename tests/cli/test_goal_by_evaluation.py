@@ -9,12 +9,11 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.evaluate.evaluation import Evaluation, Stiffness
-from cranktopo.loads import load_cases
-from cranktopo.pipeline import evaluate as evaluating
-from cranktopo.scene import load_scene
-from cranktopo.scene.loading import resolve_design
+from cranktopo.app.main import main
+from cranktopo.design.loading import load_scene, resolve_design
+from cranktopo.engine.cases import load_cases
+from cranktopo.tasks.fea import stage as evaluating
+from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 
 GOAL = """
 [goal]

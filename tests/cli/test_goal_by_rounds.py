@@ -16,21 +16,21 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import Evaluation, Stiffness
-from cranktopo.optimise.responses import Response
-from cranktopo.optimise.state import Record, State
-from cranktopo.optimise.statement import Requirement
-from cranktopo.pipeline import evaluated_limits
-from cranktopo.pipeline.evaluated_limits import CheckedLimit
-from cranktopo.pipeline.goal_by_evaluation import met_by_evaluation
-from cranktopo.report.pages.verdict import headline
-from cranktopo.report.tables.run_text import run_summary
-from cranktopo.scene import Scene
-from cranktopo.scene.goal import Goal, Limit
-from cranktopo.scene.goal.outcome import limit_outcomes
-from cranktopo.store import Work
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.progress import Work
+from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.goal.outcome import limit_outcomes
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.density.responses import Response
+from cranktopo.tasks.density.state import Record, State
+from cranktopo.tasks.density.statement import Requirement
+from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.optimise import evaluated_limits
+from cranktopo.tasks.optimise.evaluated_limits import CheckedLimit
+from cranktopo.tasks.optimise.goal_by_evaluation import met_by_evaluation
+from cranktopo.tasks.optimise.text import run_summary
+from cranktopo.tasks.optimise.verdict import headline
 
 pytestmark = pytest.mark.slow
 OPTIONS = [
@@ -81,7 +81,7 @@ def bounds() -> Iterator[list[dict[str, float]]]:
         return {"none": "not proven"}
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cranktopo.pipeline.judgement.bounds_beside", beside)
+        patch.setattr("cranktopo.tasks.optimise.judgement.bounds_beside", beside)
         yield asked
 
 

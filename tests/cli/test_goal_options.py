@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from cranktopo.cli.main import main
+from cranktopo.app.main import main
 
 
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
+from cranktopo.app.main import main
 
 OPTIONS = [
     *("--minimise", "mass", "--limit", "bending none", "--limit", "torsion >= 90 %"),

@@ -18,21 +18,21 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.cad.volume import web_volume_mm3
-from cranktopo.cli.main import main
-from cranktopo.effects.beam import throw_compliance
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.balance import throw_balance
-from cranktopo.pipeline.iterate import loop, step_solids
-from cranktopo.pipeline.iterate.step_solids import write_solids
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.report.tables.steps_table import best_line
-from cranktopo.scene import Scene
-from cranktopo.scene.features import ObroundWeb
-from cranktopo.scene.writing import toml_text
-from cranktopo.store import create_run
-from cranktopo.store.manifest import settings_hash
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.plan.beam import throw_compliance
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.runs.directories import create_run
+from cranktopo.runs.manifest import settings_hash
+from cranktopo.tasks.iterate import loop, step_solids
+from cranktopo.tasks.iterate.step_solids import write_solids
+from cranktopo.tasks.iterate.text import best_line
+from cranktopo.throw.hull import ObroundWeb
 
 Capture = pytest.CaptureFixture[str]
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import trimesh
 
-from cranktopo.cli.main import main
+from cranktopo.app.main import main
 from tests.step_volume import step_volume_mm3
 
 KG_PER_MM3 = 7850e-9

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.iterate import loop, shape_step
-from cranktopo.pipeline.run_webs import web_target
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.tasks.designs.run_webs import web_target
+from cranktopo.tasks.iterate import loop, shape_step
 from tests.cli.test_iterate import with_stand_ins
 from tests.shape_stand_in import ShapeStandIn
 

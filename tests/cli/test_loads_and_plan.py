@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from cranktopo.cli.main import main
+from cranktopo.app.main import main
 
 CURVES = [
     "gas_force_N",
@@ -95,7 +95,7 @@ def test_a_scene_with_peaks_only(capsys):
 
 
 def test_without_an_engine(capsys, tmp_path):
-    from cranktopo.scene.loading import designs_folder
+    from cranktopo.design.loading import designs_folder
 
     text = (designs_folder() / "opposed-piston.toml").read_text()
     design = tmp_path / "d.toml"
@@ -136,7 +136,7 @@ def test_bad_outputs(capsys, tmp_path):
 
 
 def test_bad_indicator_is_one_line(capsys, tmp_path):
-    from cranktopo.scene.loading import designs_folder
+    from cranktopo.design.loading import designs_folder
 
     text = (designs_folder() / "mikron-iiic.toml").read_text()
     peak = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"
@@ -166,7 +166,7 @@ def test_plan_json(capsys):
 
 
 def test_plan_warns_of_what_a_shaft_leaves_out(tmp_path, capsys):
-    from cranktopo.scene.loading import designs_folder
+    from cranktopo.design.loading import designs_folder
 
     path, text = tmp_path / "mine.toml", (designs_folder() / "mikron-iiic.toml").read_text()
     shaft = "[shaft]\npropeller = {inertia_kg_m2 = 0.6}\n"

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.solid_files import export_solid, surface_of
-from cranktopo.cli.main import main
-from cranktopo.scene import load_scene
-from cranktopo.triangles.surface_files import write_stl
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.app.main import main
+from cranktopo.bodies.solid.files import export_solid, surface_of
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 COARSE = ("--design", "mikron-iiic", "--element-size-mm", "14", "--json")
 

@@ -19,14 +19,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.fem import equilibrium
-from cranktopo.optimise import loop
-from cranktopo.optimise.state import State
-from cranktopo.pipeline.optimise import optimise_design
-from cranktopo.scene import Scene
-from cranktopo.store import load_checkpoint
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.grid import equilibrium
+from cranktopo.runs.checkpoint import load_checkpoint
+from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.state import State
+from cranktopo.tasks.optimise.stage import optimise_design
 from tests.plain_runs import plain_runs
 
 COARSE = ["--resolution-mm", "4.5"]
@@ -191,7 +191,7 @@ def test_stopped_run_continues_to_the_same_result(short: Path, tmp_path: Path) -
 
 def begun(out: Path, rows: int, *arguments: str) -> subprocess.Popen[str]:
     """A run in its own process that has done at least `rows` iterations."""
-    command = [sys.executable, "-c", "from cranktopo.cli.launch import main; main()", *arguments]
+    command = [sys.executable, "-c", "from cranktopo.app.launch import main; main()", *arguments]
     process = subprocess.Popen(
         command,
         stderr=subprocess.PIPE,
@@ -267,9 +267,9 @@ def test_ctrl_c_before_the_first_iteration_is_recorded(
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cranktopo.pipeline.optimise.build_problem", lambda *_: None)
-    monkeypatch.setattr("cranktopo.pipeline.optimise.check_limits", lambda *_: None)
-    monkeypatch.setattr("cranktopo.optimise.loop.init", interrupted)
+    monkeypatch.setattr("cranktopo.tasks.optimise.stage.build_problem", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.optimise.stage.check_limits", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.density.loop.init", interrupted)
     with pytest.raises(CranktopoError, match="interrupted"):
         optimise_design(coarse(mikron), tmp_path / "run")
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "interrupted"

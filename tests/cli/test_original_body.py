@@ -8,22 +8,22 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.volume import half_throw_volume_mm3, web_volume_mm3
-from cranktopo.domain.build import build_domain
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import Evaluation, Stiffness
-from cranktopo.evaluate.targets import Target
-from cranktopo.meshing.imported_body import read_half_throw
-from cranktopo.optimise.notices import baseline_notice
-from cranktopo.pipeline import evaluated_limits
-from cranktopo.pipeline.evaluated_limits import EvaluatedGoal
-from cranktopo.pipeline.iterate.step_solids import HALF, read_web, write_original
-from cranktopo.pipeline.original import check_original
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.loading import input_files
-from cranktopo.store import Work
-from cranktopo.triangles.surface_files import read_stl
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.progress import Work
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
+from cranktopo.design.loading import input_files, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.tasks.density.notices import baseline_notice
+from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.importing.imported_body import read_half_throw
+from cranktopo.tasks.importing.original import check_original
+from cranktopo.tasks.iterate.step_solids import HALF, read_web, write_original
+from cranktopo.tasks.optimise import evaluated_limits
+from cranktopo.tasks.optimise.evaluated_limits import EvaluatedGoal
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 

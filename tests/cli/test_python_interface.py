@@ -10,14 +10,15 @@ from typing import Any
 import pytest
 
 import cranktopo
-from cranktopo.cli.main import COMMANDS
-from cranktopo.evaluate.evaluation import Evaluation, Stiffness
-from cranktopo.pipeline import accuracy, fatigue
-from cranktopo.pipeline import evaluate as evaluating
-from cranktopo.pipeline import remodel as remodelling
-from cranktopo.pipeline.iterate import loop
-from cranktopo.pipeline.optimise import OptimisedRun
-from cranktopo.scene import Scene
+from cranktopo.app.main import COMMANDS
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.accuracy import stage as accuracy
+from cranktopo.tasks.fatigue import stage as fatigue
+from cranktopo.tasks.fea import stage as evaluating
+from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.iterate import loop
+from cranktopo.tasks.optimise.stage import OptimisedRun
+from cranktopo.tasks.refit import stage as remodelling
 from tests.plain_runs import plain_runs
 
 BEHIND = {

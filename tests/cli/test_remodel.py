@@ -13,17 +13,17 @@ import pytest
 import trimesh
 from matplotlib.image import imread
 
-from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.cli.main import main
-from cranktopo.pipeline import remodel
-from cranktopo.pipeline.remodel import write_remodel
-from cranktopo.remodel.fit import FittedWeb
-from cranktopo.remodel.select import Trial
-from cranktopo.remodel.shape_error import shape_error
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.loading import designs_folder
-from cranktopo.store import create_run
-from cranktopo.triangles.surface_mesh import mesh_of
+from cranktopo.app.main import main
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.runs.directories import create_run
+from cranktopo.tasks.refit import stage as remodel
+from cranktopo.tasks.refit.fit import FittedWeb
+from cranktopo.tasks.refit.select import Trial
+from cranktopo.tasks.refit.shape_error import shape_error
+from cranktopo.tasks.refit.stage import write_remodel
 from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.evaluate.m53 import FilletCheck, concentration_factors, nominal_stresses, outside_validity
-from cranktopo.evaluate.rule_check import AlternatingLoads, RuleCheck, dimensions
-from cranktopo.evaluate.stress_model import Quality
-from cranktopo.evaluate.targets import Target
-from cranktopo.scene.halves import difference, halves
-from cranktopo.scene.loading import designs_folder
+from cranktopo.app.main import main
+from cranktopo.design.halves import difference, halves
+from cranktopo.design.loading import designs_folder
+from cranktopo.tasks.fatigue.m53 import FilletCheck, concentration_factors, nominal_stresses, outside_validity
+from cranktopo.tasks.fatigue.rule_check import AlternatingLoads, RuleCheck, dimensions
+from cranktopo.tasks.fatigue.stress_model import Quality
+from cranktopo.tasks.fea.targets import Target
 
 QUALITY = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
 
@@ -40,7 +40,7 @@ def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
 
 @pytest.fixture
 def no_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.pipeline.fatigue.check_rule", checked)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
 
 
 def row(text: str, first: str) -> list[str]:
@@ -121,7 +121,7 @@ def test_mistakes_before_any_solve(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cranktopo.pipeline.fatigue.check_rule", lambda *_: pytest.fail("solved"))
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", lambda *_: pytest.fail("solved"))
     assert main(["fatigue", "mikron-iiic", *arguments]) == code
     assert words in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.targets import resolve_target
-from cranktopo.pipeline import remodel as pipeline_remodel
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.loading import design_text, designs_folder, input_files
-from cranktopo.scene.of_run import scene_of_run
-from cranktopo.scene.writing import toml_text
-from cranktopo.store import RunStore, create_run
-from cranktopo.store.manifest import settings_hash
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import design_text, designs_folder, input_files, load_scene
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.runs.directories import RunStore, create_run
+from cranktopo.runs.manifest import settings_hash
+from cranktopo.tasks.fea.targets import resolve_target
+from cranktopo.tasks.refit import stage as pipeline_remodel
 from tests.unit.test_indicator import write as write_indicator
 
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"

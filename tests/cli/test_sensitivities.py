@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.errors import ExitCode
-from cranktopo.remodel.family import web_of
-from cranktopo.scene import scene_from_dict
-from cranktopo.scene.writing import toml_text
+from cranktopo.app.main import main
+from cranktopo.base.errors import ExitCode
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.writing import toml_text
+from cranktopo.tasks.refit.family import web_of
 from tests.cli.test_shape_target import run_of
 from tests.physics.shape_cases import solid_web
 

@@ -12,11 +12,10 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.evaluate.shaft import shaft_tables
-from cranktopo.scene import load_scene
-from cranktopo.scene.loading import designs_folder
-from cranktopo.scene.supports import Supports
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.design.supports import Supports
+from cranktopo.tasks.shaft.stage import shaft_tables
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 STEEL_KG_PER_MM3 = 7.85e-6

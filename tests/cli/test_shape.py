@@ -8,13 +8,14 @@ from typing import Any
 
 import pytest
 
-from cranktopo import pipeline
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.shape import resume_shape, shape_design
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.shape.stage import ShapeSettings
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.shape import run as shape_run
+from cranktopo.tasks.shape.run import resume_shape, shape_design
+from cranktopo.tasks.shape.stage import ShapeSettings
 
 COARSE = ShapeSettings(cell_mm=9.0, mesh_mm=16.0, rounds=3, element_size_mm=14.0)
 
@@ -55,7 +56,7 @@ def test_the_design_evaluates_as_it_says(run: tuple[Path, dict[str, Any]], capsy
 @pytest.mark.slow
 def test_what_a_millimetre_is_worth_predicts_the_evaluation(run: tuple[Path, dict[str, Any]]) -> None:
     """The deeper of two bevels, 1 mm less deep: the mass by the exact solid against the table."""
-    from cranktopo.cad.volume import half_throw_volume_mm3
+    from cranktopo.bodies.volume import half_throw_volume_mm3
 
     folder, data = run
     scene = load_scene(str(folder / "web.toml"))
@@ -94,7 +95,7 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_web(
     run: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, data = run
-    done, once = [], pipeline.shape.Work.once
+    done, once = [], shape_run.Work.once
 
     def interrupted(self: Any, name: str, make: Any) -> Any:
         if len(done) == 4:
@@ -102,7 +103,7 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_web(
         done.append(name)
         return once(self, name, make)
 
-    monkeypatch.setattr(pipeline.shape.Work, "once", interrupted)
+    monkeypatch.setattr(shape_run.Work, "once", interrupted)
     with pytest.raises(CranktopoError, match="interrupted") as error:
         shape_design(light(load_scene("mikron-iiic")), COARSE, tmp_path / "run")
     assert error.value.code == ExitCode.INTERRUPTED

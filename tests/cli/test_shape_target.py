@@ -9,16 +9,18 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline import shape
-from cranktopo.pipeline.run_webs import web_target
-from cranktopo.remodel.family import web_of
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.writing import toml_text
-from cranktopo.shape.stage import ShapeSettings
-from cranktopo.store import RESULT_FILES, RunKind, RunStore, create_run
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.runs.directories import RunStore, create_run
+from cranktopo.runs.kind import RESULT_FILES, RunKind
+from cranktopo.tasks.designs.run_webs import web_target
+from cranktopo.tasks.refit.family import web_of
+from cranktopo.tasks.shape import run as shape
+from cranktopo.tasks.shape.stage import ShapeSettings
 from tests.physics.shape_cases import full_web
 
 COARSE = ShapeSettings(cell_mm=9.0, rounds=1, element_size_mm=14.0)

@@ -7,8 +7,8 @@ from pathlib import Path
 import jax
 import pytest
 
-from cranktopo.pipeline.optimise import optimise_design
-from cranktopo.scene.loading import load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.tasks.optimise.stage import optimise_design
 from tests.plain_runs import plain_runs
 
 ASKED, FOUND = "/jax/compilation_cache/compile_requests_use_cache", "/jax/compilation_cache/cache_hits"

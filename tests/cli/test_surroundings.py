@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.scene.loading import designs_folder
-from cranktopo.store import user_cache
+from cranktopo.app.main import main
+from cranktopo.base.cache import user_cache
+from cranktopo.design.loading import designs_folder
 
-PROGRAM = f"{sys.executable} -c 'from cranktopo.cli.main import main; main()'"
+PROGRAM = f"{sys.executable} -c 'from cranktopo.app.main import main; main()'"
 
 
 def shell(line: str, folder: Path, **settings: str) -> subprocess.CompletedProcess[bytes]:

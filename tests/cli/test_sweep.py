@@ -19,10 +19,10 @@ import pandas as pd
 import pytest
 
 from cranktopo import sweep
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.sweep.targets import with_picks
-from cranktopo.scene import load_scene
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.loading import load_scene
+from cranktopo.tasks.sweep.targets import with_picks
 from tests import sweep_cases
 from tests.packed_scenes import small_web
 from tests.sweep_cases import HELD, TRACE
@@ -337,7 +337,7 @@ def test_workers_that_are_all_gone_are_replaced(tmp_path: Path, monkeypatch: pyt
         return started[-1]
 
     monkeypatch.setattr("distributed.LocalCluster", giving_up)
-    monkeypatch.setattr("cranktopo.pipeline.sweep.engine.GONE_S", 1.0)
+    monkeypatch.setattr("cranktopo.tasks.sweep.executor.GONE_S", 1.0)
     monkeypatch.setenv(HELD, "1")
     frame = sweep(vary={WIDTH: [50, 51, 52, 53]}, workers=1, out=tmp_path / "out", function=sweep_cases.empty)
     assert frame["status"].tolist() == ["done"] * 4

@@ -11,24 +11,24 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cranktopo.accuracy.level import EVALUATION, FILLET_STRESS
-from cranktopo.accuracy.study import planned_studies, run_studies
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate import rule_check
-from cranktopo.evaluate.m53 import concentration_factors
-from cranktopo.evaluate.rule_check import dimensions
-from cranktopo.evaluate.stress_model import Quality
-from cranktopo.evaluate.targets import Target, resolve_targets
-from cranktopo.loads.balance import throw_balance
-from cranktopo.pipeline import compare
-from cranktopo.pipeline.sweep.fineness import Fineness
-from cranktopo.pipeline.sweep.plan import sweep_plan
-from cranktopo.pipeline.sweep.stages import run_stage
-from cranktopo.pipeline.sweep.variation import read_option
-from cranktopo.scene import drilling_moments, load_scene, scene_from_dict
-from cranktopo.scene.halves import halves
-from cranktopo.scene.loading import designs_folder
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies import drilling_moments
+from cranktopo.design.halves import halves
+from cranktopo.design.loading import designs_folder, load_scene, scene_from_dict
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.accuracy.study import planned_studies, run_studies
+from cranktopo.tasks.compare import stage as compare
+from cranktopo.tasks.fatigue import rule_check
+from cranktopo.tasks.fatigue.m53 import concentration_factors
+from cranktopo.tasks.fatigue.rule_check import dimensions
+from cranktopo.tasks.fatigue.stress_model import Quality
+from cranktopo.tasks.fea.level import EVALUATION, FILLET_STRESS
+from cranktopo.tasks.fea.targets import Target, resolve_targets
+from cranktopo.tasks.sweep.fineness import Fineness
+from cranktopo.tasks.sweep.plan import sweep_plan
+from cranktopo.tasks.sweep.stages import run_stage
+from cranktopo.tasks.sweep.variation import read_option
 from tests.packed_scenes import unpacked
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.evaluate.shaft import ShaftEvaluation, evaluate_shaft
-from cranktopo.scene.loading import designs_folder
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder
+from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 2000.0\n"
@@ -119,7 +119,7 @@ def test_elements_of_a_design_without_a_shaft(
         found.append(evaluate_shaft(*arguments))
         return found[0]
 
-    monkeypatch.setattr("cranktopo.pipeline.vibration.evaluate_shaft", kept)
+    monkeypatch.setattr("cranktopo.tasks.vibration.stage.evaluate_shaft", kept)
     data = printed(["mikron-iiic", "--element-size-mm", "30"], capsys)
     assert data["stiffness_source"].startswith("finite elements, rigid bearings")
     assert data["warnings"] == [

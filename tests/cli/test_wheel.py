@@ -52,7 +52,7 @@ def test_wheel_holds_code_designs_and_data(wheel: Path) -> None:
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert packed == wanted
-    assert {"cranktopo/designs/mikron-iiic.toml", "cranktopo/scene/materials.toml"} <= packed
+    assert {"cranktopo/designs/mikron-iiic.toml", "cranktopo/design/materials.toml"} <= packed
     assert "cranktopo/report/viewer/viewer.js" in packed
 
 

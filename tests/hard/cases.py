@@ -10,13 +10,14 @@ from typing import Protocol
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.domain.build import Domain, build_domain
-from cranktopo.fem.boundary_conditions import CaseSupports, build_supports
-from cranktopo.fem.lattice import Lattice
-from cranktopo.fem.model import ThrowModel, build_model, case_supports
-from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise.material import build_interpolation, relative_moduli
-from cranktopo.scene import Scene, load_scene
+from cranktopo.bodies.cells.domain import Domain, build_domain
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.grid.boundary_conditions import CaseSupports, build_supports
+from cranktopo.numerics.grid.lattice import Lattice
+from cranktopo.tasks.density.material import build_interpolation, relative_moduli
+from cranktopo.tasks.density.model import ThrowModel, build_model, case_supports
 from tests.hard import fields
 from tests.hard.oracle import Array, Direct, solve_directly
 

@@ -15,23 +15,24 @@ from pathlib import Path
 
 import numpy as np
 
-from cranktopo.errors import CranktopoError
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise.loop import WebDensities, final_design
-from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.stage import Prepared, optimise_density, prepare
-from cranktopo.optimise.state import State
-from cranktopo.pipeline.iterate.step_solids import write_envelope, write_solids
-from cranktopo.remodel.constraints import reaches_mm
-from cranktopo.remodel.family import Layout, station_shares, web_of
-from cranktopo.remodel.fit import fit_web, scene_with_web
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.cylinder_pocket import FittedCylinder
-from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.scene.geometry import StlEnvelope
-from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import load_scene
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density.loop import WebDensities, final_design
+from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.stage import Prepared, optimise_density, prepare
+from cranktopo.tasks.density.state import State
+from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
+from cranktopo.tasks.iterate.step_solids import write_envelope, write_solids
+from cranktopo.tasks.refit.constraints import reaches_mm
+from cranktopo.tasks.refit.family import Layout, station_shares, web_of
+from cranktopo.tasks.refit.fit import fit_web, scene_with_web
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.geometry import StlEnvelope
+from cranktopo.throw.side_pocket import FittedSlot
 
 ENGINES = ("mikron-iiic", "opposed-piston")
 COARSEST_MM = {"mikron-iiic": 4.5, "opposed-piston": 5.0}

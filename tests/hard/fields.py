@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, label
 
-from cranktopo.domain.grid import plan_grid
-from cranktopo.fem.boundary_conditions import CaseSupports, SectionMotion
-from cranktopo.fem.lattice import Lattice
+from cranktopo.bodies.cells.grid import plan_grid
+from cranktopo.numerics.grid.boundary_conditions import CaseSupports, SectionMotion
+from cranktopo.numerics.grid.lattice import Lattice
 
 Array = NDArray[np.float64]
 

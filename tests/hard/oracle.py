@@ -15,9 +15,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU, splu
 
-from cranktopo.fem.boundary_conditions import CaseSupports
-from cranktopo.fem.element import CORNERS
-from cranktopo.fem.lattice import Lattice, layer_stiffness
+from cranktopo.numerics.grid.boundary_conditions import CaseSupports
+from cranktopo.numerics.grid.element import CORNERS
+from cranktopo.numerics.grid.lattice import Lattice, layer_stiffness
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from functools import cache
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.errors import CranktopoError
-from cranktopo.fem.equilibrium import Solution
-from cranktopo.fem.response import solve
+from cranktopo.base.errors import CranktopoError
+from cranktopo.numerics.grid.equilibrium import Solution
+from cranktopo.tasks.density.response import solve
 from tests.hard.cases import cases
 from tests.hard.oracle import Direct
 

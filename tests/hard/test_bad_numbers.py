@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.fem.lattice import Lattice
-from cranktopo.fem.response import compliances, solve
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.numerics.grid.lattice import Lattice
+from cranktopo.tasks.density.response import compliances, solve
 from tests.hard import fields
 from tests.hard.cases import THROW_LOADS, Block, cases
 from tests.hard.outcome import direct

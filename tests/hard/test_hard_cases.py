@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.fem.equilibrium import METHODS, Solution
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.numerics.grid.equilibrium import METHODS, Solution
 from tests.hard.cases import cases
 from tests.hard.fields import loose_parts
 from tests.hard.outcome import attempt, compare

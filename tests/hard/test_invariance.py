@@ -10,11 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem.conjugate_gradients import CgResult, System, multigrid_cg
-from cranktopo.fem.equilibrium import METHODS, Method, run_method
-from cranktopo.fem.multigrid import GridTables, build_hierarchy, build_tables
-from cranktopo.fem.precision import Precision
-from cranktopo.fem.response import solve
+from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, multigrid_cg
+from cranktopo.numerics.grid.equilibrium import METHODS, Method, run_method
+from cranktopo.numerics.grid.multigrid import GridTables, build_hierarchy, build_tables
+from cranktopo.numerics.precision import Precision
+from cranktopo.tasks.density.response import solve
 from tests.hard import fields
 from tests.hard.cases import Block
 
@@ -82,7 +82,7 @@ def test_half_the_smoothing_of_large_grids(float64: None, monkeypatch: pytest.Mo
     system, tables = assembled(Block("", FIELD))
     found = {}
     for nodes in (10**9, 0):
-        monkeypatch.setattr("cranktopo.fem.multigrid._LARGE_NODES", nodes)
+        monkeypatch.setattr("cranktopo.numerics.grid.multigrid._LARGE_NODES", nodes)
         afresh = jax.jit(lambda *given: multigrid_cg.__wrapped__(*given))
         found[nodes] = cycle(system, tables, "float32", afresh)
     whole, half = found.values()
@@ -99,7 +99,7 @@ def test_precision_is_the_callers_choice(float64: None, monkeypatch: pytest.Monk
         asked.append((method.name, method.precision))
         return run_method(METHODS[0], *arguments)
 
-    monkeypatch.setattr("cranktopo.fem.equilibrium.run_method", watched)
+    monkeypatch.setattr("cranktopo.numerics.grid.equilibrium.run_method", watched)
     for precision in ("float32", "float64"):
         solve(block.model(), jnp.asarray(block.moduli), precision=precision)
     assert asked == [("multigrid CG", "float32"), ("multigrid CG", "float64")]

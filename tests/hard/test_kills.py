@@ -22,7 +22,7 @@ import pytest
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 OPTIMISE = ["optimise", "--resolution-mm", "4.5", "--max-iterations", "6"]
 LOOP = ["iterate", "--steps", "2", "--resolution-mm", "4.5", "--element-size-mm", "12", "--process", "free"]
-COMMAND = [sys.executable, "-c", "from cranktopo.cli.launch import main; main()"]
+COMMAND = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
 DONE, STOPPED = 0, 5
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 

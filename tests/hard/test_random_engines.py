@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.errors import ExitCode
-from cranktopo.pipeline.remodel import remodel_run
-from cranktopo.scene import scene_from_dict
-from cranktopo.scene.writing import toml_text
+from cranktopo.app.main import main
+from cranktopo.base.errors import ExitCode
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.writing import toml_text
+from cranktopo.tasks.refit.stage import remodel_run
 from tests.random_engines import random_engine
 
 ENGINES = range(60)

@@ -10,29 +10,30 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.fem.precision import double_precision
-from cranktopo.remodel.dimensions import free_dimensions, with_free
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.box_pocket import FittedBox
-from cranktopo.scene.features.cylinder_pocket import FittedCylinder
-from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.scene.goal import Goal, Limit
-from cranktopo.shape.goal_in_model import search_goal_of
-from cranktopo.shape.growth import Growth
-from cranktopo.shape.mesh_model import MeshResponses
-from cranktopo.shape.meshed_webs import MeshedWebs
-from cranktopo.shape.rules import ENVELOPE, rules_at
-from cranktopo.shape.search import Effort, best_values, search, shaped_scene
-from cranktopo.shape.search_goal import SearchGoal
-from cranktopo.shape.start import outline_start
-from cranktopo.shape.web_model import WebModel, web_model
-from cranktopo.store import Work
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Work
+from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.feature_selection import Growth
+from cranktopo.tasks.shape.goal_in_model import search_goal_of
+from cranktopo.tasks.shape.mesh_model import MeshResponses
+from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
+from cranktopo.tasks.shape.search import Effort, best_values, search, shaped_scene
+from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.start import outline_start
+from cranktopo.tasks.shape.web_model import WebModel, web_model
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]
 CELL_MM = 8.0
@@ -124,7 +125,7 @@ def test_limits_that_no_web_meets_name_what_the_nearest_reaches(
     name: str, model: WebModel, mikron: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each feature is tried by a few webs: which of them is the nearest is not the subject."""
-    monkeypatch.setattr("cranktopo.shape.growth.EVALUATIONS", 4)
+    monkeypatch.setattr("cranktopo.tasks.shape.feature_selection.EVALUATIONS", 4)
     goal, asked = GOALS[name]
     growing = growth(model, goal, [])
     start = outline_start(mikron, usual_limits(mikron))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import jax.numpy as jnp
 import pytest
 
-from cranktopo.fem.equilibrium import METHODS
-from cranktopo.fem.response import compliances, solve
+from cranktopo.numerics.grid.equilibrium import METHODS
+from cranktopo.tasks.density.response import compliances, solve
 from tests.studies.cantilever import cantilever
 
 LENGTH, SIDE = 512, 4

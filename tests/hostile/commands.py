@@ -8,8 +8,8 @@ import random
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cranktopo.scene import load_scene
-from cranktopo.store.manifest import new_manifest
+from cranktopo.design.loading import load_scene
+from cranktopo.runs.manifest import new_manifest
 from tests.hostile.scenes import hostile_text
 
 DESIGN = "x.toml"

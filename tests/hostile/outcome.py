@@ -13,17 +13,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from unittest.mock import patch
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError, ExitCode
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError, ExitCode
 from tests.hostile.commands import Case
 
 LIMIT_S = 10.0
 # Where the work starts that a valid input would do: it ends there instead.
 WORK = (
     "gmsh.initialize",
-    "cranktopo.pipeline.optimise.build_problem",
-    "cranktopo.store.runs.new_manifest",
-    "cranktopo.store.RunStore.resume",
+    "cranktopo.tasks.optimise.stage.build_problem",
+    "cranktopo.runs.directories.new_manifest",
+    "cranktopo.runs.RunStore.resume",
 )
 
 

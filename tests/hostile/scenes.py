@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from cranktopo.scene.loading import builtin_designs, designs_folder
+from cranktopo.design.loading import builtin_designs, designs_folder
 
 Table = dict[str, Any]
 VALID = {name: (designs_folder() / f"{name}.toml").read_text(encoding="utf-8") for name in builtin_designs()}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.evaluate.m53 import concentration_factors, nominal_stresses
-from cranktopo.evaluate.rule_check import dimensions, element_factors
-from cranktopo.evaluate.stress_model import solve_stresses
-from cranktopo.evaluate.targets import Target
-from cranktopo.loads.torsional_stiffness import web_lever_mm
+from cranktopo.engine.torsional_stiffness import web_lever_mm
+from cranktopo.tasks.fatigue.m53 import concentration_factors, nominal_stresses
+from cranktopo.tasks.fatigue.rule_check import dimensions, element_factors
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fea.targets import Target
 from tests.studies.example_throws import rule_throws
 
 

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.loads import analyse, bearing_spring_N_per_mm
-from cranktopo.loads.balancer_shafts import gear_forces
-from cranktopo.loads.bearings import rating_life_h, roller_spring_N_per_mm
-from cranktopo.loads.kinematics import exact_motion, force_ratios
-from cranktopo.scene import load_scene
-from cranktopo.scene.arrangement import Gear
-from cranktopo.scene.engine import Gas
-from cranktopo.scene.supports import RollerBearing
+from cranktopo.design.arrangement import Gear
+from cranktopo.design.engine import Gas
+from cranktopo.design.loading import load_scene
+from cranktopo.design.supports import RollerBearing
+from cranktopo.engine.analysis import analyse
+from cranktopo.engine.balance.balancer_shafts import gear_forces
+from cranktopo.engine.bearings import bearing_spring_N_per_mm, rating_life_h, roller_spring_N_per_mm
+from cranktopo.engine.kinematics import exact_motion, force_ratios
 
 MIKRON = load_scene("mikron-iiic")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cranktopo.cad.session import cad_session
+from cranktopo.numerics.gmsh_session import cad_session
 from tests.physics.stepped_shaft import POISSON, YOUNGS_MPA, Array, Shaft, graded, meridian
 
 

@@ -11,23 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from cranktopo.bound.stage import BoundModel
-from cranktopo.bound.webs import Webs
-from cranktopo.domain.build import build_domain
-from cranktopo.fem.lattice import Lattice
-from cranktopo.fem.model import ThrowModel, case_forces
-from cranktopo.fem.response import compliances, solve
-from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.material import CONTRAST, physical_density
-from cranktopo.optimise.responses import Design, quantities
-from cranktopo.optimise.stage import optimise_density, prepare
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.model_fill import smooth_step
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.shape.start import outline_start
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.grid.lattice import Lattice
+from cranktopo.tasks.bound.lower_bound import BoundModel
+from cranktopo.tasks.bound.webs import Webs
+from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.material import CONTRAST, physical_density
+from cranktopo.tasks.density.model import ThrowModel, case_forces
+from cranktopo.tasks.density.response import compliances, solve
+from cranktopo.tasks.density.responses import Design, quantities
+from cranktopo.tasks.density.stage import optimise_density, prepare
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.model_fill import smooth_step
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.start import outline_start
+from cranktopo.throw.bevel import FittedBevel
 from tests.physics.throw_cases import clamped_beam
 
 Array = NDArray[np.float64]

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import plane_nodes
-from cranktopo.frames import Span
-from cranktopo.meshing.solid_mesh import TetMesh
-from cranktopo.scene import Scene
+from cranktopo.base.frames import Span
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fea.condense import plane_nodes
 
 Array = NDArray[np.float64]
 Entry = tuple[int, int, float]

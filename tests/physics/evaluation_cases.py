@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.evaluate.elasticity import Elasticity, assemble
-from cranktopo.meshing.solid_mesh import TetMesh
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.units import MPA_PER_GPA
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
 
 LOPSIDED = {"shape": "cylinder", "x_mm": 15.0, "y_mm": 20.0, "diameter_mm": 14.0}
 """A hole beside the mirror plane of the Mikron's web."""

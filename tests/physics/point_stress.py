@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2
 
-from cranktopo.evaluate.elasticity import Elasticity
-from cranktopo.evaluate.stress import hooke
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.numerics.tetrahedra.stress import hooke
 
 Array = NDArray[np.float64]
 

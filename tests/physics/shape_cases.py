@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.remodel.dimensions import free_dimensions, with_free
-from cranktopo.remodel.family import Layout
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.box_pocket import FittedBox
-from cranktopo.scene.features.cylinder_pocket import FittedCylinder
-from cranktopo.scene.features.side_pocket import FittedSlot
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]
 COARSE_MM, COARSE_FILLET = 14.0, 2.0

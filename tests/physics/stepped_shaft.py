@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.cad.session import cad_session
-from cranktopo.evaluate.condense import section_motions
-from cranktopo.evaluate.elasticity import Elasticity, assemble
-from cranktopo.evaluate.equivalent import principal_stresses
-from cranktopo.evaluate.linear import solve_symmetric
-from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.surface import outer_surface, surface_stress
-from cranktopo.meshing.solid_mesh import TetMesh, extract_mesh
-from cranktopo.scene.fillet_section import FilletSection
+from cranktopo.bodies.mesh.solid_mesh import extract_mesh
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
+from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses
+from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.stressed_surface import outer_surface, surface_stress
+from cranktopo.tasks.fea.condense import section_motions
+from cranktopo.throw.fillet import FilletSection
 
 Array = NDArray[np.float64]
 YOUNGS_MPA, POISSON = 2.1e5, 0.3

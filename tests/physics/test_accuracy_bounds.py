@@ -6,9 +6,10 @@ from statistics import median
 
 import pytest
 
-from cranktopo.evaluate.evaluation import evaluate
-from cranktopo.optimise.error_bound import model_error_percent
-from cranktopo.scene import Scene, load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.density.error_bound import model_error_percent
+from cranktopo.tasks.fea.evaluation import evaluate
 from tests.random_throws import random_throw
 from tests.studies.cell_models import REFERENCE, featured, model_errors, own_model, ranking
 from tests.studies.error_bounds import pair_errors, single_errors, size_mm, stored_names, target_of, truth

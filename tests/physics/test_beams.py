@@ -6,8 +6,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem.lattice import Cells, Lattice
-from cranktopo.fem.response import compliances, solve
+from cranktopo.numerics.grid.lattice import Cells, Lattice
+from cranktopo.tasks.density.response import compliances, solve
 from tests.physics.throw_cases import clamped_beam
 
 MODULUS = 210e3

@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cranktopo.bound.curve import stiffest, stiffness_percent
-from cranktopo.bound.energies import energies
-from cranktopo.bound.proof import Plane, best_proof, plane_of
-from cranktopo.bound.sizing import next_densities
-from cranktopo.bound.stage import Bound, BoundModel, bound_model, prove
-from cranktopo.bound.wanted import STIFFNESSES, Ceiling
-from cranktopo.domain.build import build_domain
-from cranktopo.fem.precision import double_precision
-from cranktopo.fem.response import solve
-from cranktopo.optimise.material import CONTRAST
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.goal import Limit
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.goal.wanted import wanted
-from cranktopo.scene.loading import builtin_designs
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.goal.limit import Limit
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.bound.curve import stiffest, stiffness_percent
+from cranktopo.tasks.bound.energies import energies
+from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
+from cranktopo.tasks.bound.proof import Plane, best_proof, plane_of
+from cranktopo.tasks.bound.requirements import STIFFNESSES, Ceiling
+from cranktopo.tasks.bound.sizing import next_densities
+from cranktopo.tasks.density.material import CONTRAST
+from cranktopo.tasks.density.response import solve
 from tests.physics.bound_cases import (
     loaded_bar,
     own_body,
@@ -153,7 +153,7 @@ def test_a_die_leaves_less(mikron: Scene, lightest: Bound) -> None:
 
 def test_a_pocket_in_the_counterweight_is_among_the_webs(monkeypatch: pytest.MonkeyPatch) -> None:
     """A density keeps the sector solid, a search over dimensions does not; one bound judges both."""
-    monkeypatch.setattr("cranktopo.bound.stage.assess_original", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.bound.lower_bound.assess_original", lambda *_: None)
     pocket = {"shape": "box", "face": "pin", "y_mm": -48.0, "x_mm": 14.0, "depth_mm": 8.0}
     scene = load_scene("car-diesel")
     data = scene.model_dump(mode="json", exclude_none=True, by_alias=True)

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cranktopo.evaluate.case_stress import CaseStress, case_stress
-from cranktopo.evaluate.targets import Target
-from cranktopo.loads.load_case import LoadCase
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.tasks.fea.case_stress import CaseStress, case_stress
+from cranktopo.tasks.fea.targets import Target
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 SIZE_MM = 14.0

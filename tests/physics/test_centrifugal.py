@@ -6,10 +6,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.domain.build import Extent, build_domain
-from cranktopo.fem.model import build_model, case_forces
-from cranktopo.fem.response import compliances, solve
-from cranktopo.scene import Scene
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.grid import Extent
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.density.model import build_model, case_forces
+from cranktopo.tasks.density.response import compliances, solve
 from tests.physics.throw_cases import CENTRIFUGAL
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.combustion import combustion_pressure_MPa, fit_combustion
-from cranktopo.scene.engine import Gas
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.engine import Gas
+from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
 
 R, L = 48.0, 166.0
 GAS = Gas(

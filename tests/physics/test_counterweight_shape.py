@@ -7,24 +7,25 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
-from cranktopo.loads.balance import throw_balance
-from cranktopo.remodel.corner_fillet import FITS
-from cranktopo.remodel.dimensions import free_dimensions, scene_at, with_free
-from cranktopo.remodel.family import Layout, exact_web_of
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.remodel.model_fill import FILLET
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.features import web_bodies, web_spans
-from cranktopo.scene.features.box_pocket import FittedBox
-from cranktopo.scene.spans import holds
-from cranktopo.shape.mesh_model import MeshModel
-from cranktopo.shape.rules import rules_at
-from cranktopo.shape.start import scene_start
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.spans import holds
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.refit.corner_fillet import FITS
+from cranktopo.tasks.refit.dimensions import free_dimensions, scene_at, with_free
+from cranktopo.tasks.refit.family import Layout, exact_web_of
+from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.refit.model_fill import FILLET
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.mesh_model import MeshModel
+from cranktopo.tasks.shape.rules import rules_at
+from cranktopo.tasks.shape.start import scene_start
+from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.web import web_bodies, web_spans
 from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted
 
 FREE = {"counterweight_radius_mm": [50.0, 80.0], "counterweight_angle_deg": [40.0, 90.0]}

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from cranktopo.loads import analyse, at_speed
-from cranktopo.loads.combustion import combustion_pressure_MPa, fit_combustion
-from cranktopo.loads.engine_torque import shaft_torque
-from cranktopo.loads.kinematics import exact_motion
-from cranktopo.scene import load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
+from cranktopo.engine.kinematics import exact_motion
+from cranktopo.engine.torque import shaft_torque
 
 MIKRON = load_scene("mikron-iiic")
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.kinematics import exact_motion, force_ratios, series_motion
+from cranktopo.base.errors import CranktopoError
+from cranktopo.engine.kinematics import exact_motion, force_ratios, series_motion
 
 R, L = 45.0, 156.6
 # a deg, x mm, v/(r w), acc/(r w^2), N/F

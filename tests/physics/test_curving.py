@@ -7,12 +7,12 @@ import pytest
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, MeshTet2
 
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.elasticity import assemble
-from cranktopo.meshing import solid_mesh as meshing
-from cranktopo.meshing.curving import EDGES, straighten_folded
-from cranktopo.meshing.solid_mesh import TetMesh
-from cranktopo.scene import load_scene
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.mesh import solid_mesh as meshing
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.tetrahedra.curving import EDGES, straighten_folded
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from tests.physics.evaluation_cases import mikron_with
 
 Array = NDArray[np.float64]

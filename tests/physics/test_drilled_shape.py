@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.drilling import channels
-from cranktopo.scene.loading import load_scene
-from cranktopo.shape.mesh_model import MeshModel
-from cranktopo.shape.start import scene_start
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.mesh_model import MeshModel
+from cranktopo.tasks.shape.start import scene_start
+from cranktopo.throw.drilling import channels
 
 DRILLING = {
     "diameter_mm": 8.0,

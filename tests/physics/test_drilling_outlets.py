@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.evaluate.m53 import FilletCheck, fatigue_strength_MPa
-from cranktopo.evaluate.m53_outlet import check_outlets, outlet_equivalent_MPa, outlet_factors
-from cranktopo.loads.histories import load_history
+from cranktopo.engine.histories import load_history
+from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
+from cranktopo.tasks.fatigue.m53_outlet import check_outlets, outlet_equivalent_MPa, outlet_factors
 from tests.physics.cross_hole import DIAMETER_MM, outlet_peaks, peterson_bending, peterson_torsion
 from tests.physics.stepped_shaft import AXIAL, BENDING, TORSION
 from tests.physics.test_drillings import STRAIGHT, drilling, mikron

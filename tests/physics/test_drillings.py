@@ -9,23 +9,24 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.throw_solid import add_half_throw, solid_properties
-from cranktopo.domain.build import build_domain
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.balance import throw_balance
-from cranktopo.meshing.placement import misfits
-from cranktopo.remodel.drilling_rules import drilling_rules
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.drilling import channels, drilling_asymmetry
-from cranktopo.scene.drilling_moments import drilled
-from cranktopo.scene.features.bevel_arc import BevelArc
-from cranktopo.scene.features.fitted import CLEAR_MM, Surroundings
-from cranktopo.scene.outlet_ring import ring_points
-from cranktopo.scene.symmetry import envelope_asymmetry, mirror_image, web_asymmetry
-from cranktopo.surface.solids import journal_halves, web_bores
-from cranktopo.units import density_kg_per_mm3
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.drilling_moments import drilled
+from cranktopo.bodies.prisms import journal_halves, web_bores
+from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.design.symmetry import envelope_asymmetry, mirror_image, web_asymmetry
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.importing.placement import misfits
+from cranktopo.tasks.refit.drilling_rules import drilling_rules
+from cranktopo.throw.bevel_arc import BevelArc
+from cranktopo.throw.drilling import channels, drilling_asymmetry
+from cranktopo.throw.drilling_outlet import ring_points
+from cranktopo.throw.fitted import CLEAR_MM, Surroundings
 
 STEP = 1e-9
 

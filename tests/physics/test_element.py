@@ -7,15 +7,15 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem.element import (
+from cranktopo.numerics.grid.element import (
     CORNERS,
     elasticity,
     hexahedron_stiffness,
     reflection_blocks,
     wave_of,
 )
-from cranktopo.fem.lattice import Lattice, layer_blocks, layer_stiffness
-from cranktopo.fem.operator import apply_stiffness, stiffness_diagonal, strain_energy_density
+from cranktopo.numerics.grid.lattice import Lattice, layer_blocks, layer_stiffness
+from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal, strain_energy_density
 
 SIZES = [(1.0, 1.0, 1.0), (1.5, 1.2, 0.4), (1.0, 4.0, 1.0)]
 GRADIENT = np.array([[1e-3, 2e-3, -5e-4], [4e-4, -3e-3, 1e-3], [7e-4, 2e-4, 1.5e-3]])

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.throw_solid import add_half_throw, solid_properties
-from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.evaluate.fillets import Fillet, fillet_nodes
-from cranktopo.loads.balance import throw_balance
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.units import density_kg_per_mm3
+from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes
 from tests.physics.evaluation_cases import mikron_with
 
 

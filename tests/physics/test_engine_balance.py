@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from cranktopo.loads import analyse, throw_balance
-from cranktopo.loads.balancer_shafts import needed_shafts, size_shafts
-from cranktopo.loads.bearings import equivalent_load_N, rating_life_h
-from cranktopo.loads.engine_balance import (
+from cranktopo.design.loading import parse_scene
+from cranktopo.engine.analysis import analyse
+from cranktopo.engine.balance.balancer_shafts import needed_shafts, size_shafts
+from cranktopo.engine.balance.free_forces import (
     ORDERS,
     Ellipse,
     counterweights,
@@ -22,11 +22,12 @@ from cranktopo.loads.engine_balance import (
     rotating_force,
     turning_masses,
 )
-from cranktopo.loads.forces import throw_forces
-from cranktopo.loads.gas import pressure_curve
-from cranktopo.loads.kinematics import acceleration_harmonics
-from cranktopo.loads.main_bearings import main_bearings
-from cranktopo.scene import parse_scene
+from cranktopo.engine.balance.main_bearings import main_bearings
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
+from cranktopo.engine.forces import throw_forces
+from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.kinematics import acceleration_harmonics
 from tests.engine_arrangements import MIKRON, VEE, arranged
 
 PITCH, RADIUS, ROD = 114.0, 48.0, 166.0

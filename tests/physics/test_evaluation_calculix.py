@@ -14,16 +14,17 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from cranktopo.evaluate.condense import RZ, Condensed, condense
-from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
-from cranktopo.evaluate.support_stiffness import (
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fea.condense import RZ, Condensed, condense
+from cranktopo.tasks.fea.support_stiffness import (
     BendingSupport,
     TorsionSupport,
     bending_stiffness_N_per_mm,
     torsional_stiffness_Nm_per_rad,
 )
-from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
-from cranktopo.scene import Scene
 from tests.physics import calculix
 from tests.physics.evaluation_cases import LOPSIDED, elastic, mikron_with
 

@@ -9,19 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import RZ
-from cranktopo.evaluate.evaluation import evaluate
-from cranktopo.evaluate.shaft import evaluate_shaft
-from cranktopo.evaluate.shaft_assembly import (
-    Bearings,
-    shaft_matrix,
-    shaft_stiffness,
-    throw_blocks,
-    throw_matrix,
-)
-from cranktopo.evaluate.targets import Target
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import load_scene
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.loading import load_scene
+from cranktopo.tasks.fea.condense import RZ
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness, throw_blocks, throw_matrix
+from cranktopo.tasks.shaft.stage import evaluate_shaft
 from tests.physics.evaluation_cases import elastic, mikron_with
 
 Array = NDArray[np.float64]

@@ -14,11 +14,12 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, MeshTet
 
-from cranktopo.evaluate.elasticity import Elasticity, assemble
-from cranktopo.evaluate.evaluation import condensed_stiffness
-from cranktopo.evaluate.linear import largest_eigenvalue, solve_symmetric
-from cranktopo.meshing.remesh import quadratic
-from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
+from cranktopo.numerics.tetrahedra.linear_solve import largest_eigenvalue, solve_symmetric
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.remesh import quadratic
+from cranktopo.tasks.fea.evaluation import condensed_stiffness
 from tests.physics.evaluation_cases import mikron_with
 
 Array = NDArray[np.float64]

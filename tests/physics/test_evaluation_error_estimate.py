@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.evaluate.evaluation import evaluate, evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
+from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
+from cranktopo.tasks.fea.targets import Target
 from tests.physics.evaluation_cases import mikron_with
 from tests.physics.test_evaluation_reference import BENDING, TORSION
 from tests.studies.error_bounds import limit

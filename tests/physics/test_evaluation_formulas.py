@@ -11,11 +11,11 @@ import math
 
 import pytest
 
-from cranktopo.evaluate.condense import condense
-from cranktopo.evaluate.support_stiffness import torsional_stiffness_Nm_per_rad
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene
-from cranktopo.scene.features import ObroundWeb
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fea.condense import condense
+from cranktopo.tasks.fea.support_stiffness import torsional_stiffness_Nm_per_rad
+from cranktopo.throw.hull import ObroundWeb
 from tests.physics.evaluation_cases import elastic, throw_scene
 
 SHEAR_MPA = 210e3 / 2.6

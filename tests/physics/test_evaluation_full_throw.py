@@ -14,13 +14,14 @@ import pytest
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2
 
-from cranktopo.evaluate.condense import RX, RZ, UX, UY, condense, plane_nodes, section_motions
-from cranktopo.evaluate.elasticity import Elasticity
-from cranktopo.evaluate.linear import solve_symmetric
-from cranktopo.evaluate.shaft_assembly import throw_blocks, throw_matrix
-from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
-from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
-from cranktopo.scene import Scene
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, condense, plane_nodes, section_motions
+from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.shaft.assembly import throw_blocks, throw_matrix
 from tests.physics.evaluation_cases import LOPSIDED, elastic, mikron_with
 
 Array = NDArray[np.float64]

@@ -6,13 +6,13 @@ import math
 
 import pytest
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.throw_solid import SolidProperties, add_half_throw, solid_properties
-from cranktopo.evaluate.evaluation import evaluate
-from cranktopo.evaluate.targets import Target
-from cranktopo.loads.balance import throw_balance
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.bodies.solid.throw import SolidProperties, add_half_throw, solid_properties
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.targets import Target
 from tests.physics.evaluation_cases import LOPSIDED, elastic, mikron_with, throw_scene
 
 STEEL_KG_PER_MM3 = 7.85e-6

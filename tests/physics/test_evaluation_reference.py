@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.evaluate.evaluation import Stiffness, evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
-from cranktopo.scene.scale import default_element_size_mm
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.tasks.fea.evaluation import Stiffness, evaluate_on_mesh
+from cranktopo.tasks.fea.targets import Target
 from tests.physics.evaluation_cases import mikron_with
 
 TORSION = {"free": 138.2e3, "held": 187.3e3}

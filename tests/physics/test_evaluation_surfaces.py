@@ -9,16 +9,16 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.evaluation import condensed_stiffness
-from cranktopo.meshing.imported_body import mesh_file
-from cranktopo.meshing.remesh import tetrahedralise
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene
-from cranktopo.surface.solids import journal_halves, web_bores
-from cranktopo.triangles.surface_files import write_stl
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.bodies.prisms import journal_halves, web_bores
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
+from cranktopo.tasks.fea.evaluation import condensed_stiffness
+from cranktopo.tasks.importing.imported_body import mesh_file
 from tests.physics.evaluation_cases import mikron_with
 
 SIZE = 12.0

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import pytest
 
-from cranktopo.evaluate.torsional import disk_model
-from cranktopo.loads.disk_chain import DiskChain
-from cranktopo.scene import load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.disk_chain import DiskChain
+from cranktopo.tasks.shaft.torsional import disk_model
 
 # A six-cylinder truck engine: damper, gears, cylinders, flywheel. kg m2, N m/rad; frequencies in Hz to the
 # digits in which they were handed down, source unknown; Holzer's table below checks every one.

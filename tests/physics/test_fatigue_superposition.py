@@ -8,13 +8,15 @@ import scipy.sparse.linalg as sla
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cranktopo.evaluate.condense import section_motions
-from cranktopo.evaluate.elasticity import Elasticity, centrifugal_force, mean_displacement
-from cranktopo.evaluate.equivalent import von_mises
-from cranktopo.evaluate.unit_fields import unit_fields
-from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.units import MPA_PER_GPA, density_tonne_per_mm3
+from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
+from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fea.condense import section_motions
+from cranktopo.tasks.fea.unit_fields import unit_fields
 from tests.physics.evaluation_cases import elastic, mikron_with
 from tests.physics.point_stress import point_stress
 

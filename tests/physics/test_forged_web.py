@@ -10,14 +10,15 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import stage
-from cranktopo.optimise.assess import assess
-from cranktopo.optimise.assessment import Assessment
-from cranktopo.scene import Scene, load_scene
-from cranktopo.surface.checked_surface import CheckedSurface, checked_surface
-from cranktopo.surface.undercuts import Undercuts
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.bodies.undercuts import Undercuts
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.tasks.density import stage
+from cranktopo.tasks.density.assess import assess
+from cranktopo.tasks.density.assessment import Assessment
+from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cranktopo.remodel.dimensions import rounded, scene_at
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.scene import Scene
-from cranktopo.shape.mesh_model import MeshModel
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.dimensions import rounded, scene_at
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shape.mesh_model import MeshModel
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, free_throw
 
 _CHANGE = [0.4, 0.3, -0.3, -1.0, 0.2, 0.5]

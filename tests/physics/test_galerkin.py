@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem.galerkin import (
+from cranktopo.numerics.grid.galerkin import (
     apply_stencil,
     assemble_dense,
     assemble_stencil,
@@ -13,10 +13,10 @@ from cranktopo.fem.galerkin import (
     coarse_map,
     stencil_diagonal,
 )
-from cranktopo.fem.lattice import Lattice, layer_blocks
-from cranktopo.fem.multigrid import prolong, restrict
-from cranktopo.fem.operator import apply_stiffness
-from cranktopo.fem.precision import double_precision
+from cranktopo.numerics.grid.lattice import Lattice, layer_blocks
+from cranktopo.numerics.grid.operator import apply_stiffness
+from cranktopo.numerics.grid.transfer import prolong, restrict
+from cranktopo.numerics.precision import double_precision
 
 LATTICE = Lattice((4, 6, 8), 1.0, 1.3, (0.7, 0.7, 1.0, 1.0, 1.0, 1.4, 1.4, 0.9), 0.3)
 COARSE_NODES = (3, 4, 5)

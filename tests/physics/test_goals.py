@@ -11,23 +11,24 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.domain.build import Domain, build_domain
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.fem.model import pin_weights
-from cranktopo.fem.precision import double_precision
-from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise import loop
-from cranktopo.optimise.assess import assess, assess_original
-from cranktopo.optimise.assessment import Assessment
-from cranktopo.optimise.build import build_problem, with_limits
-from cranktopo.optimise.feasibility import check_limits
-from cranktopo.optimise.material import eroded_density
-from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.responses import Design, Response, quantities
-from cranktopo.optimise.stage import iterate
-from cranktopo.optimise.state import State, from_checkpoint, to_checkpoint
-from cranktopo.optimise.statement import Requirement, Statement
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.bodies.cells.domain import Domain, build_domain
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.assess import assess, assess_original
+from cranktopo.tasks.density.assessment import Assessment
+from cranktopo.tasks.density.build import build_problem, with_limits
+from cranktopo.tasks.density.feasibility import check_limits
+from cranktopo.tasks.density.material import eroded_density
+from cranktopo.tasks.density.model import pin_weights
+from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.responses import Design, Response, quantities
+from cranktopo.tasks.density.stage import iterate
+from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
+from cranktopo.tasks.density.statement import Requirement, Statement
 from tests.physics.throw_cases import BENDING, TORSION
 
 CELL_MM, FILTER_MM = 10.0, 14.0

@@ -11,9 +11,24 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.domain.build import build_domain
-from cranktopo.fem.model import ThrowModel, build_model, case_forces
-from cranktopo.fem.response import (
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.filters.projection import Projection
+from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.material import (
+    Interpolation,
+    build_interpolation,
+    dilated_density,
+    eroded_density,
+    physical_density,
+    relative_moduli,
+    solid_fraction,
+    volume_fraction,
+)
+from cranktopo.tasks.density.model import ThrowModel, build_model, case_forces
+from cranktopo.tasks.density.optimality_criteria import design_gradients
+from cranktopo.tasks.density.proposals import pulled_back
+from cranktopo.tasks.density.response import (
     compliance_gradients,
     compliance_gradients_by_solid,
     compliances,
@@ -24,21 +39,6 @@ from cranktopo.fem.response import (
     throw_unbalance_kg_mm,
     twist_rad,
 )
-from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.material import (
-    Interpolation,
-    build_interpolation,
-    dilated_density,
-    eroded_density,
-    physical_density,
-    relative_moduli,
-    solid_fraction,
-    volume_fraction,
-)
-from cranktopo.optimise.optimality_criteria import design_gradients
-from cranktopo.optimise.projection import Projection
-from cranktopo.optimise.proposals import pulled_back
-from cranktopo.scene import Scene
 from tests.physics.throw_cases import BENDING, CENTRIFUGAL, TANGENTIAL, TORSION, forged
 
 TIGHT = 1e-11

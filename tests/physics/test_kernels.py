@@ -13,16 +13,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem.conjugate_gradients import product_and_work, stiffness_product
-from cranktopo.fem.galerkin import apply_stencil
-from cranktopo.fem.kernels import processor
-from cranktopo.fem.lattice import Lattice, layer_blocks
-from cranktopo.fem.multigrid import project
-from cranktopo.fem.operator import apply_stiffness, strain_energy_densities, strain_energy_density
-from cranktopo.fem.partition import WHOLE
-from cranktopo.fem.precision import Precision
-from cranktopo.fem.smoothing import Smoother, Smoothing, Steps
-from cranktopo.fem.transfer import add_prolonged, restrict
+from cranktopo.numerics.grid.conjugate_gradients import product_and_work, stiffness_product
+from cranktopo.numerics.grid.galerkin import apply_stencil
+from cranktopo.numerics.grid.lattice import Lattice, layer_blocks
+from cranktopo.numerics.grid.multigrid import project
+from cranktopo.numerics.grid.operator import apply_stiffness, strain_energy_densities, strain_energy_density
+from cranktopo.numerics.grid.partition import WHOLE
+from cranktopo.numerics.grid.smoothing import Smoother, Smoothing, Steps
+from cranktopo.numerics.grid.transfer import add_prolonged, restrict
+from cranktopo.numerics.kernels import registry as processor
+from cranktopo.numerics.precision import Precision
 from tests.studies.parts import lopsided
 
 ROUNDING = {"float32": 2e-6, "float64": 4e-15}

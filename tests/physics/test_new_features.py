@@ -13,14 +13,14 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.web_solid import add_bodies
-from cranktopo.scene import Scene
-from cranktopo.scene.features import Body, web_bodies, web_spans
-from cranktopo.scene.features.body import Array, Span
-from cranktopo.scene.features.primitives import Box, Cylinder, Solid
-from cranktopo.scene.spans import holds
-from cranktopo.scene.web_moments import moments
+from cranktopo.base.spans import Span, holds
+from cranktopo.bodies.solid.web import add_bodies
+from cranktopo.bodies.web_moments import moments
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.throw.feature import Array, Body
+from cranktopo.throw.primitives import Box, Cylinder, Solid
+from cranktopo.throw.web import web_bodies, web_spans
 
 RADIUS, LEAN = 3.0, math.radians(35.0)
 WEIGHT_LOW, WEIGHT_HIGH = np.array([-40.0, -60.0, 20.0]), np.array([40.0, -10.0, 32.0])

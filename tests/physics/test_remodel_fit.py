@@ -10,26 +10,27 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.cad.solid_files import surface_of
-from cranktopo.errors import CranktopoError
-from cranktopo.remodel.constraints import part_rules
-from cranktopo.remodel.family import Layout, web_of
-from cranktopo.remodel.fit import fit_problem, fit_web, scene_with_web
-from cranktopo.remodel.initial_guess import outline_guess
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.remodel.residual_regions import residual_regions
-from cranktopo.remodel.search import Fit, search
-from cranktopo.remodel.select import Candidate, fit_from, model_fill
-from cranktopo.remodel.shape_error import shape_error, surface_distance_mm
-from cranktopo.remodel.voxel_fill import voxel_fill
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.features import ProfileWeb
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.box_pocket import FittedBox
-from cranktopo.scene.features.cylinder_pocket import FittedCylinder
-from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.triangles.surface_mesh import mesh_of, solid_of
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
+from cranktopo.tasks.refit.constraints import part_rules
+from cranktopo.tasks.refit.family import Layout, web_of
+from cranktopo.tasks.refit.fit import fit_problem, fit_web, scene_with_web
+from cranktopo.tasks.refit.initial_guess import outline_guess
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.residual_regions import residual_regions
+from cranktopo.tasks.refit.search import Fit, search
+from cranktopo.tasks.refit.select import Candidate, fit_from, model_fill
+from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm
+from cranktopo.tasks.refit.voxel_fill import voxel_fill
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.profile import ProfileWeb
+from cranktopo.throw.side_pocket import FittedSlot
 from tests.unit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, recovered, values_of
 
 COARSE = ManufacturingLimits(cell_mm=2.0)

@@ -9,19 +9,20 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.domain.build import build_domain
-from cranktopo.fem.model import ThrowModel, build_model, case_forces
-from cranktopo.fem.response import compliances, solve
-from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise.material import (
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.schema import Scene
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.tasks.density.material import (
     Interpolation,
     build_interpolation,
     physical_density,
     relative_moduli,
     solid_fraction,
 )
-from cranktopo.optimise.proposals import pulled_back
-from cranktopo.optimise.responses import (
+from cranktopo.tasks.density.model import ThrowModel, build_model, case_forces
+from cranktopo.tasks.density.proposals import pulled_back
+from cranktopo.tasks.density.response import compliances, solve
+from cranktopo.tasks.density.responses import (
     Design,
     Response,
     loads_of,
@@ -32,9 +33,8 @@ from cranktopo.optimise.responses import (
     volume,
     weighted_compliance,
 )
-from cranktopo.optimise.statement import Goal, Requirement
-from cranktopo.optimise.stress_response import middle_strain, stress_norm, von_mises_MPa
-from cranktopo.scene import Scene
+from cranktopo.tasks.density.statement import Goal, Requirement
+from cranktopo.tasks.density.stress_response import middle_strain, stress_norm, von_mises_MPa
 from tests.physics.throw_cases import BENDING, CENTRIFUGAL, TORSION
 
 TIGHT = 1e-11
@@ -47,7 +47,7 @@ pytestmark = pytest.mark.usefixtures("float64")
 
 @pytest.fixture(scope="module")
 def setting(mikron: Scene) -> tuple[ThrowModel, Interpolation]:
-    from cranktopo.fem.precision import double_precision
+    from cranktopo.numerics.precision import double_precision
 
     with double_precision():
         domain = build_domain(mikron, CELL_MM, extent="half")

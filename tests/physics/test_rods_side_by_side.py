@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.condense import condense, loaded_mm
-from cranktopo.evaluate.elasticity import Elasticity, mean_displacement
-from cranktopo.evaluate.equivalent import von_mises
-from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.support_stiffness import bending_motion
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene, load_scene
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
+from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
+from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.tasks.fea.condense import condense, loaded_mm
+from cranktopo.tasks.fea.support_stiffness import bending_motion
 from tests.physics.evaluation_cases import elastic
 
 Array = NDArray[np.float64]

@@ -7,22 +7,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.evaluate.evaluation import evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
-from cranktopo.remodel.family import Layout, exact_web_of
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.shape.holding import held_by
-from cranktopo.shape.mesh_model import MeshResponses
-from cranktopo.shape.meshed_webs import MeshedWebs
-from cranktopo.shape.rules import ENVELOPE, rules_at
-from cranktopo.shape.search_goal import SearchGoal, SearchLimit
-from cranktopo.shape.sensitivities import Dimension, dimensions, worst_case_percent
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.refit.family import Layout, exact_web_of
+from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.active_constraints import held_by
+from cranktopo.tasks.shape.mesh_model import MeshResponses
+from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
+from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.sensitivities import Dimension, dimensions, worst_case_percent
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.side_pocket import FittedSlot
 from tests.physics.shape_cases import Array, full_web
 
 SIZE_MM = 10.0

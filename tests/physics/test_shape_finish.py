@@ -8,20 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.evaluate.elasticity import assemble
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.remodel.family import Layout, web_of
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.shape.mesh_model import MeshResponses
-from cranktopo.shape.meshed_webs import MeshedWebs
-from cranktopo.shape.search import Effort, best_values
-from cranktopo.shape.search_goal import SearchGoal
-from cranktopo.store import Work
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Work
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.loading import load_scene
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.tasks.refit.family import Layout, web_of
+from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shape.mesh_model import MeshResponses
+from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.search import Effort, best_values
+from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape_cases import COARSE_MM, Array
 
 LAYOUT = Layout(7, (FittedBevel("journal"), FittedBevel("pin")))

@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.elasticity import assemble, centrifugal_force
-from cranktopo.evaluate.fillets import fillet_nodes
-from cranktopo.evaluate.node_gradients import centrifugal_slopes
-from cranktopo.evaluate.safety_field import load_kinds, safety_field
-from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.stress_model import Quality, StressModel, images_of
-from cranktopo.evaluate.surface import outer_surface, surface_stress
-from cranktopo.evaluate.unit_fields import unit_fields
-from cranktopo.loads.histories import load_history
-from cranktopo.remodel.family import Layout
-from cranktopo.scene import Scene
-from cranktopo.shape.mesh_model import MeshModel, MeshResponses
-from cranktopo.shape.stress_adjoint import stress_adjoint
-from cranktopo.units import MPA_PER_GPA
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import load_history
+from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
+from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.stressed_surface import outer_surface, surface_stress
+from cranktopo.tasks.fatigue.fillets import fillet_nodes
+from cranktopo.tasks.fatigue.safety_field import load_kinds, safety_field
+from cranktopo.tasks.fatigue.stress_model import Quality, StressModel, images_of
+from cranktopo.tasks.fea.node_gradients import centrifugal_slopes
+from cranktopo.tasks.fea.unit_fields import unit_fields
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
+from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web
 
 WEBS = {"every-feature": full_web, "solid-journals": solid_web}

@@ -8,16 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.shape.meshed_webs import MeshedWebs
-from cranktopo.shape.refining import MatchedWebs, Refinement, Told, merit, refined
-from cranktopo.shape.search_goal import SearchGoal, SearchLimit
-from cranktopo.store import Work
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Work
+from cranktopo.design.loading import load_scene
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.refining import MatchedWebs, Refinement, Told, merit, refined
+from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape_cases import Array
 
 LAYOUT = Layout(7, (FittedBevel("journal"), FittedBevel("pin")))

@@ -8,20 +8,21 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from cranktopo.fem.precision import double_precision
-from cranktopo.remodel.dimensions import with_free
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.box_pocket import FittedBox
-from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.shape.prices import prices
-from cranktopo.shape.search import Found, prices_of, search
-from cranktopo.shape.search_goal import SearchGoal, SearchLimit
-from cranktopo.shape.start import outline_start
-from cranktopo.shape.web_model import WebModel, web_model
-from cranktopo.store import Work
+from cranktopo.base.progress import Work
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.multipliers import prices
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.refit.dimensions import with_free
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.search import Found, prices_of, search
+from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.start import outline_start
+from cranktopo.tasks.shape.web_model import WebModel, web_model
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.side_pocket import FittedSlot
 
 QUANTITIES = ("mass", "inertia", "unbalance", "torsion", "bending", "torsion_per_mass", "bending_per_mass")
 PARTS = (
@@ -99,15 +100,15 @@ def test_gradients_by_free_bores_are_those_of_differences(mikron: Scene) -> None
 @pytest.mark.slow
 def test_mass_of_a_web_agrees_with_its_exact_solid(mikron: Scene) -> None:
     """The plain bar between the journals, whose volume is known in closed form, on cells of 3 mm."""
-    from cranktopo.cad.volume import web_volume_mm3
+    from cranktopo.bodies.volume import web_volume_mm3
 
     with double_precision():
         fine = web_model(mikron, usual_limits(mikron), 3.0)
         web = fine.web(Layout(9))
         values = outline_start(mikron, usual_limits(mikron), 9)
         found = fine.responses(web, values, ()).values["mass"]
-    from cranktopo.remodel.family import web_of
-    from cranktopo.remodel.fit import scene_with_web
+    from cranktopo.tasks.refit.family import web_of
+    from cranktopo.tasks.refit.fit import scene_with_web
 
     exact = web_volume_mm3(scene_with_web(mikron, web_of(web.layout, values, mikron)))
     own = web_volume_mm3(mikron)

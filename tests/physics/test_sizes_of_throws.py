@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.evaluate.evaluation import evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.remodel.usual_size import scaled_throw
-from cranktopo.scene import Scene
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.refit.usual_size import scaled_throw
 
 COARSE_MM = 14.0
 

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cranktopo.domain.build import build_domain
-from cranktopo.effects import planned_scene
-from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.loop import design_of
-from cranktopo.scene import load_scene, scene_from_dict
-from cranktopo.surface.checked_surface import checked_surface
-from cranktopo.surface.cutter import build_cutter, fine_field
-from cranktopo.surface.iso_distance import iso_surface_distances_mm
-from cranktopo.triangles.surface_files import write_stl
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.loop import design_of
+from cranktopo.tasks.extraction.checked_surface import checked_surface
+from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
+from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
 
 DATA = Path(__file__).parents[1] / "data"
 

@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cranktopo.evaluate.condense import Condensed, condense
-from cranktopo.evaluate.elasticity import Elasticity
-from cranktopo.evaluate.error_bound import bending_shares, torsion_shares
-from cranktopo.evaluate.straightened import straightened
-from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
-from cranktopo.meshing.curving import EDGES
-from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
-from cranktopo.scene import Scene
-from cranktopo.units import MPA_PER_GPA
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.curving import EDGES
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fea.condense import Condensed, condense
+from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
+from cranktopo.tasks.fea.straightened import straightened
+from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from tests.physics.evaluation_cases import elastic, mikron_with
 
 HOLE = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}

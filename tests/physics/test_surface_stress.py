@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from skfem import MeshTet, MeshTet2
 
-from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.equivalent import principal_stresses, von_mises
-from cranktopo.evaluate.stress import hooke, nodal_stress
-from cranktopo.evaluate.superposition import extremes
-from cranktopo.evaluate.surface import SurfaceStress, outer_surface, surface_stress
-from cranktopo.meshing.solid_mesh import TetMesh
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, von_mises
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.stress import hooke, nodal_stress
+from cranktopo.numerics.tetrahedra.stressed_surface import SurfaceStress, outer_surface, surface_stress
+from cranktopo.tasks.fatigue.superposition import extremes
 
 YOUNGS, POISSON = 2.1e5, 0.3
 

@@ -7,10 +7,11 @@ from dataclasses import replace
 import jax.numpy as jnp
 import pytest
 
-from cranktopo.domain.build import Extent, build_domain
-from cranktopo.fem.model import build_model
-from cranktopo.fem.response import compliances, solve, stiffness
-from cranktopo.scene import Scene
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.grid import Extent
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.density.model import build_model
+from cranktopo.tasks.density.response import compliances, solve, stiffness
 from tests.physics.throw_cases import BENDING, TANGENTIAL, TORSION
 
 # Body-fitted quadratic tetrahedra, refined at the re-entrant rings, E = 210 GPa, no fillets.

@@ -10,14 +10,15 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize, minimize_scalar
 
-from cranktopo.loads import analyse, at_speed
-from cranktopo.loads.disk_chain import Array, DiskChain, supplied_J
-from cranktopo.loads.run_up import run_up
-from cranktopo.loads.shaft_chain import estimated_chain
-from cranktopo.loads.torque_harmonics import torque_harmonics
-from cranktopo.loads.vibration import critical_speeds, on_disks, speeds_to_solve, vibration
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.units import angular_speed_rad_s
+from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.vibration.run_up import run_up
+from cranktopo.engine.vibration.shaft_chain import estimated_chain
+from cranktopo.engine.vibration.steady import critical_speeds, on_disks, speeds_to_solve, vibration
+from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
+from cranktopo.numerics.disk_chain import Array, DiskChain, supplied_J
 
 DAMPED = {
     "throw_damping_Nms_per_rad": 8.0,

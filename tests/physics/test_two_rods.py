@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.loads import analyse, at_speed, extreme_states
-from cranktopo.loads.engine_balance import turning_masses
-from cranktopo.loads.forces import INERTIA_EFFECTS
-from cranktopo.loads.histories import load_history
-from cranktopo.loads.main_bearings import main_bearings
-from cranktopo.loads.torque_harmonics import curve_of, torque_harmonics
+from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.balance.free_forces import turning_masses
+from cranktopo.engine.balance.main_bearings import main_bearings
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.histories import load_history
+from cranktopo.engine.states import extreme_states
+from cranktopo.engine.vibration.torque_harmonics import curve_of, torque_harmonics
 from tests.engine_arrangements import VEE, arranged
 
 TWIN = VEE + "throw_angles_deg = [0.0]\nrod_offset_mm = {}"

@@ -12,18 +12,20 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.solid_files import surface_of
-from cranktopo.cad.throw_solid import add_full_throw, solid_properties
-from cranktopo.effects import plan
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.condense import Condensed, condense
-from cranktopo.evaluate.elasticity import mean_displacement
-from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
-from cranktopo.loads.balance import throw_balance
-from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.halves import difference, halves
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.bodies.solid.throw import add_full_throw, solid_properties
+from cranktopo.design.halves import difference, halves
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.plan.planning import plan
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fea.condense import Condensed, condense
+from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from tests.physics.calculix import displacements, handles
 from tests.physics.evaluation_cases import elastic
 from tests.physics.test_evaluation_full_throw import FLIPPED

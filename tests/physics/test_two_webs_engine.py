@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.throw_solid import add_full_throw
-from cranktopo.evaluate.evaluation import evaluate
-from cranktopo.evaluate.shaft import evaluate_shaft
-from cranktopo.evaluate.targets import Target
-from cranktopo.loads.engine_balance import (
+from cranktopo.bodies.solid.throw import add_full_throw
+from cranktopo.design.halves import halves
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.couple import throw_couple_kg_mm2
+from cranktopo.engine.balance.free_forces import (
     TurningMasses,
     counterweights,
     free_forces,
@@ -22,12 +22,13 @@ from cranktopo.loads.engine_balance import (
     rotating_force,
     turning_masses,
 )
-from cranktopo.loads.main_bearings import main_bearings
-from cranktopo.loads.shaft_chain import shaft_chain
-from cranktopo.loads.throw_couple import throw_couple_kg_mm2
-from cranktopo.loads.torsional_stiffness import first_half_share, throw_torsion_rad_per_Nmm
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.halves import halves
+from cranktopo.engine.balance.main_bearings import main_bearings
+from cranktopo.engine.torsional_stiffness import first_half_share, throw_torsion_rad_per_Nmm
+from cranktopo.engine.vibration.shaft_chain import shaft_chain
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft.stage import evaluate_shaft
 from tests.physics.test_two_webs import ACROSS, POCKET, SECOND, WEB, scene_with
 
 NEAR_MM, FAR_MM = -27.5, 30.5
@@ -158,7 +159,7 @@ def test_inner_moment_against_cuts() -> None:
 def test_equal_halves_have_no_couple_and_half_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bit for bit: a second web like the first changes nothing, and no couple is integrated."""
     plain, named = engine(4), engine(4, second_web=WEB)
-    monkeypatch.setattr("cranktopo.loads.throw_couple.moments", None)
+    monkeypatch.setattr("cranktopo.engine.balance.couple.moments", None)
     for one, other in zip(*(counterweights(turning_masses(scene)) for scene in (plain, named)), strict=True):
         assert one == other
     masses = turning_masses(named)

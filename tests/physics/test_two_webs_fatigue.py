@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from cranktopo.evaluate.condense import loaded_mm
-from cranktopo.evaluate.elasticity import mean_displacement
-from cranktopo.evaluate.fillets import place
-from cranktopo.evaluate.safety_field import fatigue_field
-from cranktopo.evaluate.targets import Target
-from cranktopo.evaluate.unit_fields import FieldKind, unit_fields
-from cranktopo.meshing.solid_mesh import TetMesh, mesh_throw
-from cranktopo.scene import Scene
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fatigue.fillets import place
+from cranktopo.tasks.fatigue.safety_field import fatigue_field
+from cranktopo.tasks.fea.condense import loaded_mm
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import FieldKind, unit_fields
 from tests.physics.evaluation_cases import elastic
 from tests.physics.test_fatigue_superposition import (
     RADIAL_N,

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.evaluate.condense import section_motions
-from cranktopo.evaluate.elasticity import mean_displacement
-from cranktopo.evaluate.stress import hooke
-from cranktopo.evaluate.unit_fields import UnitField, unit_fields
-from cranktopo.loads.balance import throw_balance
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
+from cranktopo.numerics.tetrahedra.stress import hooke
+from cranktopo.tasks.fea.condense import section_motions
+from cranktopo.tasks.fea.unit_fields import UnitField, unit_fields
 from tests.physics.evaluation_cases import LOPSIDED, elastic, mikron_with
 
 KINDS = ("bending", "tangential", "torsion", "centrifugal")

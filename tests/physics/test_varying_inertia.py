@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cranktopo.loads.disk_chain import Array, ComplexArray, DiskChain, supplied_J
-from cranktopo.loads.shaft_chain import ShaftChain
-from cranktopo.loads.torque_harmonics import TorqueHarmonics, torque_harmonics
-from cranktopo.loads.varying_inertia import (
+from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.design.loading import load_scene
+from cranktopo.engine.vibration.shaft_chain import ShaftChain
+from cranktopo.engine.vibration.steady import on_disks, vibration
+from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, torque_harmonics
+from cranktopo.engine.vibration.varying_inertia import (
     coupled_response_rad,
     varying_inertia_kg_m2,
     varying_part,
     varying_share_percent,
 )
-from cranktopo.loads.vibration import on_disks, vibration
-from cranktopo.scene import load_scene
-from cranktopo.units import angular_speed_rad_s
+from cranktopo.numerics.disk_chain import Array, ComplexArray, DiskChain, supplied_J
 
 SCENE = load_scene("mikron-iiic")
 OWN, HELD, ORDERS = 0.002, 1e7, 40

@@ -5,12 +5,13 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.effects import plan, simulated_scene
-from cranktopo.fem.boundary_conditions import CaseSupports, build_supports
-from cranktopo.fem.lattice import Cells, Lattice
-from cranktopo.fem.model import ThrowModel
-from cranktopo.loads.cases import LoadCase
-from cranktopo.scene import Scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.numerics.grid.boundary_conditions import CaseSupports, build_supports
+from cranktopo.numerics.grid.lattice import Cells, Lattice
+from cranktopo.tasks.density.model import ThrowModel
 
 BENDING = LoadCase("bending", "bending", radial_N=1000.0)
 TORSION = LoadCase("torsion", "torsion", torque_Nm=100.0)

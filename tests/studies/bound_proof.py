@@ -15,23 +15,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.bound.stage import Bound, BoundModel, bound_model, prove
-from cranktopo.domain.resolution import thinnest_wall_mm
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.fem.precision import double_precision
-from cranktopo.remodel.dimensions import with_part
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.goal import Goal
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.goal.wanted import wanted
-from cranktopo.shape.goal_in_model import search_goal_of
-from cranktopo.shape.search import search
-from cranktopo.shape.start import bevel_start, outline_start
-from cranktopo.shape.web_model import web_model
-from cranktopo.store import Work
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Work
+from cranktopo.bodies.cells.resolution import thinnest_wall_mm
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
+from cranktopo.tasks.refit.dimensions import with_part
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.goal_in_model import search_goal_of
+from cranktopo.tasks.shape.search import search
+from cranktopo.tasks.shape.start import bevel_start, outline_start
+from cranktopo.tasks.shape.web_model import web_model
+from cranktopo.throw.bevel import FittedBevel
 from tests.physics.bound_cases import (
     own_body,
     quantities_of,

@@ -12,14 +12,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.boundary_conditions import CaseSupports, build_supports
-from cranktopo.fem.lattice import Cells, Lattice
-from cranktopo.fem.model import ThrowModel
-from cranktopo.fem.response import compliance_gradients, compliances, solve
-from cranktopo.loads.cases import LoadCase
-from cranktopo.optimise.density_filter import cone_filter, cone_kernel
-from cranktopo.optimise.material import Interpolation, physical_density, relative_moduli
-from cranktopo.optimise.optimality_criteria import update
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.filters.density_filter import cone_filter, cone_kernel
+from cranktopo.numerics.grid.boundary_conditions import CaseSupports, build_supports
+from cranktopo.numerics.grid.lattice import Cells, Lattice
+from cranktopo.tasks.density.material import Interpolation, physical_density, relative_moduli
+from cranktopo.tasks.density.model import ThrowModel
+from cranktopo.tasks.density.optimality_criteria import update
+from cranktopo.tasks.density.response import compliance_gradients, compliances, solve
 
 VOLUME_FRACTION = 0.3
 FILTER_CELLS = 1.5

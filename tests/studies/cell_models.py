@@ -8,21 +8,22 @@ from typing import Any
 
 import jax.numpy as jnp
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.throw_solid import add_half_throw, solid_properties
-from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.domain.build import build_domain
-from cranktopo.domain.grid import Grid
-from cranktopo.effects import planned_scene
-from cranktopo.evaluate.evaluation import RATIO, evaluate_on_mesh
-from cranktopo.evaluate.targets import Target
-from cranktopo.fem.model import build_model
-from cranktopo.fem.precision import double_precision
-from cranktopo.fem.response import compliances, solve, stiffness
-from cranktopo.optimise.error_bound import model_error_percent
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.scale import default_element_size_mm
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.grid import Grid
+from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density.error_bound import model_error_percent
+from cranktopo.tasks.density.model import build_model
+from cranktopo.tasks.density.response import compliances, solve, stiffness
+from cranktopo.tasks.fea.evaluation import RATIO, evaluate_on_mesh
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.refit.fit import scene_with_web
 from tests.physics.evaluation_cases import mikron_with
 from tests.physics.throw_cases import BENDING, TORSION
 from tests.studies.error_bounds import Bounded, limit

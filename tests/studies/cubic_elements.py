@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, cg
 from skfem import Basis, ElementTetP2
 
-from cranktopo.evaluate.condense import Condensed, condense
-from cranktopo.evaluate.elasticity import Elasticity, assemble, beyond, mean_displacement
-from cranktopo.evaluate.error_bound import bending_shares, torsion_shares
-from cranktopo.evaluate.evaluation import mesh_target
-from cranktopo.evaluate.linear import two_level_cycle
-from cranktopo.evaluate.straightened import straightened
-from cranktopo.evaluate.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
-from cranktopo.evaluate.targets import Target
-from cranktopo.units import MPA_PER_GPA
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, beyond, mean_displacement
+from cranktopo.numerics.tetrahedra.linear_solve import two_level_cycle
+from cranktopo.tasks.fea.condense import Condensed, condense
+from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
+from cranktopo.tasks.fea.evaluation import mesh_target
+from cranktopo.tasks.fea.straightened import straightened
+from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.fea.targets import Target
 
 Array = NDArray[np.float64]
 

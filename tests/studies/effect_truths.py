@@ -13,16 +13,17 @@ from typing import Any
 
 import jax.numpy as jnp
 
-from cranktopo.domain.build import build_domain
-from cranktopo.effects import plan
-from cranktopo.effects.beam import throw_compliance
-from cranktopo.effects.simulated import without
-from cranktopo.evaluate.evaluation import evaluate
-from cranktopo.evaluate.targets import Target
-from cranktopo.fem.model import build_model, case_forces
-from cranktopo.fem.response import compliances, solve, stiffness
-from cranktopo.loads.cases import DEFAULT_EFFECTS, load_cases
-from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.cases import DEFAULT_EFFECTS, load_cases
+from cranktopo.engine.plan.beam import throw_compliance
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import without
+from cranktopo.tasks.density.model import build_model, case_forces
+from cranktopo.tasks.density.response import compliances, solve, stiffness
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.targets import Target
 from tests.studies.example_throws import CAR, INDUSTRIAL
 from tests.studies.nominal_stress import nominal_amplitude_MPa
 

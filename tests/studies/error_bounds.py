@@ -15,12 +15,12 @@ from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
-from cranktopo.effects import planned_scene
-from cranktopo.evaluate.error_bound import difference_bound_percent
-from cranktopo.evaluate.evaluation import RATIO, evaluate
-from cranktopo.evaluate.targets import Target
-from cranktopo.scene import load_scene
-from cranktopo.scene.scale import default_element_size_mm
+from cranktopo.design.loading import load_scene
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.tasks.fea.error_bound import difference_bound_percent
+from cranktopo.tasks.fea.evaluation import RATIO, evaluate
+from cranktopo.tasks.fea.targets import Target
 from tests.random_throws import random_variant
 from tests.studies.cubic_elements import Both, both_orders
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.scene import Scene, load_scene
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
 from tests.physics.evaluation_cases import throw_scene
 
 # A passenger-car diesel throw: solid overlapping journals, short stroke to bore.

@@ -7,14 +7,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.unit_fields import unit_fields
-from cranktopo.loads.analysis import INERTIA_EFFECTS
-from cranktopo.loads.states import extreme_states
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene
-from cranktopo.scene.scale import default_element_size_mm
-from cranktopo.units import MPA_PER_GPA, NMM_PER_NM
+from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.schema import Scene
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.states import extreme_states
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.tasks.fea.unit_fields import unit_fields
 from tests.physics.point_stress import PointStress, point_stress
 
 Array = NDArray[np.float64]

@@ -13,16 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.elasticity import assemble
-from cranktopo.evaluate.equivalent import principal_stresses
-from cranktopo.evaluate.stress import nodal_stress
-from cranktopo.evaluate.stress_model import solve_stresses
-from cranktopo.evaluate.targets import Target
-from cranktopo.evaluate.unit_fields import unit_fields
-from cranktopo.meshing.solid_mesh import mesh_throw
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.drilling import Channel, Mouth, channels
-from cranktopo.units import MPA_PER_GPA
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses
+from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import unit_fields
+from cranktopo.throw.drilling import Channel, Mouth, channels
 from tests.studies.example_throws import rule_throws
 
 Array = NDArray[np.float64]

@@ -16,14 +16,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.fem.boundary_conditions import CaseSupports, SectionMotion, build_supports
-from cranktopo.fem.conjugate_gradients import CgResult, System, stiffness_product
-from cranktopo.fem.devices import SharedSolve, partition_of
-from cranktopo.fem.equilibrium import METHODS, run_method
-from cranktopo.fem.lattice import Cells, Lattice
-from cranktopo.fem.multigrid import GridTables, build_tables, project
-from cranktopo.fem.partition import WHOLE
-from cranktopo.fem.precision import double_precision
+from cranktopo.numerics.grid.boundary_conditions import CaseSupports, SectionMotion, build_supports
+from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, stiffness_product
+from cranktopo.numerics.grid.devices import SharedSolve, partition_of
+from cranktopo.numerics.grid.equilibrium import METHODS, run_method
+from cranktopo.numerics.grid.lattice import Cells, Lattice
+from cranktopo.numerics.grid.multigrid import GridTables, build_tables, project
+from cranktopo.numerics.grid.partition import WHOLE
+from cranktopo.numerics.precision import double_precision
 from tests.studies.cantilever import halvings
 
 TOLERANCE = 1e-8
@@ -79,7 +79,7 @@ def device_bytes(tables: GridTables, system: System, parts: int) -> int:
     """Memory of the solve on each device, as the compiler sets it aside: of JAX code, as on GPUs."""
     shared = _shared(tables, system, parts)
     jax.clear_caches()  # a processor's kernels may be in what was traced before
-    with patch("cranktopo.fem.kernels.processor.kernels_usable", return_value=False):
+    with patch("cranktopo.numerics.kernels.registry.kernels_usable", return_value=False):
         memory = shared.program().lower(*shared.arguments()).compile().memory_analysis()
     jax.clear_caches()
     taken = memory.argument_size_in_bytes + memory.output_size_in_bytes + memory.temp_size_in_bytes

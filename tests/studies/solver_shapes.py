@@ -11,13 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.accuracy.evaluation_study import stiffnesses
-from cranktopo.accuracy.level import NAME_OF_CASE
-from cranktopo.accuracy.optimiser_study import OptimiserModel, optimise_once
-from cranktopo.evaluate.evaluation import RATIO, evaluate_on_mesh
-from cranktopo.optimise.problem import SolverSettings
-from cranktopo.scene import load_scene
-from cranktopo.scene.scale import default_element_size_mm
+from cranktopo.design.loading import load_scene
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.tasks.accuracy.optimiser_levels import OptimiserModel, optimise_once
+from cranktopo.tasks.density.problem import SolverSettings
+from cranktopo.tasks.fea.evaluation import RATIO, evaluate_on_mesh
+from cranktopo.tasks.fea.level import NAME_OF_CASE
+from cranktopo.tasks.fea.levels import stiffnesses
 
 EXACT = SolverSettings(tolerance_early=1e-8, tolerance=1e-8, precision="float64")
 SETTINGS = {

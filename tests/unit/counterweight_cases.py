@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.fit import scene_with_web
 
 PLAIN = {"outer_radius_mm": 62.0, "half_angle_deg": 60.0}
 THIN = {"outer_radius_mm": 55.0, "half_angle_deg": 75.0, "thickness_mm": 12.0, "face": "pin"}

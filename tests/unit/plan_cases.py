@@ -1,6 +1,6 @@
 """Scenes for the tests of the effects plan."""
 
-from cranktopo.scene import load_scene
+from cranktopo.design.loading import load_scene
 
 
 def with_effects(scene, **update):

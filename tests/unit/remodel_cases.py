@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 from manifold3d import Manifold
 
-from cranktopo.cad.solid_files import surface_of
-from cranktopo.remodel.family import Layout, bounds, web_of
-from cranktopo.remodel.fit import fit_problem, scene_with_web
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.select import fit_from
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.cylinder_pocket import FittedCylinder
-from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.triangles.surface_mesh import solid_of
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.loading import load_scene
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.tasks.refit.family import Layout, bounds, web_of
+from cranktopo.tasks.refit.fit import fit_problem, scene_with_web
+from cranktopo.tasks.refit.select import fit_from
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.side_pocket import FittedSlot
 
 FINE_FACET_MM = 0.3
 OUTLINE = {

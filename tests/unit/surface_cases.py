@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.surface import DensityGrid
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
 
 Array = np.ndarray
 Distance = Callable[[Array, Array, Array], Array]

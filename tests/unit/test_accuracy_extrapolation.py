@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.accuracy.extrapolation import extrapolate, observed_order
+from cranktopo.numerics.extrapolation import extrapolate, observed_order
 
 SIZES = (9.0, 6.0, 4.5)
 """Not a constant ratio."""

@@ -11,30 +11,23 @@ from typing import Any
 
 import pytest
 
-from cranktopo.accuracy import error_target, stored_studies
-from cranktopo.accuracy.cell_choice import choose_cells
-from cranktopo.accuracy.error_target import LEVELS, ErrorTarget, evaluate_to, first_level
-from cranktopo.accuracy.level import (
-    BENDING,
-    EVALUATION,
-    OPTIMISER,
-    TORSION,
-    Level,
-    PlannedLevel,
-    StudyName,
-)
-from cranktopo.accuracy.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
-from cranktopo.accuracy.pareto import ParetoFront, pareto_front
-from cranktopo.accuracy.stored_studies import StoredStudy, key_of, load_study, store_study
-from cranktopo.accuracy.study import Study, run_studies
-from cranktopo.domain.resolution import estimated_cells
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.targets import Target
-from cranktopo.report.figures.accuracy_plot import error_picture
-from cranktopo.report.pages.accuracy_page import accuracy_page
-from cranktopo.report.pages.accuracy_section import accuracy_section
-from cranktopo.report.tables.accuracy_tables import level_tables, limit_lines, recommendation_table
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
+from cranktopo.bodies.cells.resolution import estimated_cells
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.accuracy.cell_choice import choose_cells
+from cranktopo.tasks.accuracy.page import accuracy_page
+from cranktopo.tasks.accuracy.pareto import ParetoFront, pareto_front
+from cranktopo.tasks.accuracy.plot import error_picture
+from cranktopo.tasks.accuracy.study import Study, run_studies
+from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table
+from cranktopo.tasks.fea import error_target, stored_studies
+from cranktopo.tasks.fea.error_target import LEVELS, ErrorTarget, evaluate_to, first_level
+from cranktopo.tasks.fea.level import BENDING, EVALUATION, OPTIMISER, TORSION, Level, PlannedLevel, StudyName
+from cranktopo.tasks.fea.stored_studies import StoredStudy, key_of, load_study, store_study
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.optimise.accuracy_section import accuracy_section
 
 MACHINE = Machine("a processor", 2, 0.1)
 
@@ -173,7 +166,7 @@ class Clock:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = 0.0
-        monkeypatch.setattr("cranktopo.accuracy.study.time.perf_counter", lambda: self.now)
+        monkeypatch.setattr("cranktopo.tasks.accuracy.study.time.perf_counter", lambda: self.now)
 
     def planned(self, results: list[Level | BaseException]) -> list[PlannedLevel]:
         """Levels of cost 1, 2, 4 ... that take 4 s per unit of cost."""
@@ -195,8 +188,8 @@ def run(
 ) -> tuple[Study, list[str]]:
     clock, lines = Clock(monkeypatch), list[str]()
     planned = {EVALUATION: clock.planned(results)}
-    monkeypatch.setattr("cranktopo.accuracy.study.planned_studies", lambda target: planned)
-    monkeypatch.setattr("cranktopo.accuracy.study.this_machine", lambda: MACHINE)
+    monkeypatch.setattr("cranktopo.tasks.accuracy.study.planned_studies", lambda target: planned)
+    monkeypatch.setattr("cranktopo.tasks.accuracy.study.this_machine", lambda: MACHINE)
     return run_studies(Target("mikron", scene), budget_s, lines.append), lines
 
 

@@ -4,10 +4,11 @@ import re
 
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.loads import analyse, throw_balance
-from cranktopo.scene import parse_scene
-from cranktopo.scene.assumed import LOADS, assumptions
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.assumed import LOADS, assumptions
+from cranktopo.design.loading import parse_scene
+from cranktopo.engine.analysis import analyse
+from cranktopo.engine.balance.throw import throw_balance
 from tests.engine_arrangements import MIKRON, VEE
 from tests.engine_arrangements import arranged as scene
 

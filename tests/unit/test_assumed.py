@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.assumed import (
+from cranktopo.design.assumed import (
     ENVELOPE,
     FATIGUE,
     LOADS,
@@ -16,6 +15,8 @@ from cranktopo.scene.assumed import (
     assumed_text,
     assumptions,
 )
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
 
 
 def scene_with(**tables: object) -> Scene:

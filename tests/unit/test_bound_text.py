@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from cranktopo.report.figures.bound_scale import bound_picture
-from cranktopo.report.pages.bound_section import bound_sections
-from cranktopo.report.tables.bound_text import bound_lines, bound_table
+from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.scale import bound_picture
+from cranktopo.tasks.bound.text import bound_lines, bound_table
 
 BOUND = {
     "quantity": "mass",

@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cad.solid_files import surface_of
-from cranktopo.domain.build import build_domain
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.summary import loads_json
-from cranktopo.report.pages.clearance_section import clearance_sections
-from cranktopo.report.tables.loads_text import loads_text
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.prisms import envelope_solid
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.clearance import CRANKCASE, PISTON, clearance_limit, rooms_mm
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.clearance import CRANKCASE, PISTON, clearance_limit, rooms_mm
-from cranktopo.surface.density_grid import DensityGrid
-from cranktopo.surface.solids import envelope_solid
+from cranktopo.tasks.fea.clearance_section import clearance_sections
+from cranktopo.tasks.loads.result import loads_json
+from cranktopo.tasks.loads.text import loads_text
 from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted
 
 SKIRT_MM, GAP_MM = 52.0, 1.5

@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.domain.build import build_domain
-from cranktopo.domain.web_cells import centres_mm
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import coarse_start, loop
-from cranktopo.optimise.build import build_problem
-from cranktopo.optimise.coarse_start import coarse_scene, first_state, interpolated
-from cranktopo.optimise.problem import DensityProblem
-from cranktopo.optimise.stage import Prepared, iterate, prepare
-from cranktopo.optimise.state import CoarseStart, Record, State, Status, from_checkpoint, to_checkpoint
-from cranktopo.report.verdict_sentence import ended
-from cranktopo.scene import Scene, load_scene
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.web_cells import centres_mm
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import coarse_start, loop
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.coarse_start import coarse_scene, first_state, interpolated
+from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.stage import Prepared, iterate, prepare
+from cranktopo.tasks.density.state import CoarseStart, Record, State, Status, from_checkpoint, to_checkpoint
+from cranktopo.tasks.fea.verdict_sentence import ended
 
 ROW = Record(1, 1.0, 1.0, (2.0, 3.0), 0.3, 0.5, 0.2, 9, 1.0)
 

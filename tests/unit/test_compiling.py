@@ -15,17 +15,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.fem.compiling import compile_multigrid
-from cranktopo.fem.conjugate_gradients import System, multigrid_cg
-from cranktopo.fem.kernels import processor
-from cranktopo.fem.multigrid import build_hierarchy, build_tables
-from cranktopo.fem.precision import CompileClock
-from cranktopo.fem.response import compliance_gradients, solve
-from cranktopo.optimise import loop
-from cranktopo.optimise.build import build_problem
-from cranktopo.optimise.proposals import compile_optimality_criteria
-from cranktopo.optimise.stage import prepare
-from cranktopo.scene import Scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.grid.compiling import compile_multigrid
+from cranktopo.numerics.grid.conjugate_gradients import System, multigrid_cg
+from cranktopo.numerics.grid.multigrid import build_hierarchy, build_tables
+from cranktopo.numerics.kernels import registry as processor
+from cranktopo.numerics.precision import CompileClock
+from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.proposals import compile_optimality_criteria
+from cranktopo.tasks.density.response import compliance_gradients, solve
+from cranktopo.tasks.density.stage import prepare
 from tests.studies.cantilever import cantilever
 
 EVENT = "/jax/core/compile/backend_compile_duration"

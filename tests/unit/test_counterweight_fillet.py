@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.volume import web_volume_mm3
-from cranktopo.domain.build import build_domain
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.balance import throw_balance
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.scene import Scene
-from cranktopo.scene.features.tangent_circle import OutlineSection
-from cranktopo.scene.web_moments import counterweight_mass, web_moments
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.bodies.web_moments import counterweight_mass, web_moments
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.throw.tangent_circle import OutlineSection
 from tests.unit.counterweight_cases import DISC, OUTLINES, PLAIN, THIN, roomy_scene
 
 THICK_MM = 19.0

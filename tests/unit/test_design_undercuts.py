@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.pipeline.compare import design_undercuts
-from cranktopo.report.pages.comparison_page import undercut_fact
-from cranktopo.report.tables.undercut_table import DesignUndercuts, undercut_table
-from cranktopo.triangles.surface_mesh import mesh_of
+from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.tasks.compare.page import undercut_fact
+from cranktopo.tasks.compare.stage import design_undercuts
+from cranktopo.tasks.extraction.undercut_table import DesignUndercuts, undercut_table
 from tests.unit.surface_cases import scene_with
 
 WEB = Manifold.cube((60, 90, 19)).translate((-30, -25, 20))

@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from cranktopo.fem.devices import devices_for, partition_of
-from cranktopo.fem.lattice import Lattice
-from cranktopo.fem.multigrid import build_tables
-from cranktopo.fem.partition import Partition
+from cranktopo.numerics.grid.devices import devices_for, partition_of
+from cranktopo.numerics.grid.lattice import Lattice
+from cranktopo.numerics.grid.multigrid import build_tables
+from cranktopo.numerics.grid.partition import Partition
 from tests.studies.parts import TOLERANCE, in_own_process
 
 

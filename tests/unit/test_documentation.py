@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cli.main import COMMANDS
+from cranktopo.app.main import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ROOT / "docs" / "pages"

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.domain.build import Domain, build_domain, laterally_symmetric
-from cranktopo.domain.grid import plan_grid
-from cranktopo.domain.resolution import finest_resolution_mm, thinnest_wall_mm
-from cranktopo.errors import CranktopoError
-from cranktopo.optimise.connectivity import is_connected
-from cranktopo.scene import Scene
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
+from cranktopo.bodies.cells.grid import plan_grid
+from cranktopo.bodies.cells.resolution import finest_resolution_mm, thinnest_wall_mm
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.density.connectivity import is_connected
 
 
 def changed(scene: Scene, **tables: object) -> Scene:

@@ -9,12 +9,12 @@ from typing import Any
 import jax.numpy as jnp
 import pytest
 
-from cranktopo.fem import response
-from cranktopo.fem.equilibrium import Solution
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise import loop, proposals, stage
-from cranktopo.optimise.build import build_problem
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.grid.equilibrium import Solution
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density import loop, proposals, response, stage
+from cranktopo.tasks.density.build import build_problem
 
 
 @dataclass

@@ -7,20 +7,22 @@ from dataclasses import replace
 import pytest
 import trimesh
 
-from cranktopo.domain.build import build_domain
-from cranktopo.effects import CostRates, plan
-from cranktopo.effects.beam import throw_compliance
-from cranktopo.effects.cost import Costing
-from cranktopo.effects.simulated import simulated_scene, without
-from cranktopo.errors import CranktopoError
-from cranktopo.loads import at_speed, extreme_states, load_cases
-from cranktopo.loads.balance import throw_balance
-from cranktopo.loads.torsional_stiffness import fillet_length_saving_mm
-from cranktopo.scene import load_scene, scene_from_dict
-from cranktopo.scene.features import CylinderPocket
-from cranktopo.scene.geometry import Journal, OutlineEnvelope
-from cranktopo.scene.schema import Weights
-from cranktopo.scene.symmetry import may_mirror, web_asymmetry
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Weights
+from cranktopo.design.symmetry import may_mirror, web_asymmetry
+from cranktopo.engine.analysis import at_speed
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.cases import load_cases
+from cranktopo.engine.plan.beam import throw_compliance
+from cranktopo.engine.plan.cost import Costing, CostRates
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import simulated_scene, without
+from cranktopo.engine.states import extreme_states
+from cranktopo.engine.torsional_stiffness import fillet_length_saving_mm
+from cranktopo.throw.cylinder_pocket import CylinderPocket
+from cranktopo.throw.geometry import Journal, OutlineEnvelope
 from tests.unit.plan_cases import MIKRON, OPPOSED, with_effects, with_part
 
 INERTIA = frozenset({"reciprocating_inertia", "rotating_rod_mass"})

@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.effects.simulated import without
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.fillets import place
-from cranktopo.evaluate.safety_field import check_inputs
-from cranktopo.evaluate.targets import Target
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.fillet_section import FilletSection
-from cranktopo.scene.writing import toml_text
-from cranktopo.shape.start import scene_start
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.engine.plan.simulated import without
+from cranktopo.tasks.fatigue.fillets import place
+from cranktopo.tasks.fatigue.safety_field import check_inputs
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shape.start import scene_start
+from cranktopo.throw.fillet import FilletSection
 
 MIKRON = load_scene("mikron-iiic")
 

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.scene import load_scene, parse_scene
-from cranktopo.scene.loading import designs_folder
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text()
 OPPOSED = (designs_folder() / "opposed-piston.toml").read_text()

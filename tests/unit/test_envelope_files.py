@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.step_surface import step_surface
-from cranktopo.domain.build import build_domain
-from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference, symmetrised
-from cranktopo.errors import CranktopoError
-from cranktopo.scene import Scene, scene_from_dict
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference, symmetrised
+from cranktopo.bodies.solid.step_surface import step_surface
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session
 
 HALF, LOW, HIGH, Z = 30.0, -30.0, 78.0, (18.0, 41.0)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.report.tables.evaluation_table import estimate_line
-from cranktopo.report.tables.remodel_text import remodel_text
-from cranktopo.report.tables.steps_table import steps_estimate
+from cranktopo.tasks.fea.table import estimate_line
+from cranktopo.tasks.iterate.text import steps_estimate
+from cranktopo.tasks.refit.text import remodel_text
 
 
 def test_the_largest_of_each() -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate import rule_check
-from cranktopo.evaluate.fkm import FkmStrength, fkm
-from cranktopo.evaluate.local_stress import LocalStress
-from cranktopo.evaluate.lsa import LsaStrength, lsa
-from cranktopo.evaluate.m53 import (
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue import rule_check
+from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
+from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.fatigue.m53 import (
     Dimensions,
     Factors,
     Nominal,
@@ -21,8 +23,7 @@ from cranktopo.evaluate.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
-from cranktopo.evaluate.targets import Target
-from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.tasks.fea.targets import Target
 
 # J. Voparil, Brno University of Technology, 2011: amplitude, mean, related gradient of two crank webs.
 ORIGINAL, VARIANT_II = (241.08, 330.95, 0.228), (226.27, 309.58, 0.235)

@@ -10,16 +10,17 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.domain.build import Domain, build_domain
-from cranktopo.effects import plan, simulated_scene
-from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.forging_constraint import SHARPNESS, Die, without_undercuts
-from cranktopo.optimise.manufacturing import open_cells, parting_of
-from cranktopo.optimise.material import Interpolation, physical_density, smooth_density
-from cranktopo.scene import Scene
-from cranktopo.scene.geometry import OutlineEnvelope
-from cranktopo.surface.undercuts import undercuts
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
+from cranktopo.bodies.cells.domain import Domain, build_domain
+from cranktopo.bodies.undercuts import undercuts
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.numerics.filters.forging import SHARPNESS, Die, without_undercuts
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.manufacturing import open_cells, parting_of
+from cranktopo.tasks.density.material import Interpolation, physical_density, smooth_density
+from cranktopo.throw.geometry import OutlineEnvelope
 from tests.physics.throw_cases import forged
 from tests.unit.surface_cases import scene_with
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.remodel.dimensions import scene_at, size_rules, with_free, with_part
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.initial_guess import with_stations
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.scene import Scene
-from cranktopo.scene.features import Counterweight
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.free_dimensions import DIMENSIONS, own_dimension_mm, with_dimensions
-from cranktopo.scene.loading import designs_folder, parse_scene
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.free_dimensions import DIMENSIONS, own_dimension_mm, with_dimensions
+from cranktopo.design.loading import designs_folder, parse_scene
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.dimensions import scene_at, size_rules, with_free, with_part
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.initial_guess import with_stations
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.counterweight import Counterweight
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 

@@ -11,9 +11,9 @@ import click
 import pytest
 
 import cranktopo
-from cranktopo.cli.main import COMMANDS, cli
-from cranktopo.errors import ExitCode
-from cranktopo.scene.reference import scene_reference
+from cranktopo.app.main import COMMANDS, cli
+from cranktopo.base.errors import ExitCode
+from cranktopo.design.reference import scene_reference
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

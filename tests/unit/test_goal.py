@@ -6,16 +6,17 @@ import math
 
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.loads import extreme_states
-from cranktopo.scene import Scene, load_scene, parse_scene, scene_from_dict
-from cranktopo.scene.assumed import GOAL, assumptions
-from cranktopo.scene.checks_goal import check_known
-from cranktopo.scene.goal import QUANTITIES, Limit
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.goal.sentence import goal_text
-from cranktopo.scene.goal.wanted import wanted
-from cranktopo.scene.loading import designs_folder
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.assumed import GOAL, assumptions
+from cranktopo.design.checks.goal import check_known
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.goal.limit import Limit
+from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.design.goal.sentence import goal_text
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.loading import designs_folder, load_scene, parse_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.states import extreme_states
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 

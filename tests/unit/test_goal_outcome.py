@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.report.tables.goal_table import broken_limits, goal_line, limits_table
-from cranktopo.report.tables.result_table import terminal
-from cranktopo.scene.goal import Goal, Limit
-from cranktopo.scene.goal.outcome import LimitOutcome, goal_json
+from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.goal.outcome import LimitOutcome, goal_json
+from cranktopo.report.goal_table import broken_limits, goal_line, limits_table
+from cranktopo.report.result_table import terminal
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "unbalance": 35.0}
 

@@ -2,13 +2,13 @@
 
 import pytest
 
-from cranktopo.effects import plan
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.balance import throw_balance
-from cranktopo.scene import scene_from_dict
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.goal.wanted import wanted
-from cranktopo.scene.schema import Weights
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Weights
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.plan.planning import plan
 from tests.unit.plan_cases import MIKRON, with_effects, with_part
 
 

@@ -10,15 +10,17 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.domain.build import build_domain
-from cranktopo.effects import plan, simulated_scene
-from cranktopo.optimise.forging_constraint import reachable
-from cranktopo.optimise.manufacturing import open_cells, parting_of, unreachable_share
-from cranktopo.optimise.notices import notices
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.surface.undercuts import undercuts
-from cranktopo.triangles.surface_files import write_stl
-from cranktopo.triangles.surface_mesh import mesh_of
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.undercuts import undercuts
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.numerics.filters.forging import reachable
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.tasks.density.manufacturing import open_cells, parting_of, unreachable_share
+from cranktopo.tasks.density.notices import notices
 
 LOW, HIGH, HALF = -30.0, 78.0, 32.0
 Z = (19.0, 40.0)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.loads.gas import pressure_curve
-from cranktopo.loads.indicator import read_indicator
-from cranktopo.scene import load_scene
-from cranktopo.scene.engine import Gas
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.engine import Gas
+from cranktopo.design.loading import load_scene
+from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.indicator import read_indicator
 
 ANGLE = np.arange(0.0, 720.0, 2.0)
 BAR = 1.0 + 50.0 * np.exp(-(((ANGLE - 12.0 + 360) % 720 - 360) ** 2) / 800.0)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.errors import CranktopoError, shown
-from cranktopo.inputs import check_input, read_bytes, read_text
+from cranktopo.base.errors import CranktopoError, shown
+from cranktopo.base.reading import check_input, read_bytes, read_text
 
 
 @pytest.mark.parametrize("content", [b"a = 1", b"\xef\xbb\xbfa = 1"], ids=["plain", "byte-order mark"])

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from cranktopo.pipeline.interruption import interruptible
+from cranktopo.runs.interruption import interruptible
 
 
 @pytest.fixture(autouse=True)

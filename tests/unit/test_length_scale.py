@@ -11,21 +11,21 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from cranktopo.domain.build import build_domain
-from cranktopo.errors import CranktopoError
-from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.density_filter import ConeFilter, cone_filter, cone_kernel, share_within
-from cranktopo.optimise.length_scale import (
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.filters.density_filter import ConeFilter, cone_filter, cone_kernel, share_within
+from cranktopo.numerics.filters.projection import Projection
+from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.length_scale import (
     check_lengths,
     eroded_threshold,
     filter_radius_mm,
     least_width,
     projection_for,
 )
-from cranktopo.optimise.material import dilated_density, eroded_density, physical_density
-from cranktopo.optimise.notices import notices
-from cranktopo.optimise.projection import Projection
-from cranktopo.scene import Scene
+from cranktopo.tasks.density.material import dilated_density, eroded_density, physical_density
+from cranktopo.tasks.density.notices import notices
 
 Array = np.ndarray
 STEP = 1 / 24  # of the filter radius

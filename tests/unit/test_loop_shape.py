@@ -6,15 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.iterate import loop_settings, shape_step
-from cranktopo.pipeline.iterate.shape_step import ShapeStep
-from cranktopo.pipeline.iterate.step import LoopStep
-from cranktopo.report.tables.steps_table import shape_line
-from cranktopo.scene import Scene
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.writing import toml_text
-from cranktopo.store import RunStore, create_run
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.runs.directories import RunStore, create_run
+from cranktopo.tasks.iterate import shape_step
+from cranktopo.tasks.iterate.settings import loop_settings
+from cranktopo.tasks.iterate.shape_step import ShapeStep
+from cranktopo.tasks.iterate.step import LoopStep
+from cranktopo.tasks.iterate.text import shape_line
 from tests.shape_stand_in import ORIGINAL, ShapeStandIn
 
 

@@ -10,17 +10,17 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from cranktopo.cad.volume import web_volume_mm3
-from cranktopo.domain.build import build_domain
-from cranktopo.domain.stl_envelope import envelope_from_file, mirror_difference
-from cranktopo.errors import CranktopoError
-from cranktopo.pipeline.iterate import step_solids
-from cranktopo.pipeline.iterate.step import LoopStep, best_step, verdict
-from cranktopo.pipeline.iterate.step_solids import read_web, write_envelope, write_solids
-from cranktopo.pipeline.iterate.transition import transition_mm
-from cranktopo.scene import Scene
-from cranktopo.scene.geometry import StlEnvelope
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.tasks.iterate import step_solids
+from cranktopo.tasks.iterate.step import LoopStep, best_step, verdict
+from cranktopo.tasks.iterate.step_solids import read_web, write_envelope, write_solids
+from cranktopo.tasks.iterate.transition import transition_mm
+from cranktopo.throw.geometry import StlEnvelope
 from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
 

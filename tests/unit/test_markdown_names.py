@@ -8,9 +8,9 @@ import pytest
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
-from cranktopo.report.pages.markdown_page import markdown_text
-from cranktopo.report.pages.page import Fact, Page, Section
-from cranktopo.report.tables.result_table import ResultTable, markdown
+from cranktopo.report.markdown_page import markdown_text
+from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.result_table import ResultTable, markdown
 
 NAMES = [
     "a|b",

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.optimise.mma import first_asymptotes, mma_step
+from cranktopo.numerics.optimisers.mma import first_asymptotes, mma_step
 
 pytestmark = pytest.mark.usefixtures("float64")
 Function = Callable[[jax.Array], jax.Array]

@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.pipeline.iterate.step import LoopStep, best_step, verdict
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.fit import fit_problem
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.near_ties import SAME, best_first, clearly_more, exceeds, first_of_the_best
-from cranktopo.remodel.search import Fit, FitProblem
-from cranktopo.remodel.select import select
-from cranktopo.remodel.voxel_fill import voxel_fill
-from cranktopo.scene import Scene
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.side_pocket import FittedSlot
+from cranktopo.base.near_ties import SAME, best_first, clearly_more, exceeds, first_of_the_best
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.iterate.step import LoopStep, best_step, verdict
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.fit import fit_problem
+from cranktopo.tasks.refit.search import Fit, FitProblem
+from cranktopo.tasks.refit.select import select
+from cranktopo.tasks.refit.voxel_fill import voxel_fill
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.side_pocket import FittedSlot
 from tests.unit.remodel_cases import PARTS, body_of, known_scene
 
 SCORES = 1e-9

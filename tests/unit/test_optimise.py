@@ -10,10 +10,13 @@ import numpy as np
 import pytest
 import scipy.ndimage
 
-from cranktopo.domain.build import build_domain
-from cranktopo.fem.precision import double_precision
-from cranktopo.optimise.density_filter import cone_kernel, convolved
-from cranktopo.optimise.material import (
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.filters.density_filter import cone_kernel, convolved
+from cranktopo.numerics.filters.projection import projected
+from cranktopo.numerics.precision import double_precision
+from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
+from cranktopo.tasks.density.material import (
     CONTRAST,
     Interpolation,
     build_interpolation,
@@ -22,11 +25,8 @@ from cranktopo.optimise.material import (
     relative_moduli,
     volume_fraction,
 )
-from cranktopo.optimise.optimality_criteria import falling_root, update
-from cranktopo.optimise.projection import projected
-from cranktopo.optimise.state import Record, State, from_checkpoint, to_checkpoint
-from cranktopo.scene import Scene
-from cranktopo.store import load_checkpoint, save_checkpoint
+from cranktopo.tasks.density.optimality_criteria import falling_root, update
+from cranktopo.tasks.density.state import Record, State, from_checkpoint, to_checkpoint
 
 
 @pytest.fixture

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.cad.solid_files import surface_of
-from cranktopo.effects.simulated import without
-from cranktopo.errors import CranktopoError
-from cranktopo.meshing.placement import misfits, placed, ring_at, without_bores_left_out
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.surface.solids import cylinder, journal_halves, web_bores
-from cranktopo.triangles.surface_mesh import solid_of
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.prisms import cylinder, journal_halves, web_bores
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.simulated import without
+from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.tasks.importing.placement import misfits, placed, ring_at, without_bores_left_out
 
 
 def turned(axis: str, deg: float) -> np.ndarray:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.report.figures.plot import picture
-from cranktopo.report.figures.rounds_plot import draw_goal, draw_worst_limit
-from cranktopo.report.tables.price_words import price_sentences, prices_table
+from cranktopo.report.plot import picture
+from cranktopo.tasks.shape.multiplier_text import price_sentences, prices_table
+from cranktopo.tasks.shape.rounds_plot import draw_goal, draw_worst_limit
 
 
 @pytest.fixture

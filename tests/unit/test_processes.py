@@ -11,12 +11,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from cranktopo.domain.build import Domain, build_domain
-from cranktopo.optimise.chain import build_chain
-from cranktopo.optimise.forging_constraint import Die
-from cranktopo.optimise.manufacturing import parting_of
-from cranktopo.optimise.material import Interpolation, physical_density, smooth_density
-from cranktopo.scene import Scene
+from cranktopo.bodies.cells.domain import Domain, build_domain
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.filters.forging import Die
+from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.manufacturing import parting_of
+from cranktopo.tasks.density.material import Interpolation, physical_density, smooth_density
 from tests.physics.throw_cases import forged
 
 CELL_MM = 6.0

@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.remodel.dimensions import with_free
-from cranktopo.remodel.family import Layout, web_of
-from cranktopo.remodel.read_web import read_web
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.features.bevel import FittedBevel
-from cranktopo.scene.features.box_pocket import FittedBox
-from cranktopo.scene.features.cylinder_pocket import FittedCylinder
-from cranktopo.scene.features.fitted import FittedFeature
-from cranktopo.scene.features.side_pocket import FittedSlot
-from cranktopo.scene.loading import parse_scene
-from cranktopo.scene.writing import toml_text
-from cranktopo.shape.start import outline_start, scene_start
+from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.tasks.refit.dimensions import with_free
+from cranktopo.tasks.refit.family import Layout, web_of
+from cranktopo.tasks.refit.read_web import read_web
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.start import outline_start, scene_start
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.side_pocket import FittedSlot
 from tests.physics.shape_cases import full_web, solid_web
 
 PARTS: tuple[FittedFeature, ...] = (

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.surface import DensityGrid, WebSurface, extract_half_throw
-from cranktopo.surface.cutter import build_cutter, fine_field
-from cranktopo.surface.solids import envelope_solid
-from cranktopo.surface.undercuts import Way, undercuts
-from cranktopo.surface.walls import Walls, from_parting_mm, measure
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.prisms import envelope_solid
+from cranktopo.bodies.undercuts import Way, undercuts
+from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
+from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
+from cranktopo.tasks.extraction.walls import Walls, from_parting_mm, measure
 from tests.unit.surface_cases import Array, Distance, grid_of, obround, scene_with, united, without
 
 CELL_MM, DRAFT_DEG, DEPTH_MM, MIDDLE_MM = 3.0, 5.0, 6.0, 29.5

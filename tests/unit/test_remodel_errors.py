@@ -6,11 +6,12 @@ from typing import Any
 
 import pytest
 
-from cranktopo.cad.session import cad_session
-from cranktopo.cad.throw_solid import add_half_throw, check_body
-from cranktopo.errors import CranktopoError
-from cranktopo.scene import Scene, builtin_designs, load_scene, scene_from_dict
-from cranktopo.scene.features import ObroundWeb
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.solid.throw import add_half_throw, check_body
+from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.throw.hull import ObroundWeb
 from tests.physics.evaluation_cases import mikron_with
 from tests.random_throws import random_throw
 

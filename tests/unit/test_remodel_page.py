@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
-from cranktopo.report.pages.html import html
-from cranktopo.report.pages.markdown_page import markdown_text
-from cranktopo.report.pages.remodel_page import remodel_page, remodel_section
-from cranktopo.report.tables.remodel_text import remodel_text
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.report.html import html
+from cranktopo.report.markdown_page import markdown_text
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.scene import Scene
-from cranktopo.triangles.surface_mesh import mesh_of
+from cranktopo.tasks.refit.page import remodel_page, remodel_section
+from cranktopo.tasks.refit.text import remodel_text
 from tests.unit.remodel_cases import WHOLE, body_of, known_scene
 
 

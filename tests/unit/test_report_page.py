@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.pipeline.snapshots import MOST_CELLS, coarsened, evenly_spread
-from cranktopo.report.figures.plot import picture
-from cranktopo.report.pages.markdown_page import write_markdown
-from cranktopo.report.pages.page import Fact, Page, Section
-from cranktopo.report.pages.verdict import fatigue_fact, headline, run_undercuts_fact
-from cranktopo.report.tables.length_text import length_lines
-from cranktopo.report.tables.result_table import ResultTable
-from cranktopo.report.verdict_sentence import run_changes_percent, worse_line
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.markdown_page import write_markdown
+from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.plot import picture
+from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
-from cranktopo.surface import DensityGrid
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.tasks.extraction.length_text import length_lines
+from cranktopo.tasks.extraction.snapshots import MOST_CELLS, coarsened, evenly_spread
+from cranktopo.tasks.fea.verdict_sentence import run_changes_percent, worse_line
+from cranktopo.tasks.optimise.verdict import fatigue_fact, headline, run_undercuts_fact
 from tests.packed_scenes import unpacked
 
 

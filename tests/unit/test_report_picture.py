@@ -12,10 +12,10 @@ import trimesh
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from cranktopo.errors import CranktopoError
-from cranktopo.report.figures.picture import run_figure, save_run_picture
-from cranktopo.report.figures.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.base.errors import CranktopoError
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes
+from cranktopo.tasks.optimise.picture import run_figure, save_run_picture
 
 WEB_Z = (10.0, 16.0)
 UP = (0.0, 1.0, 0.0)

@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.case_stress import CaseStress
-from cranktopo.evaluate.targets import Target
-from cranktopo.loads import LoadCase
-from cranktopo.pipeline.run_stress import read_run_stress, solve_run_stress
-from cranktopo.report.pages.page import Section
-from cranktopo.report.pages.stress_section import stress_section
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.schema import Scene
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.page import Section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import quantiles_MPa, stress_scales
-from cranktopo.scene import Scene
-from cranktopo.store import RunStore
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.runs.directories import RunStore
+from cranktopo.tasks.fea.case_stress import CaseStress
+from cranktopo.tasks.fea.stress_section import stress_section
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.optimise.run_stress import read_run_stress, solve_run_stress
 
 TORSION = LoadCase("torsion", "torsion", torque_Nm=685.7, source="by hand")
 BENDING = LoadCase("bending", "bending", radial_N=32377.0, source="by hand")
@@ -80,7 +80,7 @@ def test_run_keeps_stresses_of_its_surface_alone(
         asked.append((target.file, [case.kind for case in cases]))
         return along_x()
 
-    monkeypatch.setattr("cranktopo.pipeline.run_stress.case_stress", solved)
+    monkeypatch.setattr("cranktopo.tasks.optimise.run_stress.case_stress", solved)
     run = RunStore(tmp_path)
     (tmp_path / "web.stl").write_bytes(b"one surface")
     assert read_run_stress(run, "web.stl") is None

@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError
 from cranktopo.report.vtu import write_density_vtu
 
 X = np.array([-3.0, -1.0, 0.5, 1.0])

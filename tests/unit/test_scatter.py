@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from matplotlib.figure import Figure
 
-from cranktopo.report.figures.scatter import (
+from cranktopo.tasks.fea.quantities import TORSION
+from cranktopo.tasks.fea.scatter import (
     LABELS,
     Point,
     draw_stiffness_over_mass,
     equal_ratio_factors,
     most_by_label,
 )
-from cranktopo.report.quantities import TORSION
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.loads import analyse
-from cranktopo.loads.summary import curve_columns
-from cranktopo.scene.loading import designs_folder, load_scene, parse_scene
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import designs_folder, load_scene, parse_scene
+from cranktopo.engine.analysis import analyse
+from cranktopo.tasks.loads.result import curve_columns
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 

@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 
-from cranktopo.scene import parse_scene
-from cranktopo.scene.loading import builtin_designs, designs_folder
-from cranktopo.scene.reference import scene_reference, unit_of
-from cranktopo.scene.template import template
+from cranktopo.design.loading import builtin_designs, designs_folder, parse_scene
+from cranktopo.design.reference import scene_reference, unit_of
+from cranktopo.design.template import template
 
 TEMPLATE = template("mine")
 BLOCKS = TEMPLATE.split("\n\n")

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cad.step_surface import step_surface
-from cranktopo.domain.build import throw_ranges_mm
-from cranktopo.domain.stl_envelope import envelope_from_file
-from cranktopo.errors import CranktopoError
-from cranktopo.scene import Scene
-from cranktopo.scene.geometry import Throw
-from cranktopo.scene.loading import designs_folder, parse_scene
-from cranktopo.scene.polygons import self_intersection
-from cranktopo.scene.web_moments import web_moments
-from cranktopo.triangles.surface_files import read_stl
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.polygons import self_intersection
+from cranktopo.bodies.cells.domain import throw_ranges_mm
+from cranktopo.bodies.envelope_file import envelope_from_file
+from cranktopo.bodies.solid.step_surface import step_surface
+from cranktopo.bodies.web_moments import web_moments
+from cranktopo.design.loading import designs_folder, parse_scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.throw.geometry import Throw
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 BARE = MIKRON[: MIKRON.index("[envelope]")]

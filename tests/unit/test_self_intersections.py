@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.surface.isosurface import FineField, iso_solid, unsmoothed_solid
-from cranktopo.triangles.self_intersections import self_intersections_mm
-from cranktopo.triangles.surface_mesh import mesh_of
+from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.numerics.surfaces.self_intersections import self_intersections_mm
+from cranktopo.tasks.extraction.isosurface import FineField, iso_solid, unsmoothed_solid
 
 ISO, TOLERANCE_MM = 0.5586, 0.02
 PER_MILLE = """

@@ -7,18 +7,19 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from cranktopo.domain.build import build_domain
-from cranktopo.loads.cases import load_cases
-from cranktopo.remodel.family import Layout
-from cranktopo.remodel.parametric_web import ParametricWeb
-from cranktopo.remodel.usual_size import usual_limits
-from cranktopo.scene import Scene, load_scene, scene_from_dict
-from cranktopo.scene.goal import Goal, Limit
-from cranktopo.scene.goal.outcome import LimitOutcome
-from cranktopo.shape.envelope_room import EnvelopeRoom
-from cranktopo.shape.goal_in_model import search_goal_of
-from cranktopo.shape.search_goal import SearchGoal, SearchLimit
-from cranktopo.shape.start import outline_start
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.goal.outcome import LimitOutcome
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.cases import load_cases
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.envelope_clearance import EnvelopeRoom
+from cranktopo.tasks.shape.goal_in_model import search_goal_of
+from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.start import outline_start
 
 ORIGINAL = {"mass": 1.5, "torsion": 150e3, "bending": 240e3, "unbalance": 30.0}
 TRUE = {"mass": 1.6, "torsion": 145e3, "bending": 230e3, "unbalance": 33.0}

@@ -10,19 +10,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.loads.cases import load_cases
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.scene import Scene, load_scene
-from cranktopo.scene.goal import Goal
-from cranktopo.scene.goal.changing import with_goal
-from cranktopo.scene.goal.wanted import wanted
-from cranktopo.shape import stage
-from cranktopo.shape.mesh_model import MeshResponses
-from cranktopo.shape.meshed_webs import MeshedWebs
-from cranktopo.shape.refining import Step
-from cranktopo.shape.stage import ShapeOptimum, optimise_shape
-from cranktopo.store import Work
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Work
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.loading import load_scene
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.engine.cases import load_cases
+from cranktopo.tasks.shape import stage
+from cranktopo.tasks.shape.mesh_model import MeshResponses
+from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.refining import Step
+from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
 

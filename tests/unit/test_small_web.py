@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.report.viewer.small_web import MOST_FACES, packed_web
-from cranktopo.triangles.surface_mesh import SurfaceMesh
 from tests.packed_scenes import small_web
 
 

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.cad.solid_files import export_solid, surface_of
-from cranktopo.cad.volume import half_throw_volume_mm3
-from cranktopo.errors import CranktopoError
-from cranktopo.formats import SolidPart
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.triangles.surface_mesh import solid_of
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.formats import SolidPart
+from cranktopo.bodies.solid.files import export_solid, surface_of
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import solid_of
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 from tests.random_engines import random_engine
 from tests.step_volume import step_volume_mm3
@@ -111,8 +112,8 @@ def test_facets_of_a_throw_whose_bore_is_of_two_halves_come_to_an_end(tmp_path: 
     """In a process of its own, to be stopped: the frontal method refines this bore without end."""
     path = tmp_path / "throw.stl"
     code = (
-        "import sys; from pathlib import Path; from cranktopo.cad.solid_files import export_solid; "
-        "from cranktopo.scene import scene_from_dict; from tests.random_engines import random_engine; "
+        "import sys; from pathlib import Path; from cranktopo.bodies.solid.files import export_solid; "
+        "from cranktopo.design import scene_from_dict; from tests.random_engines import random_engine; "
         f"print(export_solid(scene_from_dict(random_engine(16)), 'throw', Path({str(path)!r}), 5.0))"
     )
     done = subprocess.run(

@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.errors import CranktopoError
-from cranktopo.surface import WebSurface, check_surface, extract_half_throw, sound_throw
-from cranktopo.surface.cutter import Cutter, build_cutter, fine_field
-from cranktopo.surface.density_grid import DensityGrid
-from cranktopo.surface.iso_distance import iso_surface_distances_mm
-from cranktopo.surface.isosurface import FineField
-from cranktopo.surface.sound_throw import DISTANCE_CELLS, SLIVERS_MM, VOLUME_SHARE, WAYS, Way
-from cranktopo.triangles.surface_mesh import SurfaceMesh
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.tasks.extraction import sound_throw
+from cranktopo.tasks.extraction.cutter import Cutter, build_cutter, fine_field
+from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
+from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
+from cranktopo.tasks.extraction.isosurface import FineField
+from cranktopo.tasks.extraction.sound_throw import DISTANCE_CELLS, SLIVERS_MM, VOLUME_SHARE, WAYS, Way
+from cranktopo.tasks.extraction.surface_checks import check_surface
 from tests.unit.surface_cases import ball, grid_of, obround, scene_with, without
 
 TRIES = len(SLIVERS_MM)

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.step_text import StepLabel, labelled, step_string
-from cranktopo.errors import CranktopoError
-from cranktopo.formats import PARTS, SolidPart
-from cranktopo.scene import Scene
-from cranktopo.store.dates import time_of_writing
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.formats import PARTS, SolidPart
+from cranktopo.base.reproducible import time_of_writing
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.solid.step_text import StepLabel, labelled, step_string
+from cranktopo.design.schema import Scene
 from tests.unit.remodel_cases import WHOLE, known_scene
 
 DAY = "1970-01-02T00:00:00+00:00"

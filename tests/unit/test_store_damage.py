@@ -12,18 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cli.main import main
-from cranktopo.errors import CranktopoError
-from cranktopo.store import (
-    RunStore,
-    create_run,
-    load_checkpoint,
-    load_iteration,
-    read_json,
-    resume_command,
-    saved_iterations,
-    write_text,
-)
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import read_json, write_text
+from cranktopo.runs.checkpoint import load_checkpoint
+from cranktopo.runs.directories import RunStore, create_run
+from cranktopo.runs.iterations import load_iteration, saved_iterations
+from cranktopo.runs.kind import resume_command
 
 
 @pytest.fixture
@@ -54,7 +49,7 @@ def bomb(path: Path, size_MiB: int) -> None:
 def test_archives_that_unpack_to_more_than_a_run_holds(
     run: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cranktopo.store.files.ARRAYS_LIMIT_MIB", 64)
+    monkeypatch.setattr("cranktopo.base.files.ARRAYS_LIMIT_MIB", 64)
     for path in (run.checkpoint, run.path / "density" / "iteration-0001.npz"):
         bomb(path, 128)
         assert path.stat().st_size < 2e6

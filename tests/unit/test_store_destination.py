@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.store import check_file, check_folder
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.runs.destination import check_file, check_folder
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.store import files
-from cranktopo.store.checkpoint import load_checkpoint, save_checkpoint
+from cranktopo.base import files
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
 
 _WRITER = """
 import sys
@@ -170,7 +170,7 @@ def test_truncated_checkpoint_is_refused(tmp_path: Path, keep: float) -> None:
 
 def test_checkpoint_of_another_version_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "c.npz"
-    monkeypatch.setattr("cranktopo.store.checkpoint.SCHEMA_VERSION", 99)
+    monkeypatch.setattr("cranktopo.runs.checkpoint.SCHEMA_VERSION", 99)
     save_checkpoint(path, {}, {})
     monkeypatch.undo()
     with pytest.raises(CranktopoError, match="schema_version 99"):

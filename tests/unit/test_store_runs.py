@@ -12,17 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.store import (
-    RunStore,
-    check_destination,
-    create_run,
-    list_runs,
-    locked,
-    open_run,
-    read_result,
-)
-from cranktopo.store.manifest import settings_hash
+from cranktopo.base.errors import CranktopoError
+from cranktopo.runs.directories import RunStore, check_destination, create_run, list_runs, open_run
+from cranktopo.runs.kind import read_result
+from cranktopo.runs.lock import locked
+from cranktopo.runs.manifest import settings_hash
 
 SCENE = {"name": "demo", "throw": {"radius_mm": 48.0}, "optimise": {"volume_fraction": 0.3}}
 
@@ -106,7 +100,7 @@ def test_what_is_interrupted_before_it_has_a_manifest_is_no_run(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr("cranktopo.store.runs.write_json", interrupted)
+        patched.setattr("cranktopo.runs.directories.write_json", interrupted)
         with pytest.raises(KeyboardInterrupt):
             _create(tmp_path, out=tmp_path / "mine")
     assert _tree(tmp_path) == []

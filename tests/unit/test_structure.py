@@ -10,33 +10,44 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "cranktopo"
-# Each room may import the rooms to its left. `store` knows only errors and inputs.
-ORDER = [
-    "errors",
-    "inputs",
-    "cores",
-    "units",
-    "frames",
-    "formats",
-    "scene",
+FLOORS = (
+    {"base"},
+    {"numerics", "runs", "throw"},
+    {"design"},
+    {"bodies"},
+    {"engine", "report", "cli"},
+    {"tasks"},
+    {"app"},
+)
+"""Each room may import those of the floors before it, and itself."""
+TASKS = (
+    "plan",
     "loads",
-    "triangles",
-    "cad",
-    "domain",
-    "effects",
-    "fem",
-    "optimise",
+    "balance",
+    "designs",
+    "drawing",
+    "importing",
+    "fea",
+    "shaft",
+    "vibration",
+    "fatigue",
+    "density",
+    "extraction",
+    "refit",
     "bound",
-    "surface",
-    "meshing",
-    "remodel",
-    "evaluate",
-    "shape",
     "accuracy",
+    "shape",
+    "optimise",
+    "iterate",
+    "evaluate",
+    "sweep",
+    "compare",
     "report",
-    "pipeline",
-    "cli",
-]
+    "run_list",
+    "doctor",
+    "completion",
+)
+"""Each task may import those before it, and itself."""
 HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")
 
 
@@ -54,23 +65,37 @@ def imported_names(file: Path) -> set[str]:
     return found
 
 
-def imported_rooms(file: Path) -> set[str]:
-    return {name.split(".")[1] for name in imported_names(file)}
+def room_of(file: Path) -> tuple[str, ...]:
+    """The room that a file stands in, and in `tasks` the task."""
+    folders = file.relative_to(PACKAGE).parts[:-1]
+    return folders[:2] if folders[:1] == ("tasks",) else folders[:1]
 
 
-def room_of(file: Path) -> str:
-    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+def imported_rooms(file: Path) -> set[tuple[str, ...]]:
+    return {room_of(found) for name in imported_names(file) for found in files_of(name)} - {()}
+
+
+def allowed_rooms(room: tuple[str, ...]) -> set[tuple[str, ...]]:
+    """Rooms that a room may import, itself included."""
+    floor = next(number for number, rooms in enumerate(FLOORS) if room[0] in rooms)
+    below = {(other,) for rooms in FLOORS[:floor] for other in rooms}
+    if room[0] == "app":
+        return below | {("tasks", task) for task in TASKS} | {room}
+    tasks = TASKS[: TASKS.index(room[1]) + 1] if room[1:] else ()
+    return below | {("tasks", task) for task in tasks} | {room, room[:1]}
 
 
 @pytest.mark.parametrize("file", sorted(PACKAGE.rglob("*.py")), ids=lambda f: str(f.relative_to(PACKAGE)))
 def test_imports_run_one_way(file: Path) -> None:
-    room, imports = room_of(file), imported_rooms(file)
-    if room == "__init__":
-        return
-    if room == "store":
-        assert imports <= {"errors", "inputs", "store"}
-        return
-    assert imports <= {*ORDER[: ORDER.index(room) + 1], "store"}
+    room = room_of(file)
+    if room:
+        assert imported_rooms(file) <= allowed_rooms(room)
+
+
+def test_the_picture_names_every_room() -> None:
+    folders = {folder.name for folder in PACKAGE.iterdir() if (folder / "__init__.py").is_file()}
+    assert folders == set().union(*FLOORS)
+    assert {file.parent.name for file in PACKAGE.glob("tasks/*/__init__.py")} == set(TASKS)
 
 
 def files_of(name: str) -> set[Path]:
@@ -82,16 +107,18 @@ def files_of(name: str) -> set[Path]:
     }
 
 
-def test_the_evaluation_never_imports_the_optimiser() -> None:
+@pytest.mark.parametrize("task", ["fea", "fatigue"])
+def test_the_check_never_reaches_what_it_checks(task: str) -> None:
     """Neither by itself nor through any module it uses, late imports included."""
-    found, waiting = set(), set((PACKAGE / "evaluate").glob("*.py"))
+    found, waiting = set(), set((PACKAGE / "tasks" / task).glob("*.py"))
     while waiting:
         file = waiting.pop()
         found.add(file)
         if file != PACKAGE / "__init__.py":
             waiting |= {f for name in imported_names(file) for f in files_of(name)} - found
-    assert PACKAGE / "triangles" / "surface_mesh.py" in found
-    assert not {room_of(file) for file in found} & {"fem", "optimise"}
+    assert PACKAGE / "numerics" / "surfaces" / "mesh.py" in found
+    folders = {file.relative_to(PACKAGE).parent.as_posix() for file in found}
+    assert not folders & {"numerics/grid", "numerics/kernels", "tasks/density"}
 
 
 def imported_at_once(file: Path) -> set[Path]:
@@ -111,17 +138,24 @@ def test_no_module_waits_for_itself() -> None:
     assert not sorted(str(file.relative_to(PACKAGE)) for file in waits)
 
 
-def test_reports_only_show() -> None:
+SHOWING = ("page", "section", "text", "plot", "picture", "table", "tables")
+"""Last words of the names of modules that show finished results."""
+
+
+@pytest.mark.parametrize(
+    "file", sorted(PACKAGE.glob("tasks/*/*.py")), ids=lambda f: str(f.relative_to(PACKAGE))
+)
+def test_pages_only_show(file: Path) -> None:
     """Pages, figures and tables are functions of finished results: nothing is solved, meshed or extracted."""
-    files = (PACKAGE / "report").rglob("*.py")
-    assert not {"fem", "optimise", "cad", "meshing", "remodel"} & {
-        room for file in files for room in imported_rooms(file)
-    }
+    if file.stem.split("_")[-1] not in SHOWING:
+        return
+    folders = {f.relative_to(PACKAGE).parent.as_posix() for n in imported_names(file) for f in files_of(n)}
+    assert not folders & {"numerics/grid", "numerics/kernels", "bodies/solid", "bodies/mesh", "tasks/density"}
 
 
 def test_help_loads_nothing_heavy() -> None:
     code = (
-        "import sys; from cranktopo.cli.main import main; main(['--help']); "
+        "import sys; from cranktopo.app.main import main; main(['--help']); "
         f"print([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)"
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -15,14 +15,15 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from cranktopo.formats import SURFACES
-from cranktopo.surface import DensityGrid, extract_half_throw
-from cranktopo.surface.cutter import SIMPLIFY_MM, find_iso
-from cranktopo.surface.fidelity import iso_distance_mm
-from cranktopo.surface.iso_distance import distances_mm
-from cranktopo.surface.isosurface import iso_solid, resample, unsmoothed_solid
-from cranktopo.triangles.surface_files import write_surface
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
+from cranktopo.base.formats import SURFACES
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.numerics.surfaces.files import write_surface
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.tasks.extraction.cutter import SIMPLIFY_MM, find_iso
+from cranktopo.tasks.extraction.fidelity import iso_distance_mm
+from cranktopo.tasks.extraction.half_throw import extract_half_throw
+from cranktopo.tasks.extraction.iso_distance import distances_mm
+from cranktopo.tasks.extraction.isosurface import iso_solid, resample, unsmoothed_solid
 from tests.unit.surface_cases import ball, grid_of, obround, scene_with, united
 
 Array = np.ndarray

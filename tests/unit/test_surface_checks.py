@@ -12,12 +12,13 @@ import pytest
 import trimesh
 from manifold3d import CrossSection, Manifold
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.surface import WebSurface, check_surface, extract_half_throw
-from cranktopo.surface.mesh_checks import check_manifold, check_self_intersection
-from cranktopo.triangles.shells import shell_volumes_mm3, shells
-from cranktopo.triangles.surface_files import write_stl
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
+from cranktopo.numerics.surfaces.shells import shell_volumes_mm3, shells
+from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
+from cranktopo.tasks.extraction.surface_checks import check_surface
 from tests.unit.surface_cases import grid_of, obround, scene_with
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)

@@ -11,12 +11,15 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.surface import DensityGrid, WebSurface, check_surface, extract_half_throw
-from cranktopo.surface.cutter import find_iso
-from cranktopo.triangles.shells import shell_volumes_mm3
-from cranktopo.triangles.surface_mesh import solid_of
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.tasks.extraction.cutter import find_iso
+from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
+from cranktopo.tasks.extraction.surface_checks import check_surface
 from tests.unit.surface_cases import ball, everywhere, grid_of, obround, scene_with, united, without
 
 BORES_MM2 = 2 * math.pi * 12**2

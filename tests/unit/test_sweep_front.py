@@ -6,8 +6,8 @@ import itertools
 import random
 from typing import Any
 
-from cranktopo.pipeline.sweep.front import front_of, picks_of
-from cranktopo.report.tables.sweep_tables import point_words
+from cranktopo.tasks.sweep.front import front_of, picks_of
+from cranktopo.tasks.sweep.text import point_words
 
 Row = dict[str, Any]
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.errors import CranktopoError, ExitCode
-from cranktopo.pipeline.sweep.plan import plan_from_json, sweep_plan
-from cranktopo.pipeline.sweep.plan_file import is_plan, read_plan
-from cranktopo.pipeline.sweep.points import original_of, points_of
-from cranktopo.pipeline.sweep.variation import read_entry, read_option
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.tasks.sweep.plan import plan_from_json, sweep_plan
+from cranktopo.tasks.sweep.plan_file import is_plan, read_plan
+from cranktopo.tasks.sweep.points import original_of, points_of
+from cranktopo.tasks.sweep.variation import read_entry, read_option
 
 WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
 

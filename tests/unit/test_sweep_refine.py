@@ -5,10 +5,10 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from cranktopo.pipeline.sweep.fineness import Fineness
-from cranktopo.pipeline.sweep.front import front_of
-from cranktopo.pipeline.sweep.points import Point
-from cranktopo.pipeline.sweep.refine import worth_refining
+from cranktopo.tasks.sweep.fineness import Fineness
+from cranktopo.tasks.sweep.front import front_of
+from cranktopo.tasks.sweep.points import Point
+from cranktopo.tasks.sweep.refine import worth_refining
 
 Row = dict[str, Any]
 ERRORS = {"torsion_error_percent": 1.0, "bending_error_percent": 1.2}

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.errors import CranktopoError
-from cranktopo.remodel.manufacturing_limits import ManufacturingLimits
-from cranktopo.remodel.residual_regions import ResidualRegion
-from cranktopo.remodel.usual_size import (
-    scaled_lengths,
-    scaled_region,
-    scaled_throw,
-    usual_limits,
-)
-from cranktopo.scene import Scene, scene_from_dict
-from cranktopo.scene.scale import usual_scale
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.scale import usual_scale
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.residual_regions import ResidualRegion
+from cranktopo.tasks.refit.usual_size import scaled_lengths, scaled_region, scaled_throw, usual_limits
 from tests.unit.remodel_cases import WHOLE, known_scene
 
 

@@ -8,24 +8,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.effects import plan
-from cranktopo.errors import CranktopoError
-from cranktopo.evaluate.m53 import (
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.cases import load_cases
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.histories import load_history
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import extreme_states
+from cranktopo.engine.torsional_stiffness import web_lever_mm
+from cranktopo.engine.vibration.vibrating_torque import worst_speed_rpm
+from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
     fatigue_strength_MPa,
     nominal_stresses,
     pin_equivalent_MPa,
 )
-from cranktopo.evaluate.rule_check import dimensions
-from cranktopo.evaluate.shaft import with_throw_stiffness
-from cranktopo.evaluate.targets import Target
-from cranktopo.loads import analyse, at_speed, extreme_states, load_cases
-from cranktopo.loads.forces import INERTIA_EFFECTS
-from cranktopo.loads.histories import load_history
-from cranktopo.loads.torsional_stiffness import web_lever_mm
-from cranktopo.loads.vibrating_torque import worst_speed_rpm
-from cranktopo.scene import Scene, load_scene, scene_from_dict
+from cranktopo.tasks.fatigue.rule_check import dimensions
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft.stage import with_throw_stiffness
 
 FLYWHEEL = {"flywheel": {"inertia_kg_m2": 0.08}}
 PROPELLER = {"propeller": {"inertia_kg_m2": 0.6}}
@@ -185,7 +188,7 @@ def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyP
         asked.append(bearings)
         return SimpleNamespace(stiffness=SimpleNamespace(throws_Nm_per_rad=(1.5e5, 1.7e5)))
 
-    monkeypatch.setattr("cranktopo.evaluate.shaft.evaluate_shaft", evaluated)
+    monkeypatch.setattr("cranktopo.tasks.shaft.stage.evaluate_shaft", evaluated)
     scene = turning(PROPELLER)
     said: list[str] = []
     found = with_throw_stiffness(Target("mine", scene), said.append)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.scene import Scene
-from cranktopo.surface.release import closed
-from cranktopo.surface.undercuts import Way, undercuts
-from cranktopo.surface.walls import Walls, drafts_deg, gaps_mm, least, members_mm, walls_of
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of
+from cranktopo.bodies.undercuts import Way, undercuts
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.tasks.extraction.release import closed
+from cranktopo.tasks.extraction.walls import Walls, drafts_deg, gaps_mm, least, members_mm, walls_of
 from tests.unit.surface_cases import scene_with
 
 PLATE = Manifold.cube((60, 40, 6)).rotate((20, 0, 30))

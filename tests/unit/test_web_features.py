@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.cad.solid_files import export_solid
-from cranktopo.cad.volume import web_volume_mm3
-from cranktopo.domain.build import build_domain
-from cranktopo.errors import CranktopoError
-from cranktopo.remodel.fit import scene_with_web
-from cranktopo.scene import Scene
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.fit import scene_with_web
 from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import WHOLE, known_scene, table
 

@@ -9,14 +9,15 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.report.figures.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
-from cranktopo.surface import DensityGrid
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.report.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
+from cranktopo.report.viewer.stress_scale import FACES_ALONG, StressScale, SurfaceStress
 
 SCRIPT = Path(__file__).with_name("viewer.js")
 """The browser's part: draws what `packed` holds."""
@@ -24,29 +25,8 @@ PARTNERS: Mapping[int, tuple[int, ...]] = {1: (0,), 2: (1, -1)}
 """`ShownBody.partner` of one half throw for both halves, and of two that differ."""
 MOST_FACES = 120_000
 """Of all bodies together; finer surfaces are simplified."""
-FACES_ALONG = 48
-"""Longest extent of a body over the longest edge of a face that one colour or one value stands for."""
 _SIMPLER_MM = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 _ALIGNMENT = 4
-
-
-class SurfaceStress(Protocol):
-    """Stresses of load cases that can be told at any point of a surface."""
-
-    def at(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Stress at points (points, 3), MPa, shape (cases, points)."""
-
-
-class ColourScale(Protocol):
-    """Colours of one load case."""
-
-    @property
-    def label(self) -> str:
-        """Name and load."""
-
-    @property
-    def top_MPa(self) -> float:
-        """Stress from which the colour stays the same."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +72,7 @@ class Scene3D:
     bodies: tuple[ShownBody, ...]
     steps: tuple[DesignSnapshot, ...] = ()
     notes: tuple[str, ...] = ()
-    stress_scales: tuple[ColourScale, ...] = ()
+    stress_scales: tuple[StressScale, ...] = ()
     first: int = 0
 
 
@@ -136,14 +116,14 @@ class Arrays:
         return len(self.index) - 1
 
 
-def _stress(scales: Sequence[ColourScale]) -> dict[str, Any] | None:
+def _stress(scales: Sequence[StressScale]) -> dict[str, Any] | None:
     if not scales:
         return None
     cases = [{"label": scale.label, "top_MPa": scale.top_MPa} for scale in scales]
     return {"ramp": STRESS_COLOURS, "cases": cases}
 
 
-def _body(arrays: Arrays, body: ShownBody, most: int, scales: Sequence[ColourScale]) -> dict[str, Any]:
+def _body(arrays: Arrays, body: ShownBody, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
     shading = shaded(simplified(body.mesh, most), body.web_z_mm, FACES_ALONG if scales else None)
     low, high = shading.vertices_mm.min(axis=0), shading.vertices_mm.max(axis=0)
     journal = np.zeros(len(shading.vertices_mm), np.uint8)
@@ -162,7 +142,9 @@ def _body(arrays: Arrays, body: ShownBody, most: int, scales: Sequence[ColourSca
     }
 
 
-def _shares(mesh: ShadedMesh, stress: SurfaceStress | None, scales: Sequence[ColourScale]) -> list[NDArray[Any]]:
+def _shares(
+    mesh: ShadedMesh, stress: SurfaceStress | None, scales: Sequence[StressScale]
+) -> list[NDArray[Any]]:
     """Stress at the corners of a body over the top of its scale, one array per load case."""
     if stress is None or not scales:
         return []

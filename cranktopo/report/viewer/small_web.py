@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.report.figures.shading import web_sides_mm
+from cranktopo.numerics.surfaces.mesh import Faces
+from cranktopo.report.shading import web_sides_mm
 from cranktopo.report.viewer.scene3d import Arrays, ShownBody, scaled, simplified
-from cranktopo.triangles.surface_mesh import Faces
 
 MOST_FACES = 2000
 STEPS = 4095

@@ -4,18 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.evaluate.case_stress import CaseStress
-from cranktopo.loads.load_case import LoadCase
-from cranktopo.report.viewer.scene3d import FACES_ALONG
-from cranktopo.triangles.surface_mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 
 SHARE = 0.99
 """Part of a surface that the colours tell apart: the rest lies at sharp edges, where stress has no limit."""
-_LARGE = 1000
+FACES_ALONG = 48
+"""Longest extent of a body over the longest edge of a face that one colour or one value stands for."""
+
+
+class LoadedCase(Protocol):
+    """A load case under which a surface is stressed."""
+
+    @property
+    def name(self) -> str:
+        """Name."""
+
+    @property
+    def label(self) -> str:
+        """Name and load."""
+
+
+class SurfaceStress(Protocol):
+    """Stresses of load cases that can be told at any point of a surface."""
+
+    @property
+    def cases(self) -> Sequence[LoadedCase]:
+        """The load cases."""
+
+    @property
+    def element_size_mm(self) -> float:
+        """General size of the elements that they were solved on."""
+
+    def at(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the stress at points (points, 3), MPa, shape (cases, points)."""
 
 
 @dataclass(frozen=True)
@@ -23,29 +49,17 @@ class StressScale:
     """Colours of one load case.
 
     Attributes:
+        case: name of the load case.
+        label: its name and load.
         top_MPa: von Mises stress from which the colour stays the same.
     """
 
-    case: LoadCase
+    case: str
+    label: str
     top_MPa: float
 
-    @property
-    def label(self) -> str:
-        """Name and load, as in `bending, 32,377 N`."""
-        case = self.case
-        loads = (
-            ("N", case.radial_N or case.tangential_N),
-            ("N m", case.torque_Nm),
-            ("rpm", case.speed_rpm),
-        )
-        return ", ".join([case.name, *(f"{_rounded(value)} {unit}" for unit, value in loads if value)])
 
-
-def _rounded(value: float) -> str:
-    return f"{value:,.0f}" if abs(value) >= _LARGE else f"{value:.4g}"
-
-
-def stress_scales(bodies: Sequence[tuple[SurfaceMesh, CaseStress]]) -> tuple[StressScale, ...]:
+def stress_scales(bodies: Sequence[tuple[SurfaceMesh, SurfaceStress]]) -> tuple[StressScale, ...]:
     """One scale per load case for all bodies, so that a colour means the same on each.
 
     Args:
@@ -54,10 +68,11 @@ def stress_scales(bodies: Sequence[tuple[SurfaceMesh, CaseStress]]) -> tuple[Str
     if not bodies:
         return ()
     tops = np.max([quantiles_MPa(mesh, stress, SHARE)[0] for mesh, stress in bodies], axis=0)
-    return tuple(StressScale(case, float(top)) for case, top in zip(bodies[0][1].cases, tops, strict=True))
+    cases = zip(bodies[0][1].cases, tops, strict=True)
+    return tuple(StressScale(case.name, case.label, float(top)) for case, top in cases)
 
 
-def quantiles_MPa(mesh: SurfaceMesh, stress: CaseStress, *shares: float) -> NDArray[np.float64]:
+def quantiles_MPa(mesh: SurfaceMesh, stress: SurfaceStress, *shares: float) -> NDArray[np.float64]:
     """Von Mises stress that parts of the surface's area stay below, MPa, shape (shares, load cases).
 
     Args:

@@ -26,11 +26,11 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.fem.equilibrium import METHODS
-from cranktopo.fem.model import ThrowModel
-from cranktopo.fem.multigrid import smoothing_steps
-from cranktopo.fem.precision import double_precision
-from cranktopo.fem.response import compliances, solve
+from cranktopo.numerics.grid.equilibrium import METHODS
+from cranktopo.numerics.grid.multigrid import smoothing_steps
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.density.model import ThrowModel
+from cranktopo.tasks.density.response import compliances, solve
 from tests.benchmarks.peers.picture import save_picture
 from tests.benchmarks.solver import COMPILED_ANEW, ideal_ns, stream_GB_s
 from tests.studies.cantilever import TOLERANCE, cantilever, optimise, physical

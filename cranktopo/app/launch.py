@@ -1,0 +1,68 @@
+"""Entry point of the command: requests to end are never shown as a traceback, and never lost."""
+
+from __future__ import annotations
+
+import _thread
+import atexit
+import gc
+import os
+import signal
+import sys
+import threading
+from contextlib import suppress
+from typing import Any, NoReturn
+
+_ENDING = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+"""Signals that ask the program to end, and what Python does with them if nobody says otherwise."""
+_INTERRUPTED = 130
+_COLLECTING = 50_000, 20, 100
+"""Objects after which Python looks for some that are not used: loading and tracing make many that stay."""
+_ONE_THREAD = "OPENBLAS_NUM_THREADS", "1"
+"""Small matrices gain nothing by more threads, which then wait busily: a fifth of a run's processor time."""
+_AGAIN_S = 0.05
+
+
+def main() -> NoReturn:
+    """Load the program, then run it; Ctrl-C and SIGTERM interrupt it alike, so that it saves what it has."""
+    gc.set_threshold(*_COLLECTING)
+    os.environ.setdefault(*_ONE_THREAD)
+    ours = [number for number, usual in _ENDING.items() if signal.getsignal(number) is usual]
+    for number in ours:
+        signal.signal(number, signal.SIG_DFL)
+    from cranktopo.app.main import main as run
+
+    sys.unraisablehook = _raise_again
+    for number in ours:
+        signal.signal(number, signal.default_int_handler)
+    code: int | str | None = 0
+    try:
+        run()
+    except SystemExit as end:
+        code = end.code
+    except KeyboardInterrupt:
+        code = _INTERRUPTED
+    for number in ours:  # nothing is left to save, only Python's own end
+        signal.signal(number, signal.SIG_DFL)
+    _end(int(code or 0))
+
+
+def _end(code: int) -> NoReturn:
+    """End the process: Python would take apart for half a second what the system gets back anyway.
+
+    A thread that still gets something ready, after an interruption, is not waited for.
+    """
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError):  # the command has told it
+            stream.flush()
+    os._exit(code)
+
+
+def _raise_again(dropped: Any) -> None:
+    """Interrupt once more where a KeyboardInterrupt fell into a destructor or callback, which drops it."""
+    if dropped.exc_type is KeyboardInterrupt:
+        again = threading.Timer(_AGAIN_S, _thread.interrupt_main)
+        again.daemon = True
+        again.start()
+    else:
+        sys.__unraisablehook__(dropped)

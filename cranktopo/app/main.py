@@ -1,0 +1,149 @@
+"""Entry point: commands loaded late, errors shown in one place, documented exit codes."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cranktopo.base.errors import CranktopoError, ExitCode, shown
+from cranktopo.cli.group import LazyGroup, found_commands
+from cranktopo.cli.streams import discard, finish_stdout, prepare_streams
+from cranktopo.cli.verbosity import coloured
+
+_SHOWN_FIRST = (
+    "optimise",
+    "plan",
+    "loads",
+    "balance",
+    "evaluate",
+    "compare",
+    "accuracy",
+    "report",
+    "fatigue",
+    "shaft",
+    "vibration",
+    "extract",
+    "remodel",
+    "shape",
+    "bound",
+    "iterate",
+    "sweep",
+    "export",
+    "designs",
+    "runs",
+    "doctor",
+    "completion",
+)
+"""Order of the commands in the help; one that is not named comes after these."""
+COMMANDS = found_commands(Path(__file__).parents[1] / "tasks", _SHOWN_FIRST)
+
+_EPILOG = (
+    "Exit codes: 0 done; 1 internal error; 2 wrong use; 3 invalid design or input; 4 solver failure; "
+    "5 not converged, best result saved; 6 a requested criterion not met; 7 a package, a library or a device "
+    "is missing: see 'cranktopo doctor'; 130 interrupted, checkpoint saved."
+)
+
+
+@click.group(
+    cls=LazyGroup,
+    entries=COMMANDS,
+    package="cranktopo.tasks",
+    epilog=_EPILOG,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(package_name="cranktopo")
+def cli() -> None:
+    """Topology and shape optimisation of crankshaft webs.
+
+    A DESIGN is a TOML file or the name of a built-in design; without one, mikron-iiic is used.
+
+    Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
+    """
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the command line and return its exit code (also the console script).
+
+    Args:
+        args: arguments without the program name; the process's own by default.
+    """
+    if args is not None:
+        return _run(args)
+    prepare_streams()
+    code = _run(sys.argv[1:])
+    unwritten = finish_stdout()
+    if unwritten is not None and not isinstance(unwritten, BrokenPipeError) and code == ExitCode.DONE:
+        code = _report(_system_error(unwritten), [])
+    sys.exit(code)
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        _check_words(arguments)
+        result: Any = cli.main(arguments, prog_name="cranktopo", standalone_mode=False)
+        return int(result) if isinstance(result, int) else ExitCode.DONE
+    except CranktopoError as error:
+        return _report(error, arguments)
+    except click.UsageError as error:
+        where = error.ctx.command_path if error.ctx else "cranktopo"
+        hint = f"See '{where} --help'."
+        message = f"{error.format_message().removesuffix('.')}."
+        return _report(CranktopoError(message, hint=hint, code=ExitCode.USAGE), arguments)
+    except click.ClickException as error:
+        return _report(CranktopoError(error.format_message(), code=ExitCode.USAGE), arguments)
+    except (click.Abort, KeyboardInterrupt):
+        return _report(CranktopoError("interrupted.", code=ExitCode.INTERRUPTED), arguments)
+    except (BrokenPipeError, SystemExit):  # click turns the first into the second
+        return ExitCode.DONE
+    except OSError as error:  # a file or stream that the system refuses in the middle of the work
+        return _report(_system_error(error), arguments)
+    except MemoryError:
+        hint = "Take larger cells or elements."
+        return _report(CranktopoError("not enough memory.", hint=hint, code=ExitCode.SOLVER), arguments)
+    except Exception as error:
+        return _internal(error, arguments)
+
+
+def _check_words(arguments: list[str]) -> None:
+    """No word of a command line may be empty: it comes from a variable that was never set."""
+    for before, word in zip(["", *arguments], arguments, strict=False):
+        option, equals, value = word.partition("=")
+        if not word.strip() or (equals and option.startswith("--") and not value.strip()):
+            name = option if equals else before
+            where = f"{name} is empty" if name.startswith("-") else "an argument is empty"
+            raise click.UsageError(f"{where}.")
+        if "\0" in word:
+            raise click.UsageError(f"{shown(word)} holds a NUL character.")
+
+
+def _system_error(error: OSError) -> CranktopoError:
+    where = f"'{error.filename}'" if error.filename else "output"
+    return CranktopoError(
+        f"{where}: cannot be used: {error.strerror or error}.",
+        hint="Check its folder, rights and free space.",
+    )
+
+
+def _report(error: CranktopoError, arguments: list[str]) -> int:
+    if "--json" in arguments:
+        try:
+            click.echo(json.dumps(error.as_json()))
+        except OSError:
+            discard(1)
+    click.echo(f"{coloured('error:', 'red', err=True)} {error}", err=True)
+    return int(error.code)
+
+
+def _internal(error: Exception, arguments: list[str]) -> int:
+    import tempfile
+    import traceback
+
+    with tempfile.NamedTemporaryFile("w", prefix="cranktopo-crash-", suffix=".log", delete=False) as log:
+        traceback.print_exception(error, file=log)
+    message = f"internal error: {type(error).__name__}: {error}."
+    hint = f"This is a defect of cranktopo; the details are in {log.name}."
+    return _report(CranktopoError(message, hint=hint, code=ExitCode.INTERNAL), arguments)

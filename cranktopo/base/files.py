@@ -1,0 +1,221 @@
+"""Atomic files: a reader sees the old content or the new one, never half of it.
+
+Every write goes to a temporary file in the same folder, is flushed to the disk, renamed over the
+target, and the folder entry is flushed as well (the rename is atomic by POSIX).
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+import math
+import os
+import shutil
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError, ExitCode, shown
+from cranktopo.base.reading import MIB, read_bytes, read_text
+
+TEMPORARY = ".tmp"
+"""In the names of files and folders that a process is still writing."""
+_JSON_LIMIT_MIB = 64
+ARRAYS_LIMIT_MIB = 2048
+"""A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
+
+
+class UnwritableError(CranktopoError):
+    """The system refuses an output: the disk is full, or the folder may not be written."""
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A temporary path beside `path`, suffix in small letters, that becomes `path` when the block ends well.
+
+    For libraries that insist on writing a file by name. When the block fails, `path` keeps what it held.
+
+    Args:
+        path: the file to replace or to make; its folder exists.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
+        raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}{TEMPORARY}{path.suffix.lower()}")
+    try:
+        yield temporary
+        _flush(temporary)
+        os.replace(temporary, path)
+        _flush(path.parent)
+    except OSError as error:
+        raise unwritable(path, error) from None
+    finally:
+        if temporary.exists():
+            temporary.unlink()
+
+
+def unwritable(path: Path, error: OSError) -> UnwritableError:
+    """The error for an output that the system refuses."""
+    reason = error.strerror or str(error)
+    return UnwritableError(
+        f"output '{path}': cannot be written: {reason}.",
+        hint="Choose a writable folder with free space (--out DIR).",
+    )
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file atomically.
+
+    Raises:
+        CranktopoError: it cannot be written.
+    """
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
+
+
+def write_text(path: Path, content: str) -> None:
+    """Write a text file atomically as UTF-8.
+
+    Raises:
+        CranktopoError: it cannot be written.
+    """
+    write_bytes(
+        path, content.encode("utf-8", "backslashreplace")
+    )  # a file name that is not UTF-8 is no reason
+
+
+def write_json(path: Path, data: Mapping[str, Any]) -> None:
+    """Write an object to `path` atomically as JSON.
+
+    Raises:
+        CranktopoError: a number is NaN or infinite, or the file cannot be written.
+    """
+    write_text(path, json_text(data, path.name, indent=2) + "\n")
+
+
+def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]], compressed: bool = False) -> None:
+    """Write named arrays to `path` atomically as .npz, every bit kept.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    save = np.savez_compressed if compressed else np.savez
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        save(file, allow_pickle=False, **dict(arrays))
+
+
+def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> str:
+    """JSON of an object, keys in the given order.
+
+    Args:
+        indent: spaces per level; compact without it.
+
+    Raises:
+        CranktopoError: a number is NaN or infinite (JSON has neither).
+    """
+    key = _not_finite(data)
+    if key is not None:
+        raise CranktopoError(
+            f"{name}: {key} is not a finite number.",
+            hint="A solve diverged or a value is undefined: check the log of the run.",
+            code=ExitCode.SOLVER,
+        )
+    return json.dumps(data, indent=indent, allow_nan=False, default=_plain)
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """The object in a JSON file.
+
+    Raises:
+        CranktopoError: no such file, unreadable, or not a JSON object.
+    """
+    if not os.path.lexists(path):
+        raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.")
+    text = read_text(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
+    try:
+        data = json.loads(text, parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
+        raise CranktopoError(
+            f"'{path}': corrupted, cannot be read: {shown(str(error))}.", hint="Start a new run."
+        ) from None
+    if not isinstance(data, dict):
+        raise CranktopoError(f"'{path}': corrupted, not a JSON object.", hint="Start a new run.")
+    return data
+
+
+def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
+    """Named arrays of an .npz file.
+
+    Args:
+        name: of the file in the message.
+        hint: what to do when it cannot be used.
+
+    Raises:
+        CranktopoError: it cannot be read, is damaged, or unpacks to more than any run holds.
+    """
+    content = io.BytesIO(read_bytes(path, name, ARRAYS_LIMIT_MIB, hint))
+    try:
+        with zipfile.ZipFile(content) as packed:
+            size_MiB = sum(part.file_size for part in packed.infolist()) / MIB
+        if size_MiB <= ARRAYS_LIMIT_MIB:
+            with np.load(content, allow_pickle=False) as file:
+                return {key: file[key] for key in file.files}
+    except Exception as error:  # zipfile and numpy raise a dozen types on damaged bytes, all meaning this
+        what = f"{name}: corrupted, cannot be read ({shown(str(error))})."
+        raise CranktopoError(what, hint=hint) from None
+    what = f"{name}: unpacks to {size_MiB:.0f} MiB; a run holds at most {ARRAYS_LIMIT_MIB:g} MiB."
+    raise CranktopoError(what, hint=hint)
+
+
+def sweep_temporaries(folder: Path) -> None:
+    """Remove what killed processes left unfinished in `folder` and the folders below it."""
+    for path in list(folder.rglob(f".*{TEMPORARY}*")):
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
+
+
+def _flush(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _no_number(word: str) -> float:
+    raise ValueError(f"{word} is no number")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def _not_finite(value: Any, key: str = "") -> str | None:
+    """Key path of the first NaN or infinity in nested data."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, float | np.floating):
+        return None if math.isfinite(value) else f"{key} = {float(value)}"
+    children: list[tuple[str, Any]] = []
+    if isinstance(value, Mapping):
+        children = [(f"{key}.{name}" if key else str(name), child) for name, child in value.items()]
+    elif isinstance(value, list | tuple):
+        children = [(f"{key}[{index}]", child) for index, child in enumerate(value)]
+    found = (_not_finite(child, name) for name, child in children)
+    return next((bad for bad in found if bad is not None), None)

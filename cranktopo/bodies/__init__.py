@@ -1,0 +1,1 @@
+"""The half throw as a body: exact solid, prisms, cells, tetrahedra, volume."""

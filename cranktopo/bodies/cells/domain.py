@@ -1,0 +1,199 @@
+"""From a scene to the domain of the optimiser: grid, solid fractions, design cells.
+
+Most bodies are prisms along the crank axis: the solid fraction of a cell is a plane fraction times an overlap
+in z, both exact, so stiffness does not jump with the cell size. Where a section changes along the axis, Gauss
+quadrature goes through each layer of cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import invalid
+from cranktopo.base.spans import Section
+from cranktopo.bodies.cells.drilled_cells import drill_cells
+from cranktopo.bodies.cells.envelope_section import envelope_bounds_mm
+from cranktopo.bodies.cells.grid import Extent, Grid, plan_grid
+from cranktopo.bodies.cells.layers import ORIGINAL_KEY, GridContent, Layer, design_envelope, half_throw_layers
+from cranktopo.bodies.cells.plane_fractions import plane_fractions, slab_fractions
+from cranktopo.bodies.envelope_file import bounds_mm
+from cranktopo.design.checks.sizes import check_envelope_reach
+from cranktopo.design.halves import require_equal_halves
+from cranktopo.design.schema import Scene
+from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
+from cranktopo.throw.web import web_bodies
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Cells of the throw model and what they hold.
+
+    Attributes:
+        grid: node coordinates.
+        extent: "half" throw, its x >= 0 "quarter", or the "full" throw.
+        fixed: fraction of each cell filled with undesignable solid (journal, pin, fixed web), (nx, ny, nz).
+        design: fraction of each cell that is designable, (nx, ny, nz); fixed + design <= 1.
+        pin: fraction of each cell that is crankpin between the web faces (the loaded material).
+        web: fraction of each cell that belongs to the web when full (between the web faces).
+    """
+
+    grid: Grid
+    extent: Extent
+    fixed: Array
+    design: Array
+    pin: Array
+    web: Array
+
+    @property
+    def mirrored_x(self) -> bool:
+        """Whether the plane x = 0 is a mirror of the model."""
+        return self.extent == "quarter"
+
+    @property
+    def mirrored_z(self) -> bool:
+        """Whether the mid-pin plane is a mirror of the model."""
+        return self.extent != "full"
+
+    @property
+    def web_layers(self) -> tuple[int, int]:
+        """First and past-the-last z layer of the (first) web; its layers have one height."""
+        filled = np.flatnonzero(self.web[:, :, : self._half_layers].any(axis=(0, 1)))
+        return int(filled[0]), int(filled[-1]) + 1
+
+    @property
+    def _half_layers(self) -> int:
+        return self.grid.cells[2] // (2 if self.extent == "full" else 1)
+
+    @property
+    def share(self) -> float:
+        """Share of the full throw that the model holds."""
+        return {"quarter": 0.25, "half": 0.5, "full": 1.0}[self.extent]
+
+    @property
+    def volume_mm3(self) -> Array:
+        """Cell volumes broadcastable to (nx, ny, nz)."""
+        return self.grid.cell_volume_mm3[None, None, :]
+
+
+def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
+    """Whether the geometry is its own mirror image in x and the scene allows the mirror.
+
+    Args:
+        target: whose geometry, that of the design envelope or of the scene's own web.
+    """
+    return may_mirror(scene, web_asymmetry(scene) if target == "web" else envelope_asymmetry(scene))
+
+
+def build_domain(
+    scene: Scene,
+    resolution_mm: float,
+    target: GridContent = "envelope",
+    extent: Extent | None = None,
+    grid: Grid | None = None,
+) -> Domain:
+    """Grid and cell fractions of a scene.
+
+    Args:
+        resolution_mm: largest cell edge, mm.
+        target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
+        extent: part of the throw; by default the quarter when the geometry is symmetric in x, else the half.
+        grid: a grid to fill instead of planning one, e.g. the envelope's for the original web.
+
+    Raises:
+        CranktopoError: no envelope, one that does not touch a journal, or halves of the throw that differ.
+    """
+    require_equal_halves(scene)
+    if extent is None:
+        extent = "quarter" if laterally_symmetric(scene, target) else "half"
+    layers = half_throw_layers(scene, target)
+    grid = grid or _grid(scene, resolution_mm, target, extent)
+    planes = drill_cells(scene, grid, layers, _fractions(grid, layers))
+    planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
+    planes["design"] = np.minimum(planes["design"], 1.0 - planes["fixed"])
+    if extent == "full":
+        half = len(grid.z_mm) // 2
+        planes = {k: np.concatenate([v[..., :half], v[..., :half][..., ::-1]], -1) for k, v in planes.items()}
+    domain = Domain(grid, extent, **planes)
+    if target == "envelope":
+        _check_touches(scene, domain)
+    return domain
+
+
+def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm.
+
+    Args:
+        target: "envelope" for a design, "web" for the scene's own web.
+    """
+    main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
+    reach = max(main, pin)
+    bounds = [(-reach, reach, -main, r + pin)]
+    bounds += [(*body.x_range_mm, *body.y_range_mm) for body in web_bodies(scene) if body.adds]
+    if scene.original is not None:
+        bounds.append(bounds_mm(Path(scene.original.file), key=ORIGINAL_KEY))
+    if target == "envelope":
+        bounds.append(envelope_bounds_mm(design_envelope(scene)))
+        check_envelope_reach(scene, bounds[-1])
+    x_low, x_high, y_low, y_high = zip(*bounds, strict=True)
+    return (min(x_low), max(x_high)), (min(y_low), max(y_high))
+
+
+def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> Grid:
+    x_range, y_range = throw_ranges_mm(scene, target)
+    planes = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
+    return plan_grid(x_range, y_range, planes, resolution_mm, extent)
+
+
+def _fractions(grid: Grid, layers: Sequence[Layer]) -> dict[str, Array]:
+    """Filled fraction of every cell by each kind of section."""
+    result = {kind: np.zeros(grid.cells) for kind in ("fixed", "design", "pin", "web")}
+    for layer in layers:
+        filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
+        for kind, section in layer.sections.items():
+            result[kind] += filled[section]
+    return result
+
+
+def _filled(grid: Grid, layer: Layer, section: Section) -> Array:
+    """Filled fraction of every cell by a section of a layer."""
+    low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
+    shares = (high - low) / np.diff(grid.z_mm)
+    # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
+    shares[shares < 1e-9] = 0.0
+    if not layer.changes:
+        middle = np.array([sum(layer.z_mm) / 2])
+        return plane_fractions(grid.x_mm, grid.y_mm, middle, section) * shares
+    result = np.zeros(grid.cells)
+    for cells in np.flatnonzero(shares):
+        slab = float(low[cells]), float(high[cells])
+        result[:, :, cells] = slab_fractions(grid.x_mm, grid.y_mm, slab, section) * shares[cells]
+    return result
+
+
+def _check_touches(scene: Scene, domain: Domain) -> None:
+    """Both journals must meet designable cells at the web faces."""
+    start, stop = scene.web_z_mm
+    z = domain.grid.z_mm
+    faces = (
+        ("throw.main_journal", int(np.argmin(np.abs(z - start))), 0),
+        ("throw.crankpin", int(np.argmin(np.abs(z - stop))), -1),
+    )
+    for key, plane, side in faces:
+        journal = domain.fixed[:, :, plane - 1 if side == 0 else plane]
+        layer = plane if side == 0 else plane - 1
+        web = domain.design[:, :, layer] + domain.fixed[:, :, layer]
+        contact = np.sum(np.minimum(journal, web)) / np.sum(journal)
+        if contact < 0.1:
+            raise invalid(
+                "envelope",
+                scene.envelope.shape if scene.envelope else None,
+                f"touches {100 * contact:.0f} % of the end face of {key}, at least 10 % is needed",
+                "Enlarge or move the envelope so that it covers the journal.",
+            )

@@ -1,0 +1,132 @@
+"""Oil drillings on the cells: void that no optimiser fills, and a wall around it that none takes away.
+
+At each height a drilling is a section like any other, which changes along the crank axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import invalid
+from cranktopo.base.spans import Section, common, holds, together, without
+from cranktopo.bodies.cells.envelope_section import envelope_section
+from cranktopo.bodies.cells.grid import Grid
+from cranktopo.bodies.cells.layers import Layer
+from cranktopo.bodies.cells.plane_fractions import slab_fractions
+from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling import Channel, channels
+
+Array = NDArray[np.float64]
+WALL = 1.0
+"""Thickness of the wall over the drilling's radius."""
+_ROUNDING = 1e-6
+"""Largest fraction that is left of a cell by rounding."""
+_HEIGHTS = 24
+"""Heights of the web at which the envelope must hold the drilling."""
+
+
+def drill_cells(
+    scene: Scene, grid: Grid, layers: Sequence[Layer], fractions: dict[str, Array]
+) -> dict[str, Array]:
+    """Fractions of the cells after drilling; the same ones where the scene has no drilling.
+
+    Args:
+        layers: of the half throw.
+        fractions: `fixed`, `design`, `pin` and `web`, each (nx, ny, nz).
+
+    Raises:
+        CranktopoError: a drilling leaves the design envelope.
+    """
+    found = channels(scene)
+    if not found:
+        return fractions
+    if any(layer.design for layer in layers):
+        for channel in found:
+            _check_held(scene, channel)
+    drilled = {kind: fraction.copy() for kind, fraction in fractions.items()}
+    for layer in layers:
+        for slab in _slabs(grid, found, layer.z_mm):
+            for kind, gained in slab.gains(grid, found, layer).items():
+                drilled[kind][slab.x, slab.y, slab.cells] += gained
+    # Rounding must leave neither void nor solid that is not there.
+    return {kind: np.where(fraction < _ROUNDING, 0.0, fraction) for kind, fraction in drilled.items()}
+
+
+@dataclass(frozen=True)
+class _Slab:
+    """What lies between two heights, in one layer of cells.
+
+    Attributes:
+        z_mm: the heights.
+        share: of the height of the cells.
+        x, y: cells that drillings or their walls may reach.
+        cells: their layer.
+    """
+
+    z_mm: tuple[float, float]
+    share: float
+    x: slice
+    y: slice
+    cells: int
+
+    def gains(self, grid: Grid, found: Sequence[Channel], layer: Layer) -> dict[str, Array]:
+        """What is added to each kind of fraction in its cells, negative where it is taken away."""
+        hole = together(*(channel.section(channel.radius_mm) for channel in found))
+        wall = together(*(channel.section((1 + WALL) * channel.radius_mm) for channel in found))
+        kinds = {kind: section for kind, section in layer.sections.items() if kind != "design"}
+        known = {section: self._fractions(grid, common(section, hole)) for section in {*kinds.values()}}
+        gains = {kind: -known[section] for kind, section in kinds.items()}
+        if layer.design:
+            kept = self._fractions(grid, common(layer.design, without(wall, hole)))
+            gains["design"] = -self._fractions(grid, common(layer.design, wall))
+            gains["fixed"] = gains.get("fixed", 0.0) + kept
+        return gains
+
+    def _fractions(self, grid: Grid, section: Section) -> Array:
+        x, y = (nodes[s.start : s.stop + 1] for nodes, s in ((grid.x_mm, self.x), (grid.y_mm, self.y)))
+        return slab_fractions(x, y, self.z_mm, section) * self.share
+
+
+def _slabs(grid: Grid, found: Sequence[Channel], z_mm: tuple[float, float]) -> Iterator[_Slab]:
+    """Slabs between two heights that drillings or their walls reach."""
+    tools = [(channel, share * channel.radius_mm) for channel in found for share in (1, 1 + WALL)]
+    ends = [float(end[2]) for channel, radius in tools for end in channel.box_mm(radius)]
+    low, high = max(z_mm[0], min(ends)), min(z_mm[1], max(ends))
+    planes = sorted({low, high, *(z for z in (*grid.z_mm.tolist(), *ends) if low < z < high)})
+    for start, end in pairwise(planes if low < high else ()):
+        cells = int(np.searchsorted(grid.z_mm, (start + end) / 2)) - 1
+        share = (end - start) / float(grid.z_mm[cells + 1] - grid.z_mm[cells])
+        corners = np.array([channel.box_mm(radius, (start, end)) for channel, radius in tools])
+        first, last = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
+        x, y = (_cells(nodes, first[i], last[i]) for i, nodes in enumerate((grid.x_mm, grid.y_mm)))
+        yield _Slab((start, end), share, x, y, cells)
+
+
+def _cells(nodes: Array, low: float, high: float) -> slice:
+    """Cells that a range touches; at least one."""
+    first = int(np.searchsorted(nodes, low, side="right")) - 1
+    last = int(np.searchsorted(nodes, high, side="left"))
+    first = min(max(first, 0), len(nodes) - 2)
+    return slice(first, min(max(last, first + 1), len(nodes) - 1))
+
+
+def _check_held(scene: Scene, channel: Channel) -> None:
+    """The envelope must hold a drilling and the wall around it between the web's faces."""
+    (start, end), envelope = scene.web_z_mm, scene.envelope
+    points = channel.surface_mm((1 + WALL) * channel.radius_mm)
+    edges = np.linspace(start, end, _HEIGHTS + 1)
+    assert envelope is not None  # or there is nothing to design
+    for low, high in pairwise(edges.tolist()):
+        x, y, z = points[(points[:, 2] > low) & (points[:, 2] < high)].T
+        if not holds(envelope_section(envelope, (low + high) / 2)(y, z), x).all():
+            raise invalid(
+                "envelope",
+                envelope.shape,
+                f"does not hold {channel.key} and the wall of {WALL * channel.radius_mm:.3g} mm around it",
+                "Enlarge the envelope, or move the drilling.",
+            )

@@ -1,0 +1,149 @@
+"""The half throw as layers along the crank axis, with sections: what is solid, designable, pin or web."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from manifold3d import Manifold
+
+from cranktopo.base.errors import invalid
+from cranktopo.base.polygons import polygon_section
+from cranktopo.base.spans import Section, common, disc, without
+from cranktopo.bodies.cells.envelope_section import (
+    SECTIONS,
+    envelope_bounds_mm,
+    envelope_section,
+    envelope_sections,
+)
+from cranktopo.bodies.envelope_file import envelope_from_file
+from cranktopo.design.checks.web import check_counterweight_inside
+from cranktopo.design.clearance import clearance_limit
+from cranktopo.design.schema import Scene
+from cranktopo.throw.feature import Body
+from cranktopo.throw.geometry import Envelope, Journal
+from cranktopo.throw.web import kept_bodies, web_bodies, web_spans
+
+ORIGINAL_KEY = "original.file"
+GridContent = Literal["envelope", "web"]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What fills the plane between two heights of the half throw; None for nothing.
+
+    Attributes:
+        z_mm: the heights.
+        changes: whether its sections change between them; otherwise it is a prism.
+        fixed: undesignable solid.
+        design: what is designable.
+        pin: the crankpin.
+        web: the web when full.
+    """
+
+    z_mm: tuple[float, float]
+    fixed: Section | None
+    design: Section | None
+    pin: Section | None
+    web: Section | None
+    changes: bool = False
+
+    @property
+    def sections(self) -> dict[str, Section]:
+        """Those that hold something, by the names of the domain's fractions."""
+        named = {"fixed": self.fixed, "design": self.design, "pin": self.pin, "web": self.web}
+        return {name: section for name, section in named.items() if section is not None}
+
+
+def half_throw_layers(scene: Scene, target: GridContent) -> list[Layer]:
+    """The half throw as layers along z: main journal, web (cut where its section changes), crankpin."""
+    start, stop = scene.web_z_mm
+    pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
+    layers = [Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
+    layers += _own_web(scene) if target == "web" else _design_space(scene)
+    layers.append(Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
+    return layers
+
+
+def _annulus(journal: Journal, y_mm: float) -> Section:
+    outer, bore = disc(journal.radius_mm, y_mm), disc(journal.bore_radius_mm, y_mm)
+    return without(outer, bore) if journal.bore_radius_mm else outer
+
+
+def _own_web(scene: Scene) -> list[Layer]:
+    """The web of the scene, or the body named as the original."""
+    if scene.original is not None:
+        return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
+    bodies = web_bodies(scene)
+    section, changing = _section(bodies), [ends for body in bodies for ends in body.changing_z_mm]
+    cuts = [z for ends in (*changing, *(body.z_mm for body in bodies)) for z in ends]
+    return [
+        Layer(z, section, None, None, section, any(low < sum(z) / 2 < high for low, high in changing))
+        for z in _ranges_mm(scene, cuts)
+    ]
+
+
+def _body_from_file(scene: Scene, body: Manifold) -> list[Layer]:
+    """A body of triangles as thin layers with the section in their middle."""
+    found = []
+    for z in _ranges_mm(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
+        shape = polygon_section([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
+        found.append(Layer(z, fixed=shape, design=None, pin=None, web=shape))
+    return found
+
+
+def _section(bodies: Sequence[Body]) -> Section:
+    return lambda y_mm, z_mm: list(zip(*web_spans(bodies, y_mm, z_mm), strict=True))
+
+
+def _design_space(scene: Scene) -> list[Layer]:
+    """The envelope less the bores as layers, a counterweight solid; in a clearance the journal alone."""
+    (start, stop), envelope, throw = scene.web_z_mm, design_envelope(scene), scene.throw
+    low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
+    bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
+    weights, found = kept_bodies(scene), []
+    heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
+    for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
+        middle = sum(z) / 2
+        if low < middle < high:
+            outline = _turning_free(scene, envelope_section(envelope, middle))
+            check_counterweight_inside(scene, outline, middle)
+            web = without(outline, *bores)
+            here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
+            fixed = without(_section(here), *bores) if here else None
+            design = without(web, fixed) if fixed else web
+            found.append(Layer(z, fixed=fixed, design=design, pin=None, web=web))
+            continue
+        journal, y = throw.journals[0 if middle < low else 1]
+        shape = without(disc(journal.radius_mm, y), *bores)
+        found.append(Layer(z, fixed=shape, design=None, pin=None, web=shape))
+    return found
+
+
+def _turning_free(scene: Scene, section: Section) -> Section:
+    """The part of a section that piston and crankcase leave free."""
+    limit = clearance_limit(scene)
+    if limit is None:
+        return section
+    far = 2 * max(abs(end) for end in envelope_bounds_mm(design_envelope(scene)))
+    return common(section, polygon_section([limit.contour(far)]))
+
+
+def _ranges_mm(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:
+    start, stop = scene.web_z_mm
+    return list(pairwise(sorted({start, stop, *(z for z in cuts if start < z < stop)})))
+
+
+def design_envelope(scene: Scene) -> Envelope:
+    """The envelope of an optimisation.
+
+    Raises:
+        CranktopoError: the scene has none.
+    """
+    if scene.envelope is None:
+        raise invalid("envelope", None, "an optimisation needs a design envelope", "Add an [envelope] table.")
+    return scene.envelope

@@ -1,0 +1,98 @@
+"""Is a resolution usable? Coarse enough to fit in memory, fine enough to hold a journal wall."""
+
+from __future__ import annotations
+
+import math
+
+from cranktopo.base.errors import invalid
+from cranktopo.bodies.cells.domain import throw_ranges_mm
+from cranktopo.bodies.cells.layers import GridContent
+from cranktopo.design.schema import Scene
+
+WALL_CELLS = 2
+# Peak memory of a process: BASE + PER_CELL x cells x load cases lies above everything measured, 3 to 0.8 mm
+# with two and with four load cases, nothing compiled before (`python -m tests.benchmarks.memory`).
+BASE_MIB = 1250.0
+PER_CELL_KIB = 0.5
+_MIB = 1024.0**2
+
+
+def check_resolution(
+    scene: Scene, resolution_mm: float, quarter: bool, cases: int, available_MiB: float
+) -> None:
+    """Check a cell size against the thinnest journal wall and the memory.
+
+    Args:
+        quarter: whether the lateral mirror halves the model.
+
+    Raises:
+        CranktopoError: too coarse or too fine, with the limit that would do.
+    """
+    key = "optimise.resolution_mm"
+    wall = thinnest_wall_mm(scene)
+    if resolution_mm > wall / WALL_CELLS:
+        raise invalid(
+            key,
+            resolution_mm,
+            f"too coarse: the thinnest journal wall is {wall:g} mm and needs {WALL_CELLS} cells",
+            f"Use at most {wall / WALL_CELLS:g} mm.",
+        )
+    needed = optimiser_memory_MiB(scene, resolution_mm, quarter, cases)
+    if needed > available_MiB:
+        finest = finest_resolution_mm(scene, quarter, cases, available_MiB)
+        raise invalid(
+            key,
+            resolution_mm,
+            f"too fine: about {needed / 1024:,.1f} GiB needed, {available_MiB / 1024:,.1f} GiB available",
+            f"The finest that fits is about {finest:g} mm.",
+        )
+
+
+def thinnest_wall_mm(scene: Scene) -> float:
+    """Thinnest radial wall of the two journals (radius of a solid one), mm."""
+    journals = scene.throw.main_journal, scene.throw.crankpin
+    return min(journal.radius_mm - journal.bore_radius_mm for journal in journals)
+
+
+def optimiser_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
+    """Estimated peak memory of an optimisation at a cell size, MiB.
+
+    Args:
+        quarter: whether the lateral mirror halves the model.
+    """
+    return BASE_MIB + PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
+
+
+def estimated_cells(
+    scene: Scene, resolution_mm: float, quarter: bool, target: GridContent = "envelope"
+) -> float:
+    """Number of cells of a grid at a cell size, without padding.
+
+    Args:
+        quarter: whether the lateral mirror halves the model.
+        target: what the grid holds: the design envelope, or only the scene's own web.
+
+    Raises:
+        CranktopoError: an envelope is asked for and missing, or its file is.
+    """
+    (x0, x1), (y0, y1) = throw_ranges_mm(scene, target)
+    width = x1 if quarter else x1 - x0
+    return width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
+
+
+def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB: float) -> float:
+    """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory.
+
+    Args:
+        quarter: whether the lateral mirror halves the model.
+    """
+    at_one = optimiser_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
+    room = max(available_MiB - BASE_MIB, 1e-3)
+    return math.ceil(math.cbrt(at_one / room) * 100) / 100
+
+
+def available_memory_MiB() -> float:
+    """Memory that a process may take now without swapping, MiB."""
+    import psutil
+
+    return float(psutil.virtual_memory().available) / _MIB

@@ -1,0 +1,217 @@
+"""What drillings take out of a half throw, without a CAD kernel: the oracle of its exact solid.
+
+In a plane that holds the drilling's direction and the crank axis' direction, a drilling is a strip and each
+journal a rectangle: their common polygons are integrated exactly, and Gauss quadrature across the drilling
+does the rest. The rounding of an outlet is the ring that a ball leaves which rolls around the edge inside
+the material.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.bodies.web_moments import Moments, integrate
+from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling import Channel, Mouth, channels
+from cranktopo.throw.drilling_outlet import ring_points
+from cranktopo.throw.throw_view import ThrowView
+
+Array = NDArray[np.float64]
+Part = Literal["main_journal", "web", "crankpin"]
+PARTS: tuple[Part, ...] = "main_journal", "web", "crankpin"
+_ENDLESS = 1e3
+"""Half-width of the web over the throw's radius: a drilling never reaches its edge."""
+_AROUND, _GAUSS = 360, 8
+"""Points around an outlet, and along and across the section of its ring."""
+_STEP = 1e-5
+_TOLERANCE = 1e-8
+"""Of a drilling's integrals; it is less than a hundredth of the throw."""
+
+
+def drilled(scene: Scene, part: Part | None = None, before_z_mm: float | None = None) -> Moments:
+    """Moments of what the drillings take out of the half throw, or of one part of it.
+
+    One that only this half has counts as a whole where it reaches across the middle of the crankpin.
+
+    Args:
+        before_z_mm: a height; volume and first moments are then weighted by the distance before it, mm.
+    """
+    total = Moments(0.0, 0.0, 0.0, 0.0)
+    for channel in channels(scene):
+        for name in PARTS if part is None else (part,):
+            total = total + _bored(scene, channel, name, before_z_mm)
+            total = total + _rounded(scene, channel, name, before_z_mm)
+    return total
+
+
+@lru_cache(maxsize=64)
+def _bored(scene: Scene, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
+    """What the cylinder of a drilling takes out of a part."""
+    slice_at = _Slices(scene, channel, part, before_z_mm)
+    kinks = np.clip(np.array(slice_at.kinks_mm) / channel.radius_mm, -1, 1)
+    turns = np.arcsin(np.unique(np.concatenate([[-1.0, 0.0, 1.0], kinks])))
+
+    def across(turn: Array) -> Array:
+        places = channel.radius_mm * np.sin(turn)
+        widths = channel.radius_mm * np.cos(turn)
+        values = [slice_at(v, w) for v, w in zip(places.tolist(), widths.tolist(), strict=True)]
+        return np.array(values) * widths[:, None]
+
+    return Moments(*integrate(across, turns, _TOLERANCE).tolist())
+
+
+class _Slices:
+    """Sections of a part of the half throw and a drilling, in planes beside each other along the crank."""
+
+    def __init__(self, scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> None:
+        self._before = before_z_mm
+        self._start = np.array(channel.mouths[0].point_mm)
+        direction = channel.direction
+        level = float(np.hypot(*direction[:2]))
+        self._way = np.array([level, direction[2]])
+        self._along = direction[:2] / level
+        self._aside = np.array([-self._along[1], self._along[0]])
+        self._ends = channel.extent_mm
+        throw, (low, high) = scene.throw, scene.web_z_mm
+        (main, _), (pin, radius) = throw.journals
+        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, _end(scene, channel))}[
+            part
+        ]
+        bores = {"main_journal": (main, 0.0), "crankpin": (pin, radius)}
+        own = [bores[part]] if part in bores else list(bores.values())
+        self._solid = None if part == "web" else self._circle(own[0][1], own[0][0].radius_mm)
+        self._far = _ENDLESS * radius
+        self._bores = [self._circle(y, j.bore_radius_mm) for j, y in own if j.bore_radius_mm]
+
+    @property
+    def kinks_mm(self) -> list[float]:
+        """Places across the drilling where a plane begins to cut a bore."""
+        return [place + side * radius for _, place, radius in self._bores for side in (-1, 1)]
+
+    def _circle(self, y: float, radius: float) -> tuple[float, float, float]:
+        """A circle about a journal's axis: along and across the plane of the drilling, and its radius."""
+        centre = np.array([0.0, y]) - self._start[:2]
+        return float(centre @ self._along), float(centre @ self._aside), radius
+
+    def __call__(self, place: float, width: float) -> Array:
+        """Integrals of 1, x, y and x2 + y2 over the section at a place across the drilling."""
+        total = np.zeros(4)
+        for left, right in self._material(place):
+            polygon = self._common(width, left, right)
+            if len(polygon) > 2:
+                total += self._integrals(np.array(polygon), place)
+        return total
+
+    def _material(self, place: float) -> Iterator[tuple[float, float]]:
+        """Intervals of material along the plane."""
+        solid = (-self._far, self._far) if self._solid is None else _chord(self._solid, place)
+        at = solid[0]
+        for left, right in sorted(_chord(bore, place) for bore in self._bores):
+            if left < right:
+                yield at, left
+                at = right
+        yield at, solid[1]
+
+    def _common(self, width: float, left: float, right: float) -> list[Array]:
+        """Corners of the drilling's strip between two places and within the heights of the part."""
+        across = np.array([-self._way[1], self._way[0]])
+        origin = np.array([0.0, self._start[2]])
+        first, last = self._ends
+        turns = ((first, -width), (last, -width), (last, width), (first, width))
+        corners = [origin + along * self._way + aside * across for along, aside in turns]
+        low, high = self._z
+        for axis, sign, limit in ((0, 1, left), (0, -1, -right), (1, 1, low), (1, -1, -high)):
+            corners = _clipped(corners, axis, sign, limit)
+        return corners
+
+    def _integrals(self, corners: Array, place: float) -> Array:
+        """By the midpoints of the edges of triangles, which is exact for squares."""
+        first, second = corners[1:-1] - corners[0], corners[2:] - corners[0]
+        area = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / 2
+        ends = np.stack([np.broadcast_to(corners[0], first.shape), corners[1:-1], corners[2:]])
+        middle = (ends + np.roll(ends, 1, axis=0)) / 2
+        flat = self._start[:2] + middle[..., :1] * self._along + place * self._aside
+        weight = area / 3
+        if self._before is not None:
+            weight = weight * (self._before - middle[..., 1])
+        values = [np.ones(flat.shape[:-1]), flat[..., 0], flat[..., 1], (flat**2).sum(axis=-1)]
+        return np.array([float((weight * value).sum()) for value in values])
+
+
+def _chord(circle: tuple[float, float, float], place: float) -> tuple[float, float]:
+    along, across, radius = circle
+    half = float(np.sqrt(max(radius**2 - (place - across) ** 2, 0.0)))
+    return along - half, along + half
+
+
+def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[Array]:
+    """The part of a convex polygon on one side of a line: sign times a coordinate >= limit."""
+    kept: list[Array] = []
+    for here, after in zip(corners, [*corners[1:], *corners[:1]], strict=True):
+        one, other = sign * here[axis] - limit, sign * after[axis] - limit
+        if one >= 0:
+            kept.append(here)
+        if (one > 0 > other) or (one < 0 < other):
+            kept.append(here + (after - here) * one / (one - other))
+    return kept
+
+
+def _rounded(scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
+    """What the roundings of its outlets take out of a part."""
+    total = Moments(0.0, 0.0, 0.0, 0.0)
+    for mouth in channel.mouths:
+        if mouth.rounding_mm and mouth.journal == part:
+            ends = (0.0, _end(scene, channel))
+            total = total + Moments(*_ring(channel.radius_mm, mouth, ends, before_z_mm))
+    return total
+
+
+def _end(scene: ThrowView, channel: Channel) -> float:
+    """Height at which what a drilling takes out of its half throw ends, mm."""
+    return math.inf if channel.alone else scene.pitch_mm / 2
+
+
+@lru_cache(maxsize=64)
+def _ring(
+    radius_mm: float, mouth: Mouth, z_mm: tuple[float, float], before_z_mm: float | None
+) -> tuple[float, ...]:
+    """Integrals over the ring of a rounding between two heights."""
+    share, weight = np.polynomial.legendre.leggauss(_GAUSS)
+    share, weight = (share + 1) / 2, weight / 2
+    turn, arc = (v.ravel() for v in np.meshgrid(2 * np.pi * np.arange(_AROUND) / _AROUND, share))
+    low, high = _inside(radius_mm, mouth, turn, arc, z_mm)
+    out = low[:, None] + (high - low)[:, None] * share
+    at = [np.broadcast_to(v[:, None], out.shape).ravel() for v in (turn, arc)] + [out.ravel()]
+    points = ring_points(radius_mm, mouth, *at)
+    edges = []
+    for axis in range(3):
+        step = [_STEP * (axis == other) for other in range(3)]
+        above, below = (
+            ring_points(radius_mm, mouth, *(a + sign * s for a, s in zip(at, step, strict=True)))
+            for sign in (1, -1)
+        )
+        edges.append((above - below) / (2 * _STEP))
+    size = np.abs(np.einsum("ni,ni->n", edges[0], np.cross(edges[1], edges[2]))).reshape(out.shape)
+    section = np.repeat(weight, _AROUND)[:, None] * weight * (high - low)[:, None]
+    volume = (size * section).ravel() * 2 * np.pi / _AROUND
+    x, y, z = points.T
+    if before_z_mm is not None:
+        volume = volume * (before_z_mm - z)
+    return tuple(float((volume * value).sum()) for value in (np.ones(len(x)), x, y, x**2 + y**2))
+
+
+def _inside(
+    radius_mm: float, mouth: Mouth, turn: Array, arc: Array, z_mm: tuple[float, float]
+) -> tuple[Array, Array]:
+    """From where to where lines from the edge to the rounding lie between two heights, in shares of them."""
+    z0, z1 = (ring_points(radius_mm, mouth, turn, arc, np.full(turn.shape, end))[:, 2] for end in (0.0, 1.0))
+    rise = np.where(np.abs(z1 - z0) < 1e-12, 1e-12, z1 - z0)
+    one, other = (z_mm[0] - z0) / rise, (z_mm[1] - z0) / rise
+    low, high = (np.clip(v, 0.0, 1.0) for v in (np.minimum(one, other), np.maximum(one, other)))
+    return cast(Array, low), cast(Array, high)

@@ -1,0 +1,114 @@
+"""Envelopes and original webs given as files: closed surfaces, or STEP bodies, which become surfaces here."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from manifold3d import Manifold
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import invalid
+from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, step_surface
+from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+
+_KEY = "envelope.file"
+_ALIKE = 1e-6
+"""Difference of the sides, over the volume, that is rounding."""
+_MESHED = 5e-4
+"""The same for two sides of one shape that were triangulated differently."""
+_LEAST_MM = 2.0
+"""No web is smaller, in metres every one is."""
+
+
+def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> Manifold:
+    """The closed body in an STL or STEP file, mm, in the frame of `cranktopo.base.frames`.
+
+    Args:
+        symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made
+            so from the side x >= 0.
+        key: of the file in the scene, for messages.
+
+    Raises:
+        CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or not
+            symmetric though it should be.
+    """
+    return _body(_symmetric_surface(path)[0] if symmetric else _closed_surface(path, key), path)
+
+
+def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[float, float, float, float]:
+    """Range of the body: (x_min, x_max, y_min, y_max), mm."""
+    box = envelope_from_file(path, symmetric, key).bounding_box()
+    return box[0], box[3], box[1], box[4]
+
+
+def symmetrised(path: Path) -> str:
+    """What was done to make a body its own mirror image in x = 0, in words; empty for nothing.
+
+    Raises:
+        CranktopoError: as `envelope_from_file`.
+    """
+    share = _symmetric_surface(path)[1]
+    if share <= _ALIKE:
+        return ""
+    return (
+        f"envelope '{path.name}': its sides differ by {100 * share:.2g} % of its volume; the side x >= 0 and "
+        "its mirror image are taken"
+    )
+
+
+def mirror_difference(body: Manifold) -> float:
+    """Volume of a body outside its mirror image in x = 0, over that of the body; 0 for an empty one."""
+    outside = (body - body.mirror((1.0, 0.0, 0.0))).volume()
+    return float(outside / body.volume()) if outside else 0.0
+
+
+def section(path: Path, z_mm: float, symmetric: bool = False) -> list[NDArray[np.float64]]:
+    """Closed contours (n, 2) of the body's cross-section at a height z, mm."""
+    return [np.asarray(contour) for contour in envelope_from_file(path, symmetric).slice(z_mm).to_polygons()]
+
+
+def _body(surface: SurfaceMesh, path: Path) -> Manifold:
+    return solid_of(surface, f"{_KEY} = '{path}'")
+
+
+@lru_cache(maxsize=4)
+def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
+    """The surface, symmetric in x, and by how much of its volume the sides differed."""
+    surface = _closed_surface(path, _KEY)
+    body = _body(surface, path)
+    share = mirror_difference(body)
+    if share > _MESHED:
+        raise invalid(
+            "envelope.symmetric",
+            True,
+            f"the sides of '{path}' differ by {100 * share:.3g} % of its volume",
+            "Set it to false.",
+        )
+    if share > _ALIKE:
+        half = body.trim_by_plane((1.0, 0.0, 0.0), 0.0)
+        surface = mesh_of(half + half.mirror((1.0, 0.0, 0.0)))
+    return surface, share
+
+
+@lru_cache(maxsize=4)
+def _closed_surface(path: Path, key: str) -> SurfaceMesh:
+    name = f"{key} = '{path}'"
+    surface = step_surface(path, name) if path.suffix.lower() in STEP_SUFFIXES else read_stl(path, name)
+    if len(surface.faces) == 0:
+        raise invalid(key, str(path), "holds no triangles", "Export the surface again as STL, mm.")
+    largest = float(np.ptp(surface.vertices_mm, axis=0).max())
+    if largest < _LEAST_MM:
+        raise invalid(key, str(path), f"is {largest:.3g} mm large", "It is in metres: export it in mm.")
+    mesh = surface.as_trimesh()
+    if not mesh.is_watertight:
+        raise invalid(key, str(path), "must be a closed surface", "Close its holes.")
+    if not mesh.is_winding_consistent or surface.volume_mm3 <= 0:
+        raise invalid(key, str(path), "must be a closed, outward-oriented surface", "Repair the mesh.")
+    bodies = int((shell_volumes_mm3(surface) > 0).sum())
+    if bodies > 1:
+        raise invalid(key, str(path), f"holds {bodies} separate bodies", "Remove the loose parts.")
+    return surface

@@ -1,0 +1,1 @@
+"""Ten-node tetrahedra on exact solids of the throw."""

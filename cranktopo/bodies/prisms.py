@@ -1,0 +1,202 @@
+"""Exact solids of the half throw: journals, bores, design envelope; as fine prisms in the boolean engine."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from manifold3d import CrossSection, FillRule, JoinType, Manifold, Mesh
+
+from cranktopo.base.frames import X
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
+from cranktopo.bodies.through_holes import envelope_z_mm, through_holes
+from cranktopo.design.clearance import clearance_limit
+from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling import Mouth, across, channels
+from cranktopo.throw.drilling_outlet import ring_points
+from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
+
+CHORD_ERROR_MM = 0.002
+_BEYOND_MM = 1.0
+_OVERLAP_MM = 0.2
+_SLICES = 32
+_ARC_POINTS, _OUTWARD = 9, 0.5
+"""Points on the rounding of an outlet; how far its edge is moved outward, over its distance from them."""
+ON_MIRROR_MM = 1e-4
+
+
+def segments(radius_mm: float) -> int:
+    """Number of sides whose chords stay within CHORD_ERROR_MM of the circle; a multiple of 8.
+
+    The chord error of a side that spans 2 pi / n is r (1 - cos(pi / n)).
+    """
+    sides = math.pi / math.acos(max(0.0, 1 - CHORD_ERROR_MM / radius_mm))
+    return max(32, 8 * math.ceil(sides / 8))
+
+
+def cylinder(radius_mm: float, y_mm: float, z_mm: tuple[float, float]) -> Manifold:
+    """Cylinder parallel to the crank axis at x = 0, with its vertices on the true circle."""
+    solid = Manifold.cylinder(z_mm[1] - z_mm[0], radius_mm, radius_mm, segments(radius_mm))
+    return solid.translate((0.0, y_mm, z_mm[0]))
+
+
+def journal_halves(scene: Scene) -> tuple[Manifold, Manifold]:
+    """Half main journal (z = 0 to the web) and half crankpin (web to pitch / 2), with their bores."""
+    start, end = scene.web_z_mm
+    throw = scene.throw
+    main = _tube(throw.main_journal, 0.0, (0.0, start))
+    pin = _tube(throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2))
+    if not scene.throw.drilling:
+        return main, pin
+    drilled = drillings(scene)
+    return main - drilled, pin - drilled
+
+
+def web_bores(scene: Scene) -> Manifold:
+    """What bores and drillings take out of the web: a bore runs from face to face, and stops there."""
+    start, end = scene.web_z_mm
+    through = (start - _BEYOND_MM, end + _BEYOND_MM)
+    bores = [cylinder(j.bore_radius_mm, y, through) for j, y in scene.throw.journals if j.bore_radius_mm > 0]
+    return sum(bores, drillings(scene))
+
+
+def drillings(scene: Scene) -> Manifold:
+    """What the oil drillings take out of the half throw, with the roundings of their outlets."""
+    drilled = Manifold()
+    for channel in channels(scene):
+        (low, high), along, radius = channel.extent_mm, channel.direction, channel.radius_mm
+        start = np.array(channel.mouths[0].point_mm) + low * along
+        hole = Manifold.cylinder(high - low, radius, radius, segments(radius))
+        drilled += hole.transform(np.column_stack([*across(along), along, start]))
+        rounded = (mouth for mouth in channel.mouths if mouth.rounding_mm)
+        drilled += sum((_outlet_ring(radius, mouth) for mouth in rounded), Manifold())
+    return drilled
+
+
+def _outlet_ring(radius_mm: float, mouth: Mouth) -> Manifold:
+    """The ring of a rounding; its sharp edge is moved outward, into the drilling and beyond the journal."""
+    around = segments(radius_mm + mouth.rounding_mm)
+    turns = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    turn, arc = (v.ravel() for v in np.meshgrid(turns, np.linspace(0, 1, _ARC_POINTS)))
+    rounding = ring_points(radius_mm, mouth, turn, arc, np.ones(turn.size))
+    edge = ring_points(radius_mm, mouth, turns, np.zeros(around), np.zeros(around))
+    edge += _OUTWARD * (edge - rounding.reshape(_ARC_POINTS, around, 3).mean(axis=0))
+    here = np.arange((_ARC_POINTS + 1) * around).reshape(-1, around)
+    after, up = np.roll(here, -1, axis=1), np.roll(here, -1, axis=0)
+    corners = (here, np.roll(up, -1, axis=1), after), (here, up, np.roll(up, -1, axis=1))
+    faces = np.concatenate([np.stack(three, -1).reshape(-1, 3) for three in corners])
+    points = np.concatenate([rounding, edge]).astype(np.float32)
+    ring = Manifold(Mesh(points, faces.astype(np.uint32)))
+    return ring if ring.volume() > 0 else Manifold(Mesh(points, faces[:, ::-1].astype(np.uint32)))
+
+
+def envelope_holes(scene: Scene) -> Manifold:
+    """Holes through the envelope, drilled after forging or casting as bores are; in slices, just wider."""
+    start, end = envelope_z_mm(scene)
+    edges = np.linspace(start, end, _SLICES + 1)
+    holes = through_holes(scene, ((edges[1:] + edges[:-1]) / 2).tolist())
+    edges[0], edges[-1] = scene.web_z_mm[0] - _BEYOND_MM, scene.web_z_mm[1] + _BEYOND_MM
+    drilled = Manifold()
+    for contours, low, high in zip(holes, edges[:-1], edges[1:], strict=True):
+        if contours:
+            wider = CrossSection(contours, FillRule.NonZero).offset(_OVERLAP_MM, JoinType.Miter)
+            drilled += _prism(wider, float(low), float(high))
+    return drilled
+
+
+def journal_stubs(scene: Scene) -> Manifold:
+    """Continuation of both journals through the clearances that the envelope leaves at the web faces."""
+    envelope, throw = scene.envelope, scene.throw
+    start, end = scene.web_z_mm
+    stubs = Manifold()
+    if envelope is not None and envelope.bearing_clearance_mm > 0:
+        stubs += cylinder(throw.main_journal.radius_mm, 0.0, (start, start + envelope.bearing_clearance_mm))
+    if envelope is not None and envelope.rod_clearance_mm > 0:
+        stubs += cylinder(throw.crankpin.radius_mm, throw.radius_mm, (end - envelope.rod_clearance_mm, end))
+    return stubs
+
+
+def counterweight_solid(scene: Scene) -> Manifold:
+    """The counterweight that is one piece with the web, within what the envelope's clearances leave."""
+    low, high = envelope_z_mm(scene)
+    weight = scene.web.counterweight
+    if weight is None or weight.bolted:
+        return Manifold()
+    sector = weight.sector(scene)
+    x, y = sector.rim_mm(max(3, math.ceil(segments(sector.radius_mm) * sector.half_angle / (2 * math.pi))))
+    points = np.column_stack([np.r_[0.0, -x[:0:-1], x], np.r_[0.0, y[:0:-1], y]])
+    section = CrossSection([points], FillRule.NonZero)
+    return _prism(section, max(low, sector.z_mm[0]), min(high, sector.z_mm[1]))
+
+
+def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
+    """Design envelope between the web faces less the clearances, and what piston and crankcase leave of it.
+
+    Raises:
+        CranktopoError: the envelope's STL is missing or not closed, or an outline crosses itself.
+    """
+    whole, limit = _whole_envelope(scene, grid), clearance_limit(scene)
+    if limit is None:
+        return whole
+    far = float(np.abs([grid.origin_mm[:2], grid.upper_mm[:2]]).max())
+    free = CrossSection([limit.contour(2 * far)], FillRule.NonZero)
+    return whole ^ _prism(free, *envelope_z_mm(scene))
+
+
+def _whole_envelope(scene: Scene, grid: DensityGrid) -> Manifold:
+    envelope = scene.envelope
+    start, end = envelope_z_mm(scene)
+    if envelope is None:
+        return _prism(_rectangle(grid.origin_mm[:2], grid.upper_mm[:2]), start, end)
+    match envelope:
+        case StlEnvelope(symmetric=symmetric):
+            between = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
+            return envelope_from_file(envelope.stl_file, symmetric) ^ between
+        case CylinderEnvelope(radius_mm=radius):
+            return cylinder(radius, 0.0, (start, end))
+        case BoxEnvelope(half_width_mm=half):
+            corners = np.array([[-half, envelope.y_min_mm], [half, envelope.y_max_mm]])
+            return _prism(_rectangle(*corners), start, end)
+        case OutlineEnvelope(points_mm=points):
+            return _prism(CrossSection([np.array(points)], FillRule.EvenOdd), start, end)
+
+
+def journal_ends(scene: Scene) -> Manifold:
+    """What stands on the web's faces: a slice of each journal, bores filled."""
+    start, end = scene.web_z_mm
+    ends = ((start - _BEYOND_MM / 2, start), (end, end + _BEYOND_MM / 2))
+    slices = [cylinder(j.radius_mm, y, z) for (j, y), z in zip(scene.throw.journals, ends, strict=True)]
+    return sum(slices, Manifold())
+
+
+def web_region(solid: Manifold, scene: Scene) -> Manifold:
+    """The part of a solid between the web faces."""
+    start, end = scene.web_z_mm
+    return solid.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
+
+
+def snapped_to_mirror_plane(points: np.ndarray, within_mm: float = ON_MIRROR_MM) -> np.ndarray:
+    """Points (n, 3) with a tiny |x| put on x = 0, in place: mirrored halves then leave no slivers there."""
+    points[np.abs(points[:, X]) < within_mm, X] = 0.0
+    return points
+
+
+def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:
+    """Whether a solid is its own mirror image in the plane x = 0."""
+    return mirror_difference(solid) <= share
+
+
+def _tube(journal: Journal, y_mm: float, z_mm: tuple[float, float]) -> Manifold:
+    body = cylinder(journal.radius_mm, y_mm, z_mm)
+    if journal.bore_radius_mm == 0:
+        return body
+    return body - cylinder(journal.bore_radius_mm, y_mm, (z_mm[0] - _BEYOND_MM, z_mm[1] + _BEYOND_MM))
+
+
+def _rectangle(lower: np.ndarray, upper: np.ndarray) -> CrossSection:
+    return CrossSection.square(tuple(upper - lower)).translate(tuple(lower))
+
+
+def _prism(section: CrossSection, start_mm: float, end_mm: float) -> Manifold:
+    return section.extrude(end_mm - start_mm).translate((0.0, 0.0, start_mm))

@@ -1,0 +1,101 @@
+"""The surface of a STEP body as triangles, from the CAD kernel's own triangulation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.reading import GEOMETRY_LIMIT_MIB, check_input
+from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
+
+if TYPE_CHECKING:
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+STEP_SUFFIXES = (".step", ".stp")
+CHORD_MM = 0.01
+"""Largest distance of a triangle from the body; 1e-4 of the volume of a web."""
+_TRIANGULATION = {
+    "StlLinearDeflection": CHORD_MM,
+    "StlLinearDeflectionRelative": 0,
+    "StlAngularDeflection": 0.1,
+}
+_WELD_DIGITS = 6
+_VOLUME_TOLERANCE = 2e-3
+
+
+def step_surface(path: Path, name: str) -> SurfaceMesh:
+    """Outward triangles of the one solid in a STEP file, mm, joined along its edges.
+
+    Args:
+        path: the file, any length unit.
+        name: of the file in messages.
+
+    Raises:
+        CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
+    """
+    with cad_session(f"surface of {path}") as gmsh:
+        body = step_solid(gmsh, path, name)
+        volume = float(gmsh.model.occ.getMass(*body))
+        mesh = kernel_surface(gmsh)
+    if not (mesh.as_trimesh().is_watertight and abs(mesh.volume_mm3 / volume - 1) < _VOLUME_TOLERANCE):
+        raise CranktopoError(
+            f"{name}: the faces of its solid do not close ({mesh.volume_mm3:.1f} of {volume:.1f} mm3).",
+            hint="Repair the solid in CAD, or export it as STL.",
+        )
+    return mesh
+
+
+def kernel_surface(gmsh: Any) -> SurfaceMesh:
+    """The CAD kernel's own triangles of the open session's body, synchronised, joined; it stays unmeshed."""
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+    for option, value in _TRIANGULATION.items():
+        gmsh.option.setNumber(f"Mesh.{option}", value)
+    gmsh.model.mesh.importStl()
+    points, faces = triangles(gmsh)
+    gmsh.model.mesh.clear()
+    vertices, number = np.unique(np.round(points, _WELD_DIGITS), axis=0, return_inverse=True)
+    faces = number.reshape(-1)[faces]
+    return SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
+
+
+def _check_step(path: Path, name: str) -> None:
+    """Check that a file can be one of STEP, before the reader is asked, which may not survive others."""
+    check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
+    with path.open("rb") as file:
+        head = file.read(1000)
+    if b"ISO-10303-21" not in head:
+        raise CranktopoError(f"{name}: is no STEP file.", hint="Export one solid again as STEP, mm.")
+
+
+def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
+    """The one solid of a STEP file, in the open session, synchronised.
+
+    Args:
+        name: of the file in messages.
+
+    Raises:
+        CranktopoError: it cannot be read, is too large, of another kind, or does not hold exactly one solid.
+    """
+    _check_step(path, name)
+    occ = gmsh.model.occ
+    try:
+        with quiet_stdout():
+            found = occ.importShapes(str(path))
+    except Exception as error:
+        if type(error) is not Exception:  # gmsh raises the bare class
+            raise
+        raise CranktopoError(
+            f"{name}: cannot be read as STEP.", hint="Export one solid again as STEP (AP203, AP214 or AP242)."
+        ) from None
+    solids = [pair for pair in found if pair[0] == 3]
+    if len(solids) != 1:
+        raise CranktopoError(
+            f"{name}: holds {len(solids)} solids, not one.",
+            hint="Join its solids in CAD, or close its surfaces to a solid, and export it again.",
+        )
+    occ.synchronize()
+    return solids[0]

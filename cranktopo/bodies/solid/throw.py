@@ -1,0 +1,217 @@
+"""OCC solids of half throw, full throw and crankshaft, each checked before anyone may use it.
+
+`occ` is `gmsh.model.occ` of the open session.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.frames import about_z_deg
+from cranktopo.bodies.solid.drilling import add_drillings, drill
+from cranktopo.bodies.solid.web import DimTags, add_solid, add_web
+from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
+from cranktopo.design.checks.web import check_solid
+from cranktopo.design.halves import drilled_alike, halves, require_equal_halves
+from cranktopo.design.schema import Scene
+from cranktopo.design.symmetry import mirror_image
+from cranktopo.throw.geometry import Journal
+from cranktopo.throw.web import web_bodies
+
+VOLUME_TOLERANCE = 2e-5
+"""Relative difference between the CAD kernel's volume and the closed form that is let through.
+
+The kernel integrates over faces that end in intersection curves, such as a crowned bevel through a spline
+outline, to about 5e-6 of the half throw; the smallest pocket is 1e-4 of it.
+"""
+
+
+@dataclass(frozen=True)
+class SolidProperties:
+    """Mass properties of a body of unit density.
+
+    Attributes:
+        centre_mm: centre of mass (x, y, z).
+        inertia_z_mm5: integral of x2 + y2 about the crank axis.
+    """
+
+    volume_mm3: float
+    centre_mm: tuple[float, float, float]
+    inertia_z_mm5: float
+
+
+def add_half_throw(occ: Any, scene: Scene) -> DimTags:
+    """The half throw, z from the mid-main-journal plane to the mid-pin plane, as one checked body.
+
+    A bore runs through its journal and the web and ends at the web's far face.
+
+    Raises:
+        CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
+    """
+    require_equal_halves(scene)
+    return _add_half(occ, scene)
+
+
+def _add_half(occ: Any, scene: Scene) -> DimTags:
+    check_solid(scene)
+    expected = half_throw_volume_mm3(scene)
+    throw, (start, end) = scene.throw, scene.web_z_mm
+    tools = add_drillings(occ, scene)
+    main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1)
+    pin = _add_journal(occ, scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), -1)
+    body, _ = occ.fuse(add_web(occ, scene), main + pin)
+    body = drill(occ, body, tools)
+    check_body(occ, body, expected, "half throw")
+    return list(body)
+
+
+def add_full_throw(occ: Any, scene: Scene) -> DimTags:
+    """The throw between its two mid-main-journal planes as one checked body.
+
+    The far half is a half throw mirrored in x and turned half a revolution about the throw direction:
+    gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. What one half alone is
+    drilled with may reach into the other, and comes last.
+
+    Raises:
+        CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
+    """
+    near, far = halves(scene)
+    half, other = _add_half(occ, drilled_alike(near)), _add_half(occ, mirror_image(drilled_alike(far)))
+    tools, more = add_drillings(occ, near, alone=True), add_drillings(occ, mirror_image(far), alone=True)
+    occ.rotate([*other, *more], 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
+    body, _ = occ.fuse(half, other)
+    body = drill(occ, body, [*tools, *more])
+    check_body(occ, body, throw_volume_mm3(scene), "full throw")
+    return list(body)
+
+
+def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
+    """All throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body.
+
+    Args:
+        scene: the throw, and an engine with a firing order.
+
+    Raises:
+        CranktopoError: no engine in the scene, or as `add_half_throw`.
+    """
+    angles = scene.shaft_angles_deg
+    throw = add_full_throw(occ, scene)
+    bodies: DimTags = []
+    for index, angle in enumerate(angles):
+        copy = occ.copy(throw)
+        occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle)))
+        occ.translate(copy, 0, 0, index * scene.pitch_mm)
+        bodies += copy
+    occ.remove(throw, recursive=True)
+    if len(bodies) > 1:
+        bodies, _ = occ.fuse(bodies[:1], bodies[1:])
+    check_body(occ, bodies, len(angles) * throw_volume_mm3(scene), "crankshaft")
+    return bodies
+
+
+def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
+    """Check one body, its volume against the closed form, and a closed boundary.
+
+    Args:
+        expected_mm3: volume by the closed form.
+
+    Raises:
+        CranktopoError: the CAD kernel gave something else.
+    """
+    solids = [pair for pair in body if pair[0] == 3]
+    if len(solids) != 1:
+        raise CranktopoError(
+            f"{name}: falls apart into {len(solids)} bodies.",
+            hint="A pocket cuts the web through, or the outline does not join the journals.",
+        )
+    volume = occ.getMass(*solids[0])
+    if abs(volume - expected_mm3) > VOLUME_TOLERANCE * expected_mm3:
+        raise CranktopoError(
+            f"{name}: the CAD kernel built {volume:.2f} mm3, the closed form is {expected_mm3:.2f} mm3.",
+            hint="Features touch or overlap in a way it cannot resolve: move them apart by 0.1 mm.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def solid_properties(occ: Any, body: DimTags) -> SolidProperties:
+    """Volume, centre and inertia about the crank axis of one body, from the CAD kernel's exact faces.
+
+    Args:
+        body: (dimension, tag) pairs that hold one volume.
+    """
+    (tag,) = [tag for dim, tag in body if dim == 3]
+    volume = occ.getMass(3, tag)
+    x, y, z = occ.getCenterOfMass(3, tag)
+    about_centre = occ.getMatrixOfInertia(3, tag)[8]
+    return SolidProperties(volume, (x, y, z), about_centre + volume * (x**2 + y**2))
+
+
+def _add_journal(
+    occ: Any, scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float], toward: int
+) -> DimTags:
+    """Journal from its mid-plane to the web face with its fillet, by revolution, bore cut out.
+
+    Args:
+        y: its axis along the throw, mm.
+        z_mm: axial range.
+        toward: +1 if the web lies at the upper end, -1 at the lower.
+    """
+    face = z_mm[1] if toward > 0 else z_mm[0]
+    far = z_mm[0] if toward > 0 else z_mm[1]
+    if journal.fillet_mm:
+        body = [_revolve(occ, journal, y, far, face, toward)]
+    else:
+        body = [(3, occ.addCylinder(0, y, z_mm[0], 0, 0, z_mm[1] - z_mm[0], journal.radius_mm))]
+    tools = _under_fillet(occ, scene, journal, y, face, toward) if journal.fillet_mm else []
+    if journal.bore_diameter_mm:
+        length = z_mm[1] - z_mm[0]
+        tools.append((3, occ.addCylinder(0, y, z_mm[0], 0, 0, length, journal.bore_radius_mm)))
+    if tools:
+        body, _ = occ.cut(body, tools)
+    return body
+
+
+def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, toward: int) -> tuple[int, int]:
+    radius, fillet = journal.radius_mm, journal.fillet
+    near, reach = face - toward * fillet.axial_mm, radius + fillet.radial_mm
+    axis_far, rim, top, foot, axis_face, centre = (
+        occ.addPoint(x, y, z)
+        for x, z in (
+            (0.0, far),
+            (radius, far),
+            (radius, near),
+            (reach, face),
+            (0.0, face),
+            (reach, near),
+        )
+    )
+    longer = foot if fillet.axial_mm > fillet.radial_mm else top  # the kernel wants the major axis
+    curves = [
+        occ.addLine(axis_far, rim),
+        occ.addLine(rim, top),
+        occ.addCircleArc(top, centre, foot) if fillet.round else occ.addEllipseArc(top, centre, longer, foot),
+        occ.addLine(foot, axis_face),
+        occ.addLine(axis_face, axis_far),
+    ]
+    section = occ.addPlaneSurface([occ.addCurveLoop(curves)])
+    made = occ.revolve([(2, section)], 0, y, 0, 0, 0, 1, 2 * math.pi)
+    occ.remove([(2, section)], recursive=True)
+    return next((dim, tag) for dim, tag in made if dim == 3)
+
+
+def _under_fillet(occ: Any, scene: Scene, journal: Journal, y: float, face: float, toward: int) -> DimTags:
+    """Columns over pockets and bores that open under the fillet ring, which would end in a knife edge."""
+    reach = journal.radius_mm + journal.fillet_mm
+    along = journal.fillet.axial_mm
+    z = (face - along, face) if toward > 0 else (face, face + along)
+    tools: DimTags = []
+    cuts = [body for body in web_bodies(scene) if not body.adds and face in body.z_mm]
+    for body in cuts if journal.bore_radius_mm < reach else ():
+        if 0 < body.distance_mm(y, face) < reach:
+            column = [add_solid(occ, solid) for solid in body.continued(z)]
+            core = [(3, occ.addCylinder(0, y, z[0], 0, 0, z[1] - z[0], journal.radius_mm))]
+            tools += occ.cut(column, core)[0] if column else []
+    return tools

@@ -1,0 +1,205 @@
+"""Undercuts: voids that a die, a mould or a mill cannot leave, by rays or voxels through any surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from manifold3d import Manifold
+from numpy.typing import NDArray
+
+from cranktopo.base.frames import X, Y, Z
+from cranktopo.bodies.prisms import envelope_holes, journal_ends, web_bores, web_region
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+
+Array = NDArray[np.float64]
+NEGLIGIBLE_SHARE = 1e-4
+"""Undercuts below this share of the web are grazing slivers that the triangles themselves do not resolve."""
+_BEYOND_MM = 1.0
+_TOUCH_MM = 1e-3
+
+
+@dataclass(frozen=True)
+class Undercuts:
+    """What the web's process cannot leave.
+
+    Attributes:
+        rays: rays that met the web.
+        caught: rays with void between the parting plane and solid further out.
+        deepest_mm: longest such void along one ray and side.
+        by: the die, mould or mill.
+    """
+
+    rays: int
+    caught: int
+    deepest_mm: float
+    volume_mm3: float
+    web_mm3: float
+    by: str = "a die that parts in x = 0"
+
+    @property
+    def negligible(self) -> bool:
+        """Whether the process leaves the web as it is."""
+        return self.volume_mm3 <= NEGLIGIBLE_SHARE * self.web_mm3
+
+    def as_json(self) -> dict[str, Any]:
+        """The values by name."""
+        return {
+            "rays": self.rays,
+            "caught_rays": self.caught,
+            "deepest_mm": self.deepest_mm,
+            "volume_mm3": self.volume_mm3,
+            "released": self.negligible,
+            "by": self.by,
+        }
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a die, a mould or a mill leaves the web.
+
+    Attributes:
+        text: who does.
+        axis: along which it is left; None for a mill, which comes from both faces and both sides.
+        parting_mm: plane that a die parts in; None for a mould, whose halves part anywhere.
+    """
+
+    text: str
+    axis: int | None
+    parting_mm: float | None
+
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """Axes along which it is left."""
+        return (X, Z) if self.axis is None else (self.axis,)
+
+
+LATERAL_DIE = Way("a die that parts in x = 0", X, 0.0)
+
+
+def way_of(scene: Scene) -> Way:
+    """How the scene's web is made; any that may be free of it is measured by a die that parts in x = 0."""
+    settings = scene.optimise
+    if settings.process == "milled":
+        return Way("a mill from both faces and both sides", None, None)
+    lateral = settings.parting == "lateral"
+    if settings.process == "cast":
+        return Way(f"a mould that opens along {'x' if lateral else 'z'}", X if lateral else Z, None)
+    if settings.process == "free" or lateral:
+        return LATERAL_DIE
+    return Way("a die that parts in mid-web", Z, sum(scene.web_z_mm) / 2)
+
+
+def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Way | None = None) -> Undercuts:
+    """What the scene's process would have to leave behind, bores and drilled holes filled.
+
+    Args:
+        scene: its bores and the holes of its envelope, which are drilled afterwards.
+        way: by default that of the scene's process.
+    """
+    way = way or way_of(scene)
+    body = solid_of(web, "web")
+    filled = body + web_bores(scene) + envelope_holes(scene)
+    voids = _beyond_mills if way.axis is None else _held_back
+    met, lengths, area = voids(body, filled, web, scene, way, step_mm)
+    caught = int((lengths > _TOUCH_MM).any(axis=1).sum())
+    volume = float(lengths.sum() * area)
+    return Undercuts(met, caught, float(lengths.max(initial=0.0)), volume, web.volume_mm3, way.text)
+
+
+def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
+    """What a die that parts in x = 0 cannot leave of the web of a half throw, from any source."""
+    body = solid_of(half_throw, "half throw")
+    return undercuts(mesh_of(web_region(body, scene)), scene, step_mm, LATERAL_DIE)
+
+
+def _held_back(
+    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Way, step_mm: float
+) -> tuple[int, Array, float]:
+    """Rays that met the web, lengths of void (n, 2) that each half is held back by, area of a ray."""
+    axis = X if way.axis is None else way.axis
+    if axis == Z:
+        body, filled = (solid + journal_ends(scene) for solid in (body, filled))
+    low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
+    first, second = (other for other in (X, Y, Z) if other != axis)
+    rows, columns = (_centres(low[other], high[other], step_mm) for other in (first, second))
+    area = float(rows[1] - rows[0]) * float(columns[1] - columns[0])
+    start, end = np.zeros(3), np.zeros(3)
+    beyond = _BEYOND_MM if axis == X else 3 * _BEYOND_MM  # past the ends of journals and bores
+    start[axis], end[axis] = low[axis] - beyond, high[axis] + beyond
+    met, voids = 0, []
+    for row in rows.tolist():
+        for column in columns.tolist():
+            start[[first, second]] = end[[first, second]] = row, column
+            cuts, within = (_cuts(solid, start, end, axis) for solid in (body, filled))
+            met += bool(len(cuts))
+            voids.append(_voids_mm(cuts, within, way.parting_mm))
+    return met, np.array(voids).reshape(-1, 2), area
+
+
+def _beyond_mills(
+    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Way, step_mm: float
+) -> tuple[int, Array, float]:
+    """The same of voxels that no straight line from a face or a side reaches, by lines along x."""
+    low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
+    x, y, z = (_centres(low[axis], high[axis], step_mm) for axis in (X, Y, Z))
+    solid, whole = (_voxels(part, x, y, z) for part in (body, filled))
+    faces = [np.hypot(x[:, None], y[None, :] - centre) < j.radius_mm for j, centre in scene.throw.journals]
+    blocked = np.concatenate([faces[0][:, :, None], solid, faces[1][:, :, None]], axis=2)
+    reached = np.zeros_like(blocked)
+    for axis in (X, Z):
+        for way_in in (slice(None), slice(None, None, -1)):
+            moved = np.moveaxis(blocked, axis, 0)[way_in]
+            found = ~np.logical_or.accumulate(moved, axis=0)
+            reached |= np.moveaxis(found[way_in], 0, axis)
+    left = ~whole & ~reached[:, :, 1:-1]
+    lengths = left.sum(axis=X).reshape(-1, 1) * float(x[1] - x[0])
+    return int(solid.any(axis=X).sum()), lengths, float((y[1] - y[0]) * (z[1] - z[0]))
+
+
+def _voxels(body: Manifold, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
+    """Whether the points of a lattice lie inside a body."""
+    from skimage.draw import polygon2mask
+
+    inside = np.zeros((len(x), len(y), len(z)), dtype=bool)
+    origin, step = np.array([x[0], y[0]]), np.array([x[1] - x[0], y[1] - y[0]])
+    for layer, height in enumerate(z.tolist()):
+        for contour in body.slice(height).to_polygons():
+            inside[:, :, layer] ^= polygon2mask(inside.shape[:2], (contour - origin) / step)
+    return inside
+
+
+def _centres(low: float, high: float, step: float) -> Array:
+    """Middles of at least two equal steps between two ends; off the round numbers that faces lie on."""
+    count = max(2, round((high - low) / step))
+    return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5), dtype=np.float64)
+
+
+def _cuts(body: Manifold, start: Array, end: Array, axis: int) -> Array:
+    """Sorted places of the entries into a body and exits from it along a ray."""
+    return np.array([hit.position[axis] for hit in body.ray_cast(tuple(start), tuple(end))])
+
+
+def _voids_mm(cuts: Array, within: Array, parting_mm: float | None) -> tuple[float, float]:
+    """Lengths of void on both sides of the parting plane, or between the outermost solids and 0.
+
+    Args:
+        cuts: of the web.
+        within: of the web with its holes filled, which count as solid only within the web.
+    """
+    if parting_mm is None:
+        if not len(cuts):
+            return 0.0, 0.0
+        return _void_mm(cuts - cuts[0], within - cuts[0]), 0.0
+    cuts, within = cuts - parting_mm, within - parting_mm
+    return _void_mm(cuts, within), _void_mm(-cuts[::-1], -within[::-1])
+
+
+def _void_mm(cuts: Array, within: Array) -> float:
+    """Length of void between 0 and the outermost solid beyond it."""
+    if len(cuts) % 2 or len(within) % 2:  # grazes an edge
+        return 0.0
+    outermost = float(cuts.max(initial=0.0))
+    return outermost - float(np.diff(within.reshape(-1, 2).clip(min=0.0, max=outermost)).sum())

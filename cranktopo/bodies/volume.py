@@ -1,0 +1,61 @@
+"""Volume of the half throw without a CAD kernel: the oracle of every solid."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cranktopo.bodies.drilling_moments import drilled
+from cranktopo.bodies.web_moments import web_moments
+from cranktopo.design.halves import of_halves
+from cranktopo.design.schema import Scene
+from cranktopo.throw.geometry import Journal
+from cranktopo.throw.web import web_bodies
+
+
+def half_throw_volume_mm3(scene: Scene) -> float:
+    """Volume of the half throw, mm3: journals, web and fillets less bores, pockets and drillings."""
+    throw = scene.throw
+    total = web_moments(scene).volume - drilled(scene).volume
+    for journal in (throw.main_journal, throw.crankpin):
+        ring = journal.radius_mm**2 - journal.bore_radius_mm**2
+        total += math.pi * ring * journal.length_mm / 2
+    start, end = scene.web_z_mm
+    total += _fillet_volume(scene, throw.main_journal, 0.0, start)
+    return total + _fillet_volume(scene, throw.crankpin, throw.radius_mm, end)
+
+
+def throw_volume_mm3(scene: Scene) -> float:
+    """Volume of the throw between its two mid-main-journal planes, mm3."""
+    return sum(of_halves(scene, half_throw_volume_mm3))
+
+
+def web_volume_mm3(scene: Scene) -> float:
+    """Volume of the web between its two faces, mm3."""
+    return web_moments(scene).volume - drilled(scene, "web").volume
+
+
+def _fillet_volume(scene: Scene, journal: Journal, y: float, face_z: float) -> float:
+    """Volume of a fillet ring, less what opens under it: shells of height h(rho) = f - sqrt(f2 - d2).
+
+    Of an ellipse the height is larger by its axial over its radial semi-axis f.
+    """
+    fillet, radius = journal.fillet_mm, journal.radius_mm
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    t = (nodes + 1) / 2
+    rho, jacobian = radius + fillet * t**2, 2 * fillet * t / 2
+    height = fillet - np.sqrt(np.maximum(fillet**2 - (radius + fillet - rho) ** 2, 0.0))
+    height = height / journal.fillet.flattening
+    low, high = y - radius - fillet, y + radius + fillet
+    cuts = [
+        body
+        for body in web_bodies(scene)
+        if not body.adds and face_z in body.z_mm and body.y_range_mm[0] < high and body.y_range_mm[1] > low
+    ]
+    angle = np.linspace(0, 2 * math.pi, 20001)[:-1, None]
+    px, py = rho * np.cos(angle), y + rho * np.sin(angle)
+    solid = np.ones(px.shape, dtype=bool)
+    for cut in cuts:
+        solid &= ~cut.contains(px, py, face_z)
+    return float(np.sum(weights * jacobian * height * rho * 2 * math.pi * solid.mean(axis=0)))

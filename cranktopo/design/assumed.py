@@ -1,0 +1,131 @@
+"""What a scene leaves out and the program therefore assumes: said by every command that uses it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.table import SceneTable
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.schema import Scene
+
+THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
+GOAL, VIBRATION = "goal", "shaft"
+"""Tables of the scene whose assumptions a command may ask for."""
+EVALUATED = (THROW, SUPPORTS)
+"""What the stiffnesses of a throw depend on."""
+SHAFT = (THROW, "engine.strokes", "engine.cylinders", "engine.masses")
+"""What a whole shaft on rigid or free bearings uses."""
+_CONSEQUENCES = {
+    "fillet_mm": "sharp",
+    "bore_diameter_mm": "solid",
+    "piston_group_kg": "no inertia force of the piston",
+    "rod_reciprocating_kg": "no inertia force of the rod's upper end",
+    "rod_rotating_kg": "no centrifugal force of the rod's big end",
+}
+"""What the default of a key means where the number alone does not say it."""
+_WIDTH = 110
+_QUIET = {"indicator_csv", "source", "name", "surface_treatment_source"}
+_WITH_INDICATOR = {"ambient_pressure_MPa"}
+"""Keys of [engine.gas] that count where the pressure is measured."""
+_ROD_PARTS = {"rod_reciprocating_kg", "rod_rotating_kg"}
+"""Keys of [engine.masses] that a rod given as a whole replaces."""
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """A key that the scene does not give, the value taken for it, and what that means."""
+
+    key: str
+    value: float | int | str
+    meaning: str
+
+    def __str__(self) -> str:
+        value = self.value if isinstance(self.value, str) else f"{self.value:g}"
+        value = f'"{value}"' if " " in value else value
+        return f"{self.key} = {value}" + (f" ({self.meaning})" if self.meaning else "")
+
+
+def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
+    """Values that a scene as it was read does not give and a command nevertheless uses.
+
+    A scene that was read back from a run has every key: ask before it is stored.
+
+    Args:
+        tables: which parts of the scene are used, of `THROW`, `LOADS`, `SUPPORTS`, `ENVELOPE`, `FATIGUE`,
+            `GOAL`.
+    """
+    found: list[Assumption] = []
+    for table in tables:
+        value = getattr(scene, table)
+        if table == GOAL:
+            found += _limits(scene)
+        elif isinstance(value, SceneTable):
+            found += _left_out(value, table)
+        if table == THROW and scene.throw.mirrored_web:
+            meaning = "the half beyond the crankpin is taken as its mirror image"
+            found.append(Assumption("throw.mirrored_web", scene.throw.mirrored_web, meaning))
+        if (
+            table == LOADS
+            and scene.engine
+            and scene.engine.arranged.rod_offset_mm is None
+            and scene.rod_offset_mm
+        ):
+            key, meaning = "engine.arrangement.rod_offset_mm", "half the pin's length"
+            found.append(Assumption(key, scene.rod_offset_mm, meaning))
+    return tuple(found)
+
+
+def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption, ...]:
+    """Assumptions from the entries of `assumed` in a manifest; raises CranktopoError if damaged."""
+    try:
+        return tuple(Assumption(**entry) for entry in entries)
+    except TypeError:
+        raise CranktopoError("manifest.json: `assumed` is damaged.", hint="Start a new run.") from None
+
+
+def among(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
+    """Those assumptions that belong to some tables or keys of the scene, given by their paths."""
+    return tuple(item for item in found if any(f"{item.key}.".startswith(f"{table}.") for table in tables))
+
+
+def assumed_text(found: Sequence[Assumption]) -> str:
+    """For the terminal, wrapped to its lines; empty when everything is given."""
+    if not found:
+        return ""
+    lines = ["assumed:"]
+    for item in found:
+        piece = f" {item}{'' if item is found[-1] else ';'}"
+        lines += [" "] if len(lines[-1] + piece) > _WIDTH else []
+        lines[-1] += piece
+    return "\n".join(lines)
+
+
+def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
+    """The entries of `assumed` in metrics.json."""
+    return [asdict(item) for item in found]
+
+
+def _limits(scene: Scene) -> Iterator[Assumption]:
+    """The limits that a goal brings by default."""
+    goal = wanted(scene)
+    for limit in goal.limits if goal is not None else ():
+        if limit.assumed:
+            meaning = "of the original web" if limit.percent else ""
+            yield Assumption(f"goal.limits.{limit.quantity}", limit.condition, meaning)
+
+
+def _left_out(table: SceneTable, path: str) -> Iterator[Assumption]:
+    """Assumptions of a table and of the tables in it, in the order of the schema."""
+    measured = getattr(table, "indicator_csv", None) is not None
+    unused = _QUIET | (_ROD_PARTS if getattr(table, "rod_kg", None) is not None else set())
+    for name in type(table).model_fields:
+        value, key = getattr(table, name), f"{path}.{name}"
+        if isinstance(value, SceneTable):
+            yield from _left_out(value, key)
+        elif name in table.model_fields_set or name in unused or not isinstance(value, (int, float, str)):
+            continue
+        elif not measured or name in _WITH_INDICATOR:
+            yield Assumption(key, value, _CONSEQUENCES.get(name, "") if not value else "")

@@ -1,0 +1,1 @@
+"""Consistency of a scene beyond single values."""

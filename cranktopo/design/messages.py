@@ -1,0 +1,249 @@
+"""Clear lines out of a pydantic validation error: each problem with its key path and a next step."""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+from typing import Any, cast
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from cranktopo.base.errors import CranktopoError, shown, suggest
+
+_MOST = 20
+"""Problems that are listed; whoever has more has another file in hand."""
+_MEANT = {
+    "diameter_mm": "outer_diameter_mm",
+    "outer_radius_mm": "outer_diameter_mm",
+    "bore_mm": "bore_diameter_mm",
+    "inner_diameter_mm": "bore_diameter_mm",
+    "rod_mass_kg": "rod_kg",
+    "connecting_rod_kg": "rod_kg",
+    "stroke_mm": "radius_mm",
+    "throw_mm": "radius_mm",
+    "E_MPa": "E_GPa",
+    "youngs_modulus_GPa": "E_GPa",
+    "nu": "poisson",
+    "rpm": "speed_rpm",
+}
+"""Other names of keys that no likeness of letters finds."""
+_NUMBERS = {
+    "float_type": "a finite number",
+    "finite_number": "a finite number",
+    "int_type": "an integer",
+    "int_parsing_size": "an integer",
+}
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+
+
+_ROOT: list[type[BaseModel]] = []
+
+
+def explains(root: type[BaseModel]) -> None:
+    """Name the table whose keys are explained; the schema, which comes later, does it once."""
+    _ROOT[:] = [root]
+
+
+def explain(error: ValidationError, source: str, table: tuple[str, ...] = ()) -> CranktopoError:
+    """All problems of a validation error as one error: one line, or one per problem below a headline.
+
+    Args:
+        error: what pydantic raised for the scene.
+        source: file shown in front of the key path.
+        table: where in the scene the validated table is.
+    """
+    return listed(_problems(error.errors(include_url=False), table), source)
+
+
+def explain_unknown(error: ValidationError, source: str) -> CranktopoError | None:
+    """The unknown keys among the problems of a validation error, as `explain`; None where there are none."""
+    found = [d for d in error.errors(include_url=False) if d["type"] == "extra_forbidden"]
+    return listed(_problems(found, ()), source) if found else None
+
+
+def listed(problems: Sequence[tuple[str, str]], source: str) -> CranktopoError:
+    """Problems, each with its next step, as one error: one line, or one per problem below a headline."""
+    if len(problems) == 1:
+        message, hint = problems[0]
+        return CranktopoError(f"{source}: {message}.", hint=hint)
+    lines = [f"  {message}. {hint}".rstrip() for message, hint in problems[:_MOST]]
+    more = [f"  and {len(problems) - _MOST} more."] if len(problems) > _MOST else []
+    return CranktopoError("\n".join([f"{source}: {len(problems)} errors.", *lines, *more]))
+
+
+def _problems(found: list[ErrorDetails], table: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Message and next step of each problem, unknown keys first; a misspelt key is not missing too."""
+    details = [cast(ErrorDetails, {**detail, "loc": (*table, *detail["loc"])}) for detail in found]
+    unknown = [d for d in details if d["type"] == "extra_forbidden"]
+    meant = {(d["loc"][:-1], _nearest(d["loc"])) for d in unknown}
+    missing = [d for d in details if d["type"] == "missing" and (d["loc"][:-1], d["loc"][-1]) not in meant]
+    values = [d for d in details if d["type"] not in ("extra_forbidden", "missing")]
+    return [_describe(d, _dotted(d["loc"])) for d in (*unknown, *missing, *values)]
+
+
+def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
+    kind, loc = detail["type"], detail["loc"]
+    if not loc:
+        return f"{shown(detail['input'])}: must be a table", "Give the tables of a scene."
+    if kind == "extra_forbidden":
+        return f"unknown key {path}", _instead(loc)
+    if kind == "missing":
+        table, _, key = path.rpartition(".")
+        return f"{path} is missing", f"Add {key} to {f'[{table}]' if table else 'the scene'}."
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _choice(detail, path)
+    if kind == "library":
+        context = detail["ctx"]
+        return f"{path}.name = {shown(detail['input']['name'])}: {detail['msg']}", context["hint"]
+    if kind == "statement":
+        return f"{path} = {shown(detail['input'])}: {detail['msg']}", detail["ctx"]["hint"]
+    limits = _limits(loc)
+    value = f"{path} = {shown(detail['input'])}"
+    if kind in _NUMBERS:
+        bounds = f" {limits}" if limits else ""
+        quoted = " without quotes" if isinstance(detail["input"], str) else ""
+        return f"{value}: must be {_NUMBERS[kind]}{bounds}{quoted}", "Correct that value."
+    if kind in _BOUNDS:
+        return f"{value}: must be {limits}", "Correct that value, or its unit."
+    text = detail["msg"].replace("Input should be", "must be").replace("Value error, ", "")
+    return f"{value}: {text}", "Correct that value."
+
+
+def _choice(detail: ErrorDetails, path: str) -> tuple[str, str]:
+    context = detail["ctx"]
+    tag = str(context["discriminator"]).strip("'")
+    table = detail["input"] if isinstance(detail["input"], dict) else {}
+    valid = sorted(name for model in _models(_annotation(detail["loc"])) for name in _tags(model))
+    if tag not in table:
+        return f"{path}.{tag} is missing", f"Valid: {', '.join(valid)}."
+    return f"{path}.{tag} = {shown(table[tag])}: unknown choice", suggest(str(table[tag])[:100], valid)
+
+
+def _instead(loc: tuple[int | str, ...]) -> str:
+    """What to write instead of an unknown key: the key it is like, its table, or all keys that there are."""
+    key = str(loc[-1])
+    near = _nearest(loc)
+    if near is not None:
+        return f"Did you mean '{near}'?"
+    homes = [table for table, name in _all_keys(_ROOT[0]) if name == key]
+    if homes:
+        tables = [f"[{home}]" if home else "the top of the file" for home in sorted(set(homes))[:3]]
+        return f"It belongs to {' or '.join(tables)}."
+    return f"Valid: {', '.join(_valid_keys(loc[:-1]))}."
+
+
+def _nearest(loc: tuple[int | str, ...]) -> str | None:
+    key, valid = str(loc[-1])[:100], _valid_keys(loc[:-1])
+    if _MEANT.get(key) in valid:
+        return _MEANT[key]
+    if any(name == key for _, name in _all_keys(_ROOT[0])):
+        return None  # the right key in the wrong table
+    near = get_close_matches(key, valid, n=1, cutoff=0.7)
+    return near[0] if near else None
+
+
+def _limits(loc: tuple[int | str, ...]) -> str:
+    """The range of a number, as words."""
+    words = []
+    for sign, name in ((">=", "ge"), (">", "gt"), ("<=", "le"), ("<", "lt")):
+        found = [getattr(rule, name) for rule in _rules(_field(loc)) if getattr(rule, name, None) is not None]
+        words += [f"{sign} {found[-1]:g}"] if found else []
+    return " and ".join(words)
+
+
+def _rules(annotation: Any) -> Iterator[Any]:
+    """Everything that restricts a number, from the outermost annotation to the innermost."""
+    if isinstance(annotation, FieldInfo):
+        yield from annotation.metadata
+        yield from _rules(annotation.annotation)
+        return
+    for part in typing.get_args(annotation):
+        if isinstance(part, FieldInfo):
+            yield from part.metadata
+        elif part is not Ellipsis:
+            yield from _rules(part)
+
+
+def _dotted(loc: tuple[int | str, ...]) -> str:
+    """Location without the union tags that pydantic inserts: `web.obround.width_mm` is `web.width_mm`."""
+    path = ""
+    annotation: Any = _ROOT[0]
+    for part in loc:
+        if _is_tag(annotation, part):
+            annotation = _member(annotation, str(part))
+            continue
+        path += f"[{part}]" if isinstance(part, int) else f".{shown(part)[1:-1]}"
+        annotation = _child(annotation, part)
+    return path.removeprefix(".")
+
+
+def _annotation(loc: tuple[int | str, ...]) -> Any:
+    annotation: Any = _ROOT[0]
+    for part in loc:
+        annotation = _member(annotation, str(part)) if _is_tag(annotation, part) else _child(annotation, part)
+    return annotation
+
+
+def _field(loc: tuple[int | str, ...]) -> Any:
+    """The field of a location, or the type of an array's item."""
+    table, key = _annotation(loc[:-1]), loc[-1]
+    for model in _models(table):
+        if key in _fields(model):
+            return _fields(model)[str(key)]
+    return _field(loc[:-1]) if isinstance(key, int) and len(loc) > 1 else None
+
+
+def _valid_keys(loc: tuple[int | str, ...]) -> list[str]:
+    return sorted({name for model in _models(_annotation(loc)) for name in _fields(model)})
+
+
+def _all_keys(table: Any, path: str = "") -> Iterator[tuple[str, str]]:
+    """Every table and key of the scene."""
+    for model in _models(table):
+        for name, field in _fields(model).items():
+            yield path, name
+            yield from _all_keys(field.annotation, f"{path}.{name}" if path else name)
+
+
+def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The fields of a table by the key that stands in the file."""
+    return {field.alias or name: field for name, field in model.model_fields.items()}
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType, typing.Annotated, tuple):
+        return [model for arg in typing.get_args(annotation) for model in _models(arg)]
+    return []
+
+
+def _tags(model: type[BaseModel]) -> set[str]:
+    return {
+        tag
+        for name in ("outline", "shape")
+        if name in model.model_fields
+        for tag in typing.get_args(model.model_fields[name].annotation)
+    }
+
+
+def _is_tag(annotation: Any, part: int | str) -> bool:
+    models = _models(annotation)
+    return len(models) > 1 and any(part in _tags(model) for model in models)
+
+
+def _member(annotation: Any, tag: str) -> Any:
+    return next(model for model in _models(annotation) if tag in _tags(model))
+
+
+def _child(annotation: Any, part: int | str) -> Any:
+    if isinstance(part, int):
+        return next((a for a in typing.get_args(annotation) if a is not Ellipsis), None)
+    for model in _models(annotation):
+        if part in _fields(model):
+            return _fields(model)[part].annotation
+    return None

@@ -1,0 +1,191 @@
+"""Every key of a scene, read off the schema: meaning, unit, default, range, required or not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.design.schema import Scene
+
+_UNITS = {
+    "_N_per_mm": "N/mm",
+    "_kNm_per_rad": "kN m/rad",
+    "_Nms_per_rad": "N m s/rad",
+    "_Nm_per_rad": "N m/rad",
+    "_kg_m2": "kg m²",
+    "_kg_m3": "kg/m³",
+    "_kg_mm": "kg mm",
+    "_GPa": "GPa",
+    "_MPa": "MPa",
+    "_Nm": "N m",
+    "_rpm": "rpm",
+    "_deg": "deg",
+    "_um": "µm",
+    "_mm": "mm",
+    "_kg": "kg",
+    "_kN": "kN",
+    "_kW": "kW",
+    "_N": "N",
+}
+_TYPES = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+
+
+@dataclass(frozen=True)
+class KeyReference:
+    """One key of a table.
+
+    Attributes:
+        kind: what the value is, such as `number` or `one of "a", "b"`.
+        unit: unit of the value, from the key's name; empty where it has none.
+        allowed: range of the value, such as `0.05 to 20000`; empty where everything is allowed.
+        required: whether the table needs it, `unless` what this says.
+        default: value when the key is left out; None where there is none.
+        example: a value that fits the examples of the other keys.
+        shown: whether a template has the key switched on although it is optional.
+    """
+
+    name: str
+    meaning: str
+    kind: str
+    unit: str
+    allowed: str
+    required: bool
+    unless: str
+    default: Any
+    example: Any
+    shown: bool
+
+
+@dataclass(frozen=True)
+class TableReference:
+    """One TOML table, or one of the choices that a table has.
+
+    Attributes:
+        path: dotted path; empty for the keys at the top of the file.
+        choice: key that makes the choice, such as `outline`; empty for what all choices share.
+        required: whether a scene must have the table.
+        empty: whether the table may be there with no key at all.
+        repeated: whether it may be given several times, as `[[path]]`.
+    """
+
+    path: str
+    meaning: str
+    choice: str
+    required: bool
+    empty: bool
+    repeated: bool
+    keys: tuple[KeyReference, ...]
+
+
+def unit_of(key: str) -> str:
+    """Unit in the name of a key; empty where it has none."""
+    return next((unit for suffix, unit in _UNITS.items() if key.endswith(suffix)), "")
+
+
+def scene_reference() -> list[TableReference]:
+    """Every table of a scene in the order of a file: the keys of a table before the tables in it."""
+    schema = Scene.model_json_schema()
+    return list(_tables(schema["$defs"], "", schema, required=True, repeated=False))
+
+
+def _tables(
+    defs: dict[str, Any], path: str, node: dict[str, Any], *, required: bool, repeated: bool
+) -> Iterator[TableReference]:
+    """The table that a node of the JSON schema describes, its choices, then the tables in it."""
+    node = _resolved(defs, node)
+    variants = [_resolved(defs, variant) for variant in node.get("oneOf", [node])]
+    common = _common(variants)
+    tables = {name: part for name, part in common.items() if _table(defs, part) is not None}
+    needed = set.intersection(*(set(variant.get("required", ())) for variant in variants))
+    plain = {name: part for name, part in common.items() if name not in tables}
+    meaning = node.get("description", "")
+    empty = not repeated and node.get("default") is not None
+    yield TableReference(path, meaning, "", required, empty, repeated, _keys(defs, plain, needed))
+    for variant in variants if len(variants) > 1 else []:
+        choice = node["discriminator"]["propertyName"]
+        own = {name: part for name, part in variant["properties"].items() if name not in common}
+        own[choice] = {**own[choice], "description": variant["description"].split("\n\n")[0]}
+        keys = _keys(defs, own, set(variant.get("required", ())))
+        yield TableReference(path, variant["description"], choice, required, False, repeated, keys)
+    for name, part in tables.items() if "like" not in node else ():
+        inner, many = _table(defs, part) or ({}, False)
+        below = f"{path}.{name}" if path else name
+        yield from _tables(defs, below, inner, required=required and name in needed, repeated=many)
+
+
+def _common(variants: list[dict[str, Any]]) -> dict[str, Any]:
+    """The properties that all variants have alike."""
+    first, *others = (variant["properties"] for variant in variants)
+    return {name: part for name, part in first.items() if all(o.get(name) == part for o in others)}
+
+
+def _table(defs: dict[str, Any], node: dict[str, Any]) -> tuple[dict[str, Any], bool] | None:
+    """The schema of the table that a property holds, and whether it is a list of them; None for a value."""
+    full = _resolved(defs, node)
+    items = full.get("items", {})
+    if full.get("type") == "array" and _is_table(_resolved(defs, items)):
+        return {**_resolved(defs, items), **_described(node)}, True
+    return ({**full, **_described(node)}, False) if _is_table(full) else None
+
+
+def _is_table(node: dict[str, Any]) -> bool:
+    return "properties" in node or "oneOf" in node
+
+
+def _described(node: dict[str, Any]) -> dict[str, Any]:
+    return {name: node[name] for name in ("description", "default") if name in node}
+
+
+def _resolved(defs: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:
+    """A node with its references followed and null left out of its choices."""
+    given = {name: value for name, value in node.items() if name not in ("anyOf", "$ref")}
+    if "$ref" in node:
+        return {**_resolved(defs, defs[node["$ref"].rpartition("/")[2]]), **given}
+    if "anyOf" in node:
+        (kept,) = (part for part in node["anyOf"] if part != {"type": "null"})
+        return {**_resolved(defs, kept), **given}
+    return node
+
+
+def _keys(defs: dict[str, Any], properties: dict[str, Any], required: set[str]) -> tuple[KeyReference, ...]:
+    return tuple(_key(name, _resolved(defs, part), name in required) for name, part in properties.items())
+
+
+def _key(name: str, node: dict[str, Any], required: bool) -> KeyReference:
+    return KeyReference(
+        name=name,
+        meaning=" ".join(node.get("description", "").split()),
+        kind=_kind(node),
+        unit=unit_of(name),
+        allowed=_allowed(node) or _allowed(node.get("items", {})),
+        required=required,
+        unless=node.get("unless", ""),
+        default=node.get("default"),
+        example=node["const"] if "const" in node else node.get("examples", [None])[0],
+        shown=node.get("shown", False),
+    )
+
+
+def _kind(node: dict[str, Any]) -> str:
+    if "kind" in node:
+        return str(node["kind"])
+    if "const" in node:
+        return f'"{node["const"]}"' if isinstance(node["const"], str) else str(node["const"])
+    if "enum" in node:
+        return "one of " + ", ".join(
+            f'"{value}"' if isinstance(value, str) else str(value) for value in node["enum"]
+        )
+    if node["type"] == "array":
+        items = node["items"]
+        return "list of pairs" if items.get("type") == "array" else f"list of {_TYPES[items['type']]}s"
+    return _TYPES[node["type"]]
+
+
+def _allowed(node: dict[str, Any]) -> str:
+    if "minimum" in node and "maximum" in node:
+        return f"{node['minimum']:g} to {node['maximum']:g}"
+    signs = (("exclusiveMinimum", ">"), ("minimum", "≥"), ("exclusiveMaximum", "<"), ("maximum", "≤"))
+    found = [f"{sign} {node[key]:g}" for key, sign in signs if key in node]
+    count = [f"at least {node['minItems']} values"] if "minItems" in node and node["type"] == "array" else []
+    return ", ".join(found + count)

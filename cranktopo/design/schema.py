@@ -1,0 +1,297 @@
+"""The scene: everything a user writes about one crank throw, validated and immutable."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, model_validator
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.table import (
+    LIKE_WEB,
+    SHOWN,
+    UNLESS_IN_LIBRARY,
+    Fraction,
+    Length,
+    SceneTable,
+    Strength,
+    Weight,
+    WholeNumber,
+    filled_in,
+)
+from cranktopo.design.engine import Engine
+from cranktopo.design.fatigue import Fatigue
+from cranktopo.design.goal.table import GoalTable
+from cranktopo.design.messages import explain, explains
+from cranktopo.design.shaft import ShaftTable
+from cranktopo.design.shape import ShapeTable
+from cranktopo.design.supports import Supports
+from cranktopo.throw.geometry import Envelope, Throw
+from cranktopo.throw.outline import Web
+
+EffectState = Literal["auto", "on", "off"]
+FkmGroup = Literal[
+    "Steel",
+    "Forg_Steel",
+    "CaseHard_Steel",
+    "Stainless_Steel",
+    "GS",
+    "GJS",
+    "GJM",
+    "GJL",
+    "Al_wrought",
+    "Al_cast",
+]
+"""Material groups of the FKM guideline."""
+Process = Literal["free", "forged", "cast", "milled"]
+"""How the web is made; free: anyhow, so that undercuts and closed hollows are possible."""
+Parting = Literal["lateral", "web_faces"]
+"""Where the halves of a die or mould leave: along x, or along z through the web's faces."""
+
+
+@cache
+def material_library() -> dict[str, dict[str, Any]]:
+    """The material library shipped with the package, by name."""
+    return tomllib.loads((files("cranktopo.design") / "materials.toml").read_text(encoding="utf-8"))
+
+
+class Material(SceneTable):
+    """Linear elastic material; a known `name` fills in every value that is not given."""
+
+    name: str = Field(default="custom", examples=["31CrMoV9"], json_schema_extra=SHOWN)
+    """A name of the library fills in every key that is not given; any other name needs own values."""
+    E_GPa: float = Field(ge=0.1, le=2000, examples=[210.0], json_schema_extra=UNLESS_IN_LIBRARY)
+    """Young's modulus."""
+    poisson: float = Field(ge=0, le=0.49, examples=[0.3], json_schema_extra=UNLESS_IN_LIBRARY)
+    """Poisson's ratio."""
+    density_kg_m3: float = Field(ge=10, le=30000, examples=[7850.0], json_schema_extra=UNLESS_IN_LIBRARY)
+    """Density."""
+    yield_MPa: Strength | None = Field(default=None, examples=[900.0])
+    """Yield strength."""
+    ultimate_MPa: Strength | None = Field(default=None, examples=[1100.0])
+    """Tensile strength."""
+    fatigue_tension_MPa: Strength | None = Field(default=None, examples=[495.0])
+    """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
+    fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
+    """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
+    fkm_group: FkmGroup = "Steel"
+    """Material group of the FKM guideline, for `fatigue --method fkm`."""
+    source: str = ""
+    """Where the values come from."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_library(cls, data: Any) -> Any:
+        return filled_in(data, material_library(), frozenset({"E_GPa", "poisson", "density_kg_m3"}))
+
+
+class Effects(SceneTable):
+    """State of each effect, and the relative change below which `auto` leaves an effect out."""
+
+    threshold: float = Field(default=0.02, ge=1e-6, le=0.99)
+    """Relative change below which `auto` leaves an effect out."""
+    bending: EffectState = "auto"
+    """Load case of the largest radial force."""
+    torsion: EffectState = "auto"
+    """Load case of the largest torque."""
+    tangential: EffectState = "auto"
+    """Load case of the force across the throw on the crankpin."""
+    reciprocating_inertia: EffectState = "auto"
+    """Inertia of piston and upper end of the rod in the rod force."""
+    rotating_rod_mass: EffectState = "auto"
+    """Centrifugal force of the rod's big end on the crankpin."""
+    centrifugal: EffectState = "auto"
+    """Load case of the rotating throw's own body force, at the overspeed if one is given."""
+    torsional_vibration: EffectState = "auto"
+    """Torque of the vibrating shaft at its worst speed in place of the quasi-static one; needs `[shaft]`."""
+    bearing_compliance: EffectState = "auto"
+    """Springs of the main bearings in series with the throw."""
+    fillets: EffectState = "auto"
+    """Fillets of the journals in the body-fitted evaluation."""
+    bores: EffectState = "auto"
+    """Bores of journals and web; off: solid journals."""
+    lateral_symmetry: EffectState = "auto"
+    """Use of the mirror plane x = 0: half the cells, same answer."""
+    manufacturing_constraint: EffectState = "auto"
+    """Forging, casting or milling constraint of the density optimisation; needs `optimise.process`."""
+    fatigue: EffectState = "auto"
+    """Fatigue safety in the plan and in `compare`."""
+    bound: EffectState = "auto"
+    """What no web of the envelope can beat, proven and told beside a result."""
+
+
+class Weights(SceneTable):
+    """Weight of each load case in the objective."""
+
+    bending: Weight = 0.5
+    """Weight of the bending case."""
+    torsion: Weight = 0.5
+    """Weight of the torsion case."""
+    tangential: Weight = 0.5
+    """Weight of the tangential case."""
+    centrifugal: Weight = 0.0
+    """Weight of the centrifugal case; at 0 the plan leaves it out."""
+
+
+OptimiserMethod = Literal["auto", "optimality_criteria", "moving_asymptotes"]
+
+
+class Optimise(SceneTable):
+    """Settings of the density optimisation."""
+
+    volume_fraction: Fraction = 0.3
+    """Volume of the optimised web over the volume of the design space."""
+    resolution_mm: float = Field(default=1.5, ge=1e-3, le=1000)
+    """Edge of the cells; each direction is adjusted so that cells end at the web's faces."""
+    filter_radius_mm: Length | None = Field(default=None, examples=[3.0])
+    """Radius of the cone filter; by default 2.5 cells, at least 3 mm, or more where `min_member_mm` or
+    `min_gap_mm` need it."""
+    min_member_mm: Length | None = Field(default=None, examples=[6.0])
+    """Least thickness of a member that the optimisation shapes; at least 2 cells."""
+    min_gap_mm: Length | None = Field(default=None, examples=[6.0])
+    """Least width of a gap, pocket or hole that the optimisation shapes; at least 2 cells."""
+    max_iterations: int = Field(default=150, ge=1, le=10000)
+    """Iterations after which the optimisation stops even if it has not converged."""
+    weights: Weights = Weights()
+    combine: Literal["sum", "worst"] = "sum"
+    """Without a goal: minimise the weighted `sum` of the load cases' compliances, or the `worst` of them."""
+    method: OptimiserMethod = "auto"
+    """How the next design is found: `optimality_criteria` for the plain sum at a volume fraction, the method
+    of `moving_asymptotes` for anything; `auto`: the former where it can."""
+    limits_by_evaluation: bool = True
+    """With a goal: the surface is evaluated on body-fitted elements, and the limits in the cells are moved by
+    the error that shows until they hold by the evaluation; `false`: they hold in the cells."""
+    penalty: float = Field(default=3.0, ge=1, le=10)
+    """Power of the density in the modulus (SIMP)."""
+    projection_first: float = Field(default=1.0, ge=0.01, le=1000)
+    """Steepness of the projection in the first stage; it doubles from stage to stage."""
+    projection_last: float = Field(default=16.0, ge=0.01, le=1000)
+    """Steepness of the projection in the last stage; above 16 webs get blacker, hardly stiffer."""
+    stage_iterations: int = Field(default=6, ge=1, le=1000)
+    """Most iterations of a stage before the last."""
+    move: float = Field(default=0.2, ge=0.001, le=1)
+    """Largest change of a design variable by one step of the first stage; later ones take smaller steps."""
+    process: Process = Field(default="free", examples=["forged"], json_schema_extra=SHOWN)
+    """How the web is made: `forged` by a die with a flat parting plane, `cast` in a mould of two halves with
+    any parting surface, `milled` from both web faces and both sides, or `free`."""
+    parting: Parting = "lateral"
+    """How die and mould open: `lateral` along x, the die parting in x = 0; `web_faces` along z, mid-web."""
+    draft_deg: float = Field(default=0.0, ge=0, le=20, examples=[5.0], json_schema_extra=SHOWN)
+    """Least angle between the walls of a forged or cast web and the way its die or mould opens."""
+    tool_radius_mm: Length | None = Field(default=None, examples=[5.0])
+    """Radius of the end mill of a milled web; by default a tenth of the throw radius."""
+
+
+class Published(SceneTable):
+    """Values printed for this variant elsewhere, to be shown beside the computed ones as ratios only."""
+
+    source: str = Field(examples=["author, title, year"])
+    """Where the values are printed."""
+    mass_kg: float = Field(ge=1e-6, le=1e6, examples=[1.6])
+    """Printed mass."""
+    torsional_stiffness_kNm_per_rad: float = Field(ge=1e-9, le=1e9, examples=[140.0])
+    """Printed torsional stiffness."""
+
+
+class Original(SceneTable):
+    """The web that gains are measured against, as a body from CAD; by default it is that of `[web]`."""
+
+    file: str = Field(examples=["original.step"])
+    """STL in mm or STEP of the half throw, z along the crank and y along the throw; relative to this file."""
+
+
+class Scene(SceneTable):
+    """One throw, its loads, its design space and the settings of each stage."""
+
+    schema_version: Annotated[Literal[1], WholeNumber] = 1
+    """Version of this format."""
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", examples=["my-engine"])
+    """Name of the design in tables and run folders: letters, digits, dot, hyphen and underscore."""
+    description: str = ""
+    """One line about the design, for `cranktopo designs list`."""
+    throw: Throw
+    """The crank throw without its web."""
+    web: Web
+    """The web between main journal and crankpin, both of them alike; `outline` chooses its shape."""
+    second_web: Web | None = Field(default=None, json_schema_extra=LIKE_WEB)
+    """The web beyond the crankpin where it differs from `[web]`, with the same keys and the same tables of
+    features; without it both webs are alike. Each is described from its own main journal on."""
+    material: Material
+    """Linear elastic, isotropic material; the whole crankshaft is made of it."""
+    supports: Supports = Supports()
+    engine: Engine | None = None
+    shaft: ShaftTable | None = None
+    envelope: Envelope | None = None
+    """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
+    original: Original | None = None
+    goal: GoalTable | None = None
+    effects: Effects = Effects()
+    optimise: Optimise = Optimise()
+    shape: ShapeTable = ShapeTable()
+    fatigue: Fatigue = Fatigue()
+    published: Published | None = None
+
+    def with_optimise(self, **changes: object) -> Scene:
+        """The scene with other settings of `[optimise]`.
+
+        Args:
+            changes: by name; None keeps the scene's own.
+
+        Raises:
+            CranktopoError: an unknown setting, or a value outside its range.
+        """
+        given = {key: value for key, value in changes.items() if value is not None}
+        try:
+            settings = Optimise.model_validate({**self.optimise.model_dump(), **given})
+        except ValidationError as error:
+            raise explain(error, self.name, ("optimise",)) from None
+        return self.model_copy(update={"optimise": settings})
+
+    def with_effect(self, effect: str, state: EffectState) -> Scene:
+        """The scene with one effect switched; the same object when it is so already."""
+        if getattr(self.effects, effect) == state:
+            return self
+        return self.model_copy(update={"effects": self.effects.model_copy(update={effect: state})})
+
+    @property
+    def pitch_mm(self) -> float:
+        """Distance between neighbouring mid-main-journal planes, mm."""
+        throw, second = self.throw, self.second_web or self.web
+        main, pin = throw.main_journal.length_mm, throw.crankpin.length_mm
+        journals = (main + (throw.second_main_journal_length_mm or main)) / 2
+        pins = (pin + (throw.second_crankpin_length_mm or pin)) / 2
+        return journals + pins + (self.web.thickness_mm + second.thickness_mm)
+
+    @property
+    def rod_offset_mm(self) -> float:
+        """Distance along the shaft of the two rods on a pin, mm; 0 for one rod, by default half the pin."""
+        if self.engine is None or self.engine.rods_per_pin == 1:
+            return 0.0
+        given = self.engine.arranged.rod_offset_mm
+        return self.throw.crankpin.length_mm / 2 if given is None else given
+
+    @property
+    def web_z_mm(self) -> tuple[float, float]:
+        """Axial range (journal face, pin face) of the web of the half throw, of two webs the first, mm."""
+        start = self.throw.main_journal.length_mm / 2
+        return start, start + self.web.thickness_mm
+
+    @property
+    def shaft_angles_deg(self) -> tuple[float, ...]:
+        """Angle of every throw of the shaft in the sense of rotation, deg, cylinder 1 first and at 0.
+
+        Raises:
+            CranktopoError: no engine, so nothing says how many throws the shaft has.
+        """
+        if self.engine is None:
+            raise CranktopoError(
+                f"{self.name}: [engine] is missing: the whole shaft needs its cylinders and firing order.",
+                hint="Add [engine] with bore_mm, rod_length_mm, speed_rpm, cylinders and firing_order.",
+            )
+        return self.engine.throw_angles_deg
+
+
+explains(Scene)

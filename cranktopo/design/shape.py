@@ -1,0 +1,77 @@
+"""Scene table of the shape optimisation: dimensions of the throw that it may change, each within a range."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from cranktopo.base.table import LARGEST_MM, Length, SceneTable
+from cranktopo.design.goal.limit import refused
+
+
+def _ascending(value: Any, most: float = LARGEST_MM, unit: str = "mm", example: str = "[2.5, 5.0]") -> Any:
+    """Least and greatest as floats.
+
+    Raises:
+        PydanticCustomError: not two numbers, or not in this order.
+    """
+    numbers = isinstance(value, list | tuple) and len(value) == 2
+    if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
+        raise refused(f"must be the least and the greatest value in {unit}", f"Write {example}, for example.")
+    low, high = map(float, value)
+    if not 0 <= low <= most or not 0 <= high <= most:
+        raise refused(f"both must be >= 0 and <= {most:g} {unit}", "Correct that value, or its unit.")
+    if low >= high:
+        raise refused("the least must be smaller than the greatest", "Exchange them, or leave the key out.")
+    return low, high
+
+
+Range = Annotated[
+    tuple[float, float],
+    BeforeValidator(_ascending),
+    WithJsonSchema({"type": "array", "kind": "least and greatest", "minimum": 0, "maximum": LARGEST_MM}),
+]
+AngleRange = Annotated[
+    tuple[float, float],
+    BeforeValidator(lambda value: _ascending(value, 90.0, "deg", "[40.0, 75.0]")),
+    WithJsonSchema({"type": "array", "kind": "least and greatest", "minimum": 0, "maximum": 90}),
+]
+
+
+class FreeDimensions(SceneTable):
+    """Dimensions of the throw that the shape optimisation may change beside those of the web.
+
+    Each is free where its range is given; the design's own value lies in it. Bearings stay: diameters, throw
+    and pitch do not change.
+    """
+
+    pin_fillet_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """Range of the fillet radius at the crankpin; 0.03 to 0.13 of the pin's diameter (IACS UR M53)."""
+    journal_fillet_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """Range of the fillet radius at the main journal; 0.03 to 0.13 of the pin's diameter."""
+    pin_fillet_axial_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """Makes the fillet at the crankpin an ellipse: range of its semi-axis along the crank; 0.03 to 0.13 of
+    the pin's diameter. The other semi-axis is the radius of the fillet."""
+    journal_fillet_axial_mm: Range | None = Field(default=None, examples=[[2.0, 5.0]])
+    """The same at the main journal."""
+    pin_bore_mm: Range | None = Field(default=None, examples=[[0.0, 30.0]])
+    """Range of the crankpin's bore diameter."""
+    journal_bore_mm: Range | None = Field(default=None, examples=[[0.0, 30.0]])
+    """Range of the main journal's bore diameter."""
+    web_thickness_mm: Range | None = Field(default=None, examples=[[17.0, 22.0]])
+    """Range of the web's thickness; the pitch stays, so the main journal gets shorter by twice what the web
+    gets thicker."""
+    counterweight_radius_mm: Range | None = Field(default=None, examples=[[50.0, 70.0]])
+    """Range of the counterweight's outer radius."""
+    counterweight_angle_deg: AngleRange | None = Field(default=None, examples=[[40.0, 75.0]])
+    """Range of the counterweight's half-angle; 5 to 90."""
+
+
+class ShapeTable(SceneTable):
+    """Settings of the shape optimisation."""
+
+    tolerance_mm: Length = 0.5
+    """Tolerance of every dimension of the web, mm, of angles in degrees; the table of sensitivities tells the
+    worst case within it."""
+    free: FreeDimensions = FreeDimensions()

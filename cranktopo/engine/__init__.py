@@ -1,0 +1,1 @@
+"""The engine that loads the throw: kinematics, gas, forces, load cases, bearings."""

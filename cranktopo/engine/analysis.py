@@ -1,0 +1,227 @@
+"""The whole load analysis of a scene at one speed: curves, extremes, engine torque, balance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cranktopo.base.errors import invalid
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.design.engine import Engine
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
+from cranktopo.engine.forces import (
+    INERTIA_EFFECTS,
+    RotatingForces,
+    ThrowForces,
+    rotating_forces,
+    throw_forces,
+)
+from cranktopo.engine.gas import PressureCurve, pressure_curve
+from cranktopo.engine.kinematics import Array, exact_motion, series_motion
+from cranktopo.engine.rods_on_pin import RodsOnPin, rods_on_pins
+from cranktopo.engine.torque import ShaftTorque, shaft_torque
+from cranktopo.engine.vibration.vibrating_torque import vibrating_torque, worst_speed_rpm
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A value and the crank angle where it occurs.
+
+    Attributes:
+        deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
+        place: throw or web, where they are not alike.
+    """
+
+    value: float
+    deg: float | None
+    place: str = ""
+
+    def as_json(self) -> dict[str, float | None]:
+        """The value and its angle."""
+        return {"value": self.value, "deg": self.deg}
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """Curves over one working cycle at one speed.
+
+    Angles of a throw count from firing of its cylinder, in a V of that in the first bank.
+
+    Attributes:
+        pins: the rods on the pins, and the forces that they make; all the same object where all are alike.
+        indicated_work_J: work of the gas in one cylinder per cycle, J.
+        series_difference_percent: largest difference of the textbook series from the exact motion, in
+            percent of the largest exact value: displacement, velocity, acceleration.
+    """
+
+    pressure: PressureCurve
+    pins: tuple[tuple[RodsOnPin, ThrowForces], ...]
+    torque: ShaftTorque
+    indicated_work_J: float
+    series_difference_percent: dict[str, float]
+
+    @property
+    def forces(self) -> ThrowForces:
+        """Forces of the throw, or of the web, with the largest radial force; of equal ones the first."""
+        return max((forces for _, forces in self._unlike), key=lambda f: _size(np.abs(f.web_force_N).max()))
+
+    @property
+    def _unlike(self) -> tuple[tuple[str, ThrowForces], ...]:
+        """Names and forces of throws or webs that differ; one without a name where all are alike."""
+        if all(forces is self.pins[0][1] for _, forces in self.pins):
+            return (("", self.pins[0][1]),)
+        return tuple((rods.name, forces) for rods, forces in self.pins)
+
+    def extreme(self, name: str) -> tuple[Extreme, Extreme]:
+        """Largest and smallest value of a curve of all throws."""
+        pairs = [_extremes(f.angle_deg, getattr(f, name), place) for place, f in self._unlike]
+        highs, lows = zip(*pairs, strict=True)
+        return max(highs, key=lambda e: _size(e.value)), min(lows, key=lambda e: _size(e.value))
+
+    def largest(self, name: str) -> Extreme:
+        """The value of a curve of all throws that is largest in magnitude, with its sign."""
+        return max(self.extreme(name), key=lambda extreme: abs(extreme.value))
+
+    def extremes(self) -> dict[str, tuple[Extreme, Extreme]]:
+        """Largest and smallest value of every curve of the throws."""
+        return {name: self.extreme(name) for name in self.forces.curves()}
+
+    def engine_torque(self) -> tuple[float, Extreme, Extreme]:
+        """Mean, largest and smallest torque of the engine, N m (no friction)."""
+        torque = self.torque.engine_Nm
+        return float(torque.mean()), *_extremes(self.torque.angle_deg, torque)
+
+
+@dataclass(frozen=True)
+class LoadAnalysis:
+    """Loads of a scene with an engine at the engine's speed.
+
+    Attributes:
+        cycle: curves over the cycle; None when the scene gives only peak loads.
+    """
+
+    engine: Engine
+    radius_mm: float
+    balance: ThrowBalance
+    rotating: RotatingForces
+    cycle: Cycle | None
+
+
+def at_speed(scene: Scene, speed_rpm: float) -> Scene:
+    """The scene with its engine at another speed; gas pressures stay as they are."""
+    engine = engine_of(scene).model_copy(update={"speed_rpm": speed_rpm})
+    return scene.model_copy(update={"engine": engine})
+
+
+def at_worst_speed(scene: Scene, enabled: frozenset[str]) -> Scene:
+    """The scene at the speed where the torque of its vibrating shaft swings most.
+
+    Raises:
+        CranktopoError: as `vibrating_torque`.
+    """
+    return at_speed(scene, worst_speed_rpm(scene, enabled))
+
+
+def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnalysis:
+    """Forces over the cycle at the engine's speed.
+
+    Args:
+        enabled: `reciprocating_inertia` and `rotating_rod_mass` among these names make the inertia of the
+            piston and of the rod count; with `torsional_vibration` the torques are those of the vibrating
+            shaft at the engine's speed.
+
+    Raises:
+        CranktopoError: no engine, or gas data that cannot be used.
+    """
+    engine, radius = engine_of(scene), scene.throw.radius_mm
+    balance = throw_balance(scene)
+    curve = pressure_curve(scene)
+    cycle = None if curve is None else _cycle(scene, engine, curve, balance, enabled)
+    if cycle is not None and "torsional_vibration" in enabled:
+        cycle = replace(cycle, torque=vibrating_torque(scene, enabled))
+    rotating = rotating_forces(engine, balance, radius, engine.speed_rpm)
+    return LoadAnalysis(engine, radius, balance, rotating, cycle)
+
+
+def engine_of(scene: Scene) -> Engine:
+    """The engine of a scene; raises CranktopoError where there is none."""
+    if scene.engine is None:
+        raise invalid("engine", None, "must be given for forces over the cycle", "Add an [engine] table.")
+    return scene.engine
+
+
+def _cycle(
+    scene: Scene,
+    engine: Engine,
+    curve: PressureCurve,
+    balance: ThrowBalance,
+    enabled: frozenset[str],
+) -> Cycle:
+    radius = scene.throw.radius_mm
+    rod = throw_forces(
+        engine,
+        radius,
+        curve,
+        balance,
+        engine.speed_rpm,
+        reciprocating="reciprocating_inertia" in enabled,
+        rotating_rod="rotating_rod_mass" in enabled,
+    )
+    throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
+    pins = tuple((rods, rods.forces(rod, throw_N, engine.cycle_deg)) for rods in rods_on_pins(scene, engine))
+    fires = engine.firing_angles_deg
+    torque = shaft_torque(curve.angle_deg, rod.torque_Nm, fires, engine.throws, engine.cycle_deg)
+    work = indicated_work_J(curve, engine, radius)
+    return Cycle(curve, pins, torque, work, series_difference_percent(radius, engine.rod_length_mm))
+
+
+def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:
+    """Work of the gas in one cylinder per cycle, J: the closed integral of p dV.
+
+    It uses pressures and piston positions only, no forces, so that the torque can be checked against it.
+    Trapezoidal rule with every and with every other point, extrapolated (Romberg).
+
+    Args:
+        curve: cylinder pressure over one cycle, an even number of points.
+    """
+    motion = exact_motion(np.radians(curve.angle_deg), radius_mm, engine.rod_length_mm)
+    volume = math.pi / 4 * engine.bore_mm**2 * motion.displacement_mm
+
+    def trapezoid(stride: int) -> float:
+        p, v = curve.pressure_MPa[::stride], volume[::stride]
+        return float(((p + np.roll(p, -1)) / 2 * (np.roll(v, -1) - v)).sum())
+
+    return (4 * trapezoid(1) - trapezoid(2)) / 3 / NMM_PER_NM
+
+
+def series_difference_percent(radius_mm: float, rod_length_mm: float) -> dict[str, float]:
+    """Largest difference of the textbook series from the exact motion over a turn, in percent of the peak."""
+    angle = np.radians(np.arange(0.0, 360.0, 0.25))
+    exact, series = (motion(angle, radius_mm, rod_length_mm) for motion in (exact_motion, series_motion))
+
+    def percent(name: str) -> float:
+        truth: Array = getattr(exact, name)
+        return float(100 * np.abs(getattr(series, name) - truth).max() / np.abs(truth).max())
+
+    return {
+        "displacement": percent("displacement_mm"),
+        "velocity": percent("velocity_ratio"),
+        "acceleration": percent("acceleration_ratio"),
+    }
+
+
+def _size(value: float) -> float:
+    """A value without its last digits, so that of equal throws the first counts."""
+    return round(float(value), 6)
+
+
+def _extremes(angle_deg: Array, curve: Array, place: str = "") -> tuple[Extreme, Extreme]:
+    """Largest and smallest value of a curve with their angles."""
+    high, low = int(curve.argmax()), int(curve.argmin())
+    return (
+        Extreme(float(curve[high]), float(angle_deg[high]), place),
+        Extreme(float(curve[low]), float(angle_deg[low]), place),
+    )

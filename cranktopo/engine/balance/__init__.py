@@ -1,0 +1,1 @@
+"""Balance of throw and engine: unbalance, free forces and moments, balancer shafts, main bearings."""

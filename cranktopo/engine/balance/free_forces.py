@@ -1,0 +1,302 @@
+"""Free forces and moments of a whole engine by order, about the middle of the shaft, and counterweights.
+
+A force across the shaft is a complex number, real along the engine's plane of symmetry, imaginary ahead of it
+in the sense of rotation. Each order runs around an ellipse: one part turns with the crank, one against it.
+Masses are those of a rigid engine at constant speed; a rod counts as two masses, one at each end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.balance.couple import throw_couple_kg_mm2
+from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.kinematics import Array, acceleration_harmonics
+
+Complex = NDArray[np.complex128]
+Kind = Literal["rotating", "oscillating"]
+ORDERS = (1, 2, 4, 6)
+"""Orders of the oscillating masses; odd ones above 1 do not exist, those above 6 are below lam^7."""
+_NOTHING = 1e-12
+"""Share of the sum of all magnitudes below which a sum of directed parts is rounding."""
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """A vector across the shaft that turns: forward exp(i n a) + backward exp(-i n a), a the crank angle."""
+
+    forward: complex = 0j
+    backward: complex = 0j
+
+    def __add__(self, other: Ellipse) -> Ellipse:
+        return Ellipse(
+            _sum(np.array([self.forward, other.forward])), _sum(np.array([self.backward, other.backward]))
+        )
+
+    @property
+    def largest(self) -> float:
+        """Its largest magnitude over a turn."""
+        return abs(self.forward) + abs(self.backward)
+
+    @property
+    def smallest(self) -> float:
+        """Its smallest magnitude over a turn."""
+        return abs(abs(self.forward) - abs(self.backward))
+
+    @property
+    def axis_deg(self) -> float | None:
+        """Direction in which it is largest, deg in [0, 180); None where it is a circle or nothing."""
+        if self.smallest >= (1 - 1e-9) * self.largest:
+            return None
+        twice = np.degrees(np.angle(self.forward) + np.angle(self.backward))
+        return float(round(twice / 2 % 180.0, 9) % 180.0)
+
+    def over_turn(self, order: int, angle_deg: Array) -> Complex:
+        """Its values at crank angles."""
+        turning = unit_vectors(order * angle_deg)
+        return np.asarray(self.forward * turning + self.backward * turning.conj())
+
+    def as_json(self, name: str, unit: str) -> dict[str, float | None]:
+        """Its largest magnitude under the plain name, and what else is known of it."""
+        return {
+            f"{name}_{unit}": self.largest,
+            f"{name}_min_{unit}": self.smallest,
+            f"{name}_axis_deg": self.axis_deg,
+            f"{name}_forward_{unit}": abs(self.forward),
+            f"{name}_backward_{unit}": abs(self.backward),
+        }
+
+
+@dataclass(frozen=True)
+class FreeForce:
+    """What one order leaves free: force, N, and moment about the middle of the shaft, N m.
+
+    The moment is the sum of place times force, so its direction is that of the force at the takeoff end.
+    """
+
+    order: int
+    force: Ellipse
+    moment: Ellipse
+
+    def __add__(self, other: FreeForce) -> FreeForce:
+        return FreeForce(self.order, self.force + other.force, self.moment + other.moment)
+
+    def as_json(self) -> dict[str, Any]:
+        """Order, force and moment."""
+        return {
+            "order": self.order,
+            **self.force.as_json("force", "N"),
+            **self.moment.as_json("moment", "Nm"),
+        }
+
+
+@dataclass(frozen=True)
+class Counterweight:
+    """What a web needs beyond what it has, kg mm and deg from the first throw, fixed in the shaft.
+
+    Attributes:
+        throw: number of its throw.
+        web_kg_mm: unbalance of the web alone as it is, along its throw.
+        own_kg_mm: what its counterweight in the scene takes already.
+        unbalance_kg_mm, deg: so that each throw is balanced on its own, its couple included.
+        shaft_unbalance_kg_mm, shaft_deg: the least (sum of squares) that leaves the whole shaft without free
+            force and moment, whatever it bends.
+    """
+
+    web: int
+    throw: int
+    web_kg_mm: float
+    own_kg_mm: float
+    unbalance_kg_mm: float
+    deg: float
+    shaft_unbalance_kg_mm: float
+    shaft_deg: float
+
+
+@dataclass(frozen=True)
+class TurningMasses:
+    """What turns with the shaft and what moves with the pistons.
+
+    Attributes:
+        throw_kg_mm: rotating unbalance of each throw with its rods, kg mm, real along the throw.
+        couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves.
+        web_kg_mm: unbalance of either web of a throw alone, kg mm.
+        own_kg_mm: unbalance that the counterweight of either web takes already, kg mm.
+        piston_kg_mm: oscillating mass of one cylinder times the throw radius, kg mm.
+        share: of the oscillating masses that counterweights balance.
+        harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
+        w2: angular speed squared, 1/s2.
+    """
+
+    layout: EngineLayout
+    throw_kg_mm: complex
+    couple_kg_mm2: complex
+    web_kg_mm: tuple[float, float]
+    own_kg_mm: tuple[float, float]
+    piston_kg_mm: float
+    share: float
+    harmonics: Array
+    w2: float
+
+    @property
+    def counterweight_kg_mm(self) -> complex:
+        """What both counterweights of a throw balance, kg mm, real along the throw."""
+        rods = len(self.layout.throw_of) // len(self.layout.throw_deg)
+        return self.throw_kg_mm + self.share * rods * self.piston_kg_mm
+
+    def on_webs(self, force: complex, couple: complex) -> tuple[complex, complex]:
+        """What both webs of a throw carry of a force in the plane of its cylinder and a couple about it."""
+        near, far = self.layout.web_places_mm
+        apart = far - near
+        return far / apart * force - couple / apart, -near / apart * force + couple / apart
+
+
+def turning_masses(scene: Scene) -> TurningMasses:
+    """The masses of a scene's engine at its speed; raises CranktopoError where there is no engine."""
+    engine, balance, radius = engine_of(scene), throw_balance(scene), scene.throw.radius_mm
+    return TurningMasses(
+        layout=engine_layout(scene),
+        throw_kg_mm=complex(balance.rotating_unbalance_kg_mm, balance.lateral_unbalance_kg_mm),
+        couple_kg_mm2=throw_couple_kg_mm2(scene),
+        web_kg_mm=balance.web_kg_mm,
+        own_kg_mm=balance.own_counterweights_kg_mm,
+        piston_kg_mm=engine.reciprocating_kg * radius,
+        share=engine.arranged.balanced_oscillating_share,
+        harmonics=acceleration_harmonics(radius, engine.rod_length_mm, ORDERS),
+        w2=angular_speed_rad_s(engine.speed_rpm) ** 2,
+    )
+
+
+def rotating_force(masses: TurningMasses, counterweighted: bool = False) -> FreeForce:
+    """Free force and moment of all that turns with the shaft, with its counterweights or as it is."""
+    throw = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
+    parts = unit_vectors(masses.layout.throw_deg) * throw * masses.w2 / MM_PER_M
+    found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm)
+    return found if counterweighted else found + _tumbling(masses)
+
+
+def _tumbling(masses: TurningMasses) -> FreeForce:
+    """The couples of all throws; counterweights take them."""
+    couples = unit_vectors(masses.layout.throw_deg) * masses.couple_kg_mm2 * masses.w2 / MM_PER_M**2
+    return FreeForce(1, Ellipse(), Ellipse(_sum(couples)))
+
+
+def oscillating_force(masses: TurningMasses, order: int) -> FreeForce:
+    """Free force and moment of all pistons of one order: m r w^2 c_n cos(n a) along each cylinder.
+
+    With a = crank angle - g, g by which the throw is behind its cylinder, and the cylinder's axis at the
+    angle b, half of it is exp(i (b - n g)) with the crank and half exp(i (b + n g)) against it.
+    """
+    layout = masses.layout
+    axis = unit_vectors(layout.axis_deg)
+    behind = layout.axis_deg - layout.throw_deg[list(layout.throw_of)]
+    half = masses.piston_kg_mm * masses.w2 / MM_PER_M * masses.harmonics[ORDERS.index(order)] / 2
+    turned = unit_vectors(order * behind)
+    return _free_force(order, half * axis * turned.conj(), half * axis * turned, layout.cylinder_z_mm)
+
+
+def free_forces(masses: TurningMasses, counterweighted: bool = False) -> tuple[FreeForce, ...]:
+    """Free force and moment by order, rotating and oscillating masses together."""
+    first, *others = (oscillating_force(masses, order) for order in ORDERS)
+    return (first + rotating_force(masses, counterweighted), *others)
+
+
+def counterweights(masses: TurningMasses) -> tuple[Counterweight, ...]:
+    """What every web needs, from the free end.
+
+    For the shaft, u = a + b z at each web, z its place from the middle of all webs, is the least of all that
+    leave neither force nor moment.
+    """
+    layout, along = masses.layout, unit_vectors(masses.layout.throw_angle_deg)
+    throw, couple = -masses.counterweight_kg_mm * along, -masses.couple_kg_mm2 * along
+    own = np.outer(along, masses.on_webs(-masses.counterweight_kg_mm, -masses.couple_kg_mm2)).ravel()
+    middle = _sum(layout.web_z_mm.astype(np.complex128)).real / len(own)
+    z = layout.web_z_mm - middle
+    moment = _sum(np.array([_sum(throw * (layout.throw_z_mm - middle)), _sum(couple)]))
+    shaft = _sum(throw) / len(z) + moment / (z**2).sum() * z
+    return tuple(
+        Counterweight(
+            index + 1,
+            index // 2 + 1,
+            masses.web_kg_mm[index % 2],
+            masses.own_kg_mm[index % 2],
+            *_polar(own[index]),
+            *_polar(shaft[index]),
+        )
+        for index in range(len(z))
+    )
+
+
+@dataclass(frozen=True)
+class InnerMoment:
+    """Largest bending moment inside the shaft by what turns with it, its place and direction in the shaft."""
+
+    moment_Nm: float
+    z_mm: float
+    deg: float
+
+    def as_json(self) -> dict[str, float]:
+        """The moment with its place."""
+        return {"moment_Nm": self.moment_Nm, "z_mm": self.z_mm, "deg": self.deg}
+
+
+def inner_moment(masses: TurningMasses, weights: Sequence[Counterweight] = ()) -> InnerMoment:
+    """Largest inner bending moment of the shaft as a beam on its two outer main bearings.
+
+    Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Forces
+    act in the planes of the cylinders and the middle of the webs, these with the couple of their throw, so
+    that the moment is largest at one of them.
+
+    Args:
+        weights: what is added to the webs' own counterweights; what each throw needs is taken.
+    """
+    layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
+    z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])
+    along = unit_vectors(layout.throw_angle_deg)
+    taken = sum(own * place for own, place in zip(masses.own_kg_mm, layout.web_places_mm, strict=True))
+    own = np.array(masses.on_webs(0j, masses.couple_kg_mm2 + taken)) - np.array(masses.own_kg_mm)
+    webs = np.outer(along, own).ravel()
+    for weight in weights:
+        webs[weight.web - 1] += weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg))
+    force = np.concatenate([(masses.throw_kg_mm + sum(masses.own_kg_mm)) * along, webs]) * per_kg_mm
+    first = layout.bearing_z_mm[0]
+    reaction = (force * (layout.bearing_z_mm[-1] - z)).sum() / layout.length_mm
+    arms = np.maximum(z[:, None] - z[None, :], 0.0)
+    moment = (reaction * (z - first) - arms @ force) / MM_PER_M
+    scale = float(np.abs(force).sum()) * layout.length_mm / MM_PER_M
+    size = np.where(np.abs(moment) > _NOTHING * scale, np.abs(moment), 0.0)
+    worst = int(np.flatnonzero(size >= size.max() * (1 - 1e-9))[0])
+    return InnerMoment(float(size[worst]), float(z[worst]), _polar(moment[worst] if size[worst] else 0j)[1])
+
+
+def direction_deg(value: complex) -> float:
+    """Direction of a vector across the shaft, deg in [0, 360); 0 of nothing."""
+    return float(round(np.degrees(np.angle(value)) % 360.0, 9) % 360.0) if value else 0.0
+
+
+def _free_force(order: int, forward: Complex, backward: Complex, z_mm: Array) -> FreeForce:
+    return FreeForce(
+        order,
+        Ellipse(_sum(forward), _sum(backward)),
+        Ellipse(_sum(forward * z_mm) / MM_PER_M, _sum(backward * z_mm) / MM_PER_M),
+    )
+
+
+def _sum(parts: Complex) -> complex:
+    """The sum, 0 where only rounding is left of it."""
+    total = complex(parts.sum())
+    return total if abs(total) > _NOTHING * float(np.abs(parts).sum()) else 0j
+
+
+def _polar(value: complex) -> tuple[float, float]:
+    """Magnitude and angle, deg in [0, 360); 0 where there is nothing."""
+    return float(abs(value)), direction_deg(value)

@@ -1,0 +1,99 @@
+"""Radial stiffness of one main bearing: given, from the clearance of a plain bearing, or from rollers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.units import N_PER_KN
+from cranktopo.design.schema import Scene
+from cranktopo.design.supports import RollerBearing
+from cranktopo.engine.gas import gas_force_N, pressure_curve
+from cranktopo.engine.kinematics import Array
+
+LIFE_EXPONENT = 10 / 3
+"""Of line contact, ISO 281."""
+
+
+def bearing_spring_N_per_mm(scene: Scene) -> float | None:
+    """Radial stiffness of one main bearing of a scene, N/mm; None when the scene says nothing about it."""
+    supports = scene.supports
+    if supports.bearing_spring_N_per_mm is not None:
+        return supports.bearing_spring_N_per_mm
+    if supports.roller_bearing is not None:
+        return roller_bearing_spring_N_per_mm(supports.roller_bearing)
+    if supports.bearing_clearance_mm is not None:
+        return clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
+    return None
+
+
+def required_bearing_spring_N_per_mm(scene: Scene) -> float:
+    """The same for supports that are springs.
+
+    Raises:
+        CranktopoError: the scene says nothing about it.
+    """
+    spring = bearing_spring_N_per_mm(scene)
+    if spring is None:
+        raise CranktopoError(
+            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm, or choose rigid bearings."
+        )
+    return spring
+
+
+def max_gas_force_N(scene: Scene) -> float:
+    """Largest gas force on the piston, N: as given, else from the pressure curve.
+
+    Raises:
+        CranktopoError: the scene has no engine that tells it.
+    """
+    engine, curve = scene.engine, pressure_curve(scene)
+    if engine is not None and engine.max_gas_force_N is not None:
+        return engine.max_gas_force_N
+    if engine is None or curve is None:
+        raise invalid("engine.max_gas_force_N", None, "must be given, or [engine.gas]")
+    return float(gas_force_N(curve.pressure_MPa, engine).max())
+
+
+def clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -> float:
+    """Spring of a plain bearing: half the largest piston force moves the journal by 0.8 of the clearance.
+
+    Args:
+        max_piston_force_N: largest piston force of the cycle.
+
+    Source: J. Voparil, Shape optimisation of aircraft engine crankshaft, Brno University of Technology, 2011.
+    """
+    return 0.5 * max_piston_force_N / (0.8 * clearance_mm)
+
+
+def roller_spring_N_per_mm(bearing: RollerBearing) -> float:
+    """Tangent stiffness of one roller, N/mm: slope of the least-squares line of reaction over displacement.
+
+    Source of the method: M. Kral, Stress-strain analysis of balancing shaft support, Brno University of
+    Technology, 2014.
+    """
+    x, y = np.array(bearing.displacement_mm), np.array(bearing.reaction_N)
+    dx, dy = x - x.mean(), y - y.mean()
+    return float((dx * dy).sum() / (dx**2).sum())
+
+
+def roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
+    """Radial stiffness of a roller bearing without clearance, N/mm: Z k / 4.
+
+    A radial displacement d compresses the roller at angle t by d cos t on the loaded half only; the sum of
+    k d cos^2 t over these Z / 2 rollers is Z k d / 4.
+    """
+    return bearing.rollers * roller_spring_N_per_mm(bearing) / 4
+
+
+def equivalent_load_N(load_N: Array) -> float:
+    """Constant load of a roller bearing under which it lives as long as under loads at even steps."""
+    return float(np.mean(np.abs(load_N) ** LIFE_EXPONENT) ** (1 / LIFE_EXPONENT))
+
+
+def rating_life_h(dynamic_rating_kN: float, equivalent_N: float, speed_rpm: float) -> float:
+    """Basic rating life of a roller bearing (90 % survive), hours: (C / P)^(10/3) million turns, ISO 281."""
+    turns = 1e6 * math.pow(dynamic_rating_kN * N_PER_KN / equivalent_N, LIFE_EXPONENT)
+    return turns / (60.0 * speed_rpm)

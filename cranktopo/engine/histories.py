@@ -1,0 +1,149 @@
+"""Load states between which the stresses of a throw alternate: joined extremes, or the whole cycle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.design.engine import Engine
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
+from cranktopo.engine.forces import ThrowForces
+from cranktopo.engine.kinematics import Array
+from cranktopo.engine.states import extreme_states
+
+HistoryKind = Literal["extremes", "cycle"]
+_STEP_DEG = 1.0
+
+
+@dataclass(frozen=True)
+class LoadHistory:
+    """Load states of a throw, forces of the full throw; arrays of shape (states,).
+
+    Attributes:
+        radial_N: on the pin along -y.
+        tangential_N: on the pin along +x, the direction of rotation.
+        torque_Nm: that the throw passes on, mean of its two ends.
+    """
+
+    radial_N: Array
+    tangential_N: Array
+    torque_Nm: Array
+    angular_speed_rad_s: Array
+    labels: tuple[str, ...]
+
+
+def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
+    """Load states of a scene.
+
+    "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
+    shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
+    not tell counts as zero. "cycle" follows every throw of the shaft over its working cycle. With
+    `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed too.
+
+    Args:
+        enabled: names of the effects that are on; inertia changes the forces, a load that is off stays zero.
+
+    Raises:
+        CranktopoError: the scene does not tell the loads.
+    """
+    if scene.engine is None:
+        raise CranktopoError(
+            "engine: is missing, so the loads are unit loads without a stress level.",
+            hint="Add an [engine] table with gas, or with max_gas_force_N and max_torque_Nm.",
+        )
+    history = _extremes(scene, enabled) if kind == "extremes" else _cycle(scene, scene.engine, enabled)
+    return _without(history, enabled)
+
+
+def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
+    states = {state.name: state for state in extreme_states(scene, enabled)}
+    radial, torque = states["max_radial"], states["max_torque"]
+    for state, key in ((radial, "max_gas_force_N"), (torque, "max_torque_Nm")):
+        if state.unit:
+            raise CranktopoError(
+                f"engine.{key}: is missing, so this load is a unit load without a stress level.",
+                hint=f"Give engine.{key}, or [engine.gas].",
+            )
+    analysis = analyse(scene, enabled)
+    given = analysis.engine.max_gas_force_N is not None or analysis.cycle is None
+    low_radial = 0.0 if given or analysis.cycle is None else analysis.cycle.extreme("web_force_N")[1].value
+    low_torque = states["min_torque"].case.torque_Nm if "min_torque" in states else 0.0
+    speed = angular_speed_rad_s(analysis.engine.speed_rpm)
+    forces = {"largest": radial.case.radial_N, "smallest": min(low_radial, 0.0)}
+    torques = {"largest": torque.case.torque_Nm, "smallest": min(low_torque, 0.0)}
+    pairs = [(force, twist) for force in forces for twist in torques]
+    return LoadHistory(
+        np.array([forces[force] for force, _ in pairs]),
+        np.zeros(len(pairs)),
+        np.array([torques[twist] for _, twist in pairs]),
+        np.full(len(pairs), speed),
+        tuple(f"{force} radial force with {twist} torque" for force, twist in pairs),
+    )
+
+
+def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
+    """The cycle at the engine's speed; of a vibrating shaft also that at its worst speed."""
+    if "torsional_vibration" not in enabled:
+        return _one_cycle(scene, engine, enabled)
+    worst = at_worst_speed(scene, enabled)
+    first, second = (_one_cycle(at, engine_of(at), enabled) for at in (scene, worst))
+    joined = {
+        name: np.concatenate([getattr(first, name), getattr(second, name)])
+        for name in ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
+    }
+    labels = [
+        f"{label}, {engine_of(at).speed_rpm:.0f} rpm"
+        for at, part in ((scene, first), (worst, second))
+        for label in part.labels
+    ]
+    return LoadHistory(**joined, labels=tuple(labels))
+
+
+def _one_cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
+    cycle = analyse(scene, enabled).cycle
+    if cycle is None:
+        raise CranktopoError(
+            "engine.gas: is missing, so there is no cycle to follow.",
+            hint="Add [engine.gas], or take the extreme states.",
+        )
+    angle = cycle.forces.angle_deg[
+        :: max(1, round(_STEP_DEG / float(np.diff(cycle.forces.angle_deg[:2])[0])))
+    ]
+    parts = [_throw(engine, cycle, angle, rods.throw, forces) for rods, forces in cycle.pins]
+    radial, tangential, torque = (np.concatenate([part[i] for part in parts]) for i in range(3))
+    labels = tuple(f"{rods.name}, {a:g} deg" for rods, _ in cycle.pins for a in angle)
+    speed = np.full(len(radial), angular_speed_rad_s(engine.speed_rpm))
+    return LoadHistory(radial, tangential, torque, speed, labels)
+
+
+def _throw(
+    engine: Engine, cycle: Cycle, angle: Array, throw: int, forces: ThrowForces
+) -> tuple[Array, Array, Array]:
+    """Radial and tangential force and mean torque of a throw, at angles after its own firing dead centre."""
+    shaft = angle + engine.firing_angles_deg[throw]
+
+    def at(curve: Array, where: Array) -> Array:
+        return np.interp(where, forces.angle_deg, curve, period=engine.cycle_deg)
+
+    behind, ahead = at(cycle.torque.passed_on_Nm[throw], shaft), cycle.torque.ahead_Nm
+    own = at(forces.torque_Nm, angle) if ahead is None else behind - at(ahead[throw], shaft)
+    mean = behind - own / 2
+    return at(forces.web_force_N, angle), at(forces.tangential_force_N, angle), mean
+
+
+def _without(history: LoadHistory, enabled: frozenset[str]) -> LoadHistory:
+    off = {
+        "radial_N": "bending",
+        "tangential_N": "tangential",
+        "torque_Nm": "torsion",
+        "angular_speed_rad_s": "centrifugal",
+    }
+    kept = {
+        name: getattr(history, name) * (1.0 if effect in enabled else 0.0) for name, effect in off.items()
+    }
+    return LoadHistory(**kept, labels=history.labels)

@@ -1,0 +1,121 @@
+"""Exact kinematics of a central crank mechanism, and the textbook series beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import invalid
+
+Array = NDArray[np.float64]
+Curve = TypeVar("Curve", Array, NDArray[np.complex128])
+"""Values at evenly spaced crank angles of a cycle."""
+_HARMONIC_POINTS = 4096
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of the piston, one value per crank angle.
+
+    Attributes:
+        displacement_mm: distance of the piston from its top dead centre, mm.
+        velocity_ratio: velocity over r w (r throw radius, w angular speed).
+        acceleration_ratio: acceleration toward the crank over r w^2.
+    """
+
+    displacement_mm: Array
+    velocity_ratio: Array
+    acceleration_ratio: Array
+
+
+@dataclass(frozen=True)
+class ForceRatios:
+    """Forces of the mechanism per unit of force along the cylinder axis, one value per crank angle.
+
+    The angle of the rod to that axis is b.
+
+    Attributes:
+        side: force of the piston on the cylinder wall, tan b.
+        rod: force along the rod, 1 / cos b.
+        radial: force on the crankpin toward the crank axis, cos(a + b) / cos b.
+        tangential: force on the crankpin in the direction of rotation, sin(a + b) / cos b.
+    """
+
+    side: Array
+    rod: Array
+    radial: Array
+    tangential: Array
+
+
+def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
+    """Piston motion in closed form.
+
+    With lam = r/l and q = sqrt(1 - lam^2 sin^2 a):
+    x = r + l - r cos a - l q, v = r w sin a (1 + lam cos a / q),
+    acc = r w^2 (cos a + lam cos 2a / q + lam^3 sin^2 2a / (4 q^3)).
+
+    Args:
+        angle_rad: crank angle a from top dead centre, rad.
+
+    Raises:
+        CranktopoError: the rod is not longer than the throw.
+    """
+    lam = _crank_ratio(radius_mm, rod_length_mm)
+    sin, cos = np.sin(angle_rad), np.cos(angle_rad)
+    q = np.sqrt(1.0 - (lam * sin) ** 2)
+    # r (1 - cos a) + l (1 - q) with both brackets free of cancellation near top dead centre.
+    displacement = 2.0 * radius_mm * np.sin(angle_rad / 2) ** 2 + rod_length_mm * (lam * sin) ** 2 / (1.0 + q)
+    velocity = sin * (1.0 + lam * cos / q)
+    acceleration = cos + lam * np.cos(2 * angle_rad) / q + lam**3 * np.sin(2 * angle_rad) ** 2 / (4 * q**3)
+    return Motion(displacement, velocity, acceleration)
+
+
+def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Sequence[int]) -> Array:
+    """Fourier coefficients of the exact acceleration over r w^2: acc = r w^2 sum of c_n cos(n a).
+
+    The mean over evenly spaced angles is exact to rounding as soon as they resolve the last harmonic that
+    counts: those of order n fall as exp(-n arcosh(l/r)).
+    """
+    angle = 2.0 * np.pi * np.arange(_HARMONIC_POINTS) / _HARMONIC_POINTS
+    acceleration = exact_motion(angle, radius_mm, rod_length_mm).acceleration_ratio
+    return np.array([2.0 * np.mean(acceleration * np.cos(order * angle)) for order in orders])
+
+
+def later(curve: Curve, angle_deg: Array, by_deg: float, cycle_deg: float) -> Curve:
+    """A curve over the cycle, later by a crank angle."""
+    return np.asarray(np.interp(angle_deg - by_deg, angle_deg, curve, period=cycle_deg))
+
+
+def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
+    """Piston motion by the textbook series to the first order of r/l."""
+    lam = _crank_ratio(radius_mm, rod_length_mm)
+    sin, cos = np.sin(angle_rad), np.cos(angle_rad)
+    return Motion(
+        radius_mm * (1.0 - cos + lam / 2 * sin**2),
+        sin + lam / 2 * np.sin(2 * angle_rad),
+        cos + lam * np.cos(2 * angle_rad),
+    )
+
+
+def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ForceRatios:
+    """How a force along the cylinder axis splits at the rod and the crankpin."""
+    rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
+    cos_b = np.cos(rod_angle)
+    return ForceRatios(
+        side=np.tan(rod_angle),
+        rod=1.0 / cos_b,
+        radial=np.cos(angle_rad + rod_angle) / cos_b,
+        tangential=np.sin(angle_rad + rod_angle) / cos_b,
+    )
+
+
+def _crank_ratio(radius_mm: float, rod_length_mm: float) -> float:
+    if not 0 < radius_mm < rod_length_mm:
+        raise invalid(
+            "engine.rod_length_mm", rod_length_mm, f"must be longer than the throw radius {radius_mm:g} mm"
+        )
+    return radius_mm / rod_length_mm

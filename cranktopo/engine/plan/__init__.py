@@ -1,0 +1,1 @@
+"""Which physics a scene calls for, and why."""

@@ -1,0 +1,128 @@
+"""The plan: each effect on or off, by the scene's own choice or by its estimate against the threshold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.schema import Effects, Scene
+from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
+from cranktopo.engine.plan import load_rules, structure_rules, vibration_rule
+from cranktopo.engine.plan.context import Facts
+from cranktopo.engine.plan.cost import Costing, CostRates
+from cranktopo.engine.plan.effect import Effect, EffectPlan, Switch
+from cranktopo.engine.plan.estimate import Estimate
+from cranktopo.engine.plan.goal_rules import bound, check_goal_cases
+from cranktopo.engine.plan.simulated import Feature, simulated_scene
+
+_RULES: dict[str, Callable[[Facts], Estimate]] = {
+    "bending": load_rules.bending,
+    "torsion": load_rules.torsion,
+    "tangential": load_rules.tangential,
+    "reciprocating_inertia": load_rules.reciprocating_inertia,
+    "rotating_rod_mass": load_rules.rotating_rod_mass,
+    "centrifugal": load_rules.centrifugal,
+    "torsional_vibration": vibration_rule.torsional_vibration,
+    "bearing_compliance": structure_rules.bearing_compliance,
+    "fillets": structure_rules.fillets,
+    "bores": structure_rules.bores,
+    "lateral_symmetry": structure_rules.lateral_symmetry,
+    "manufacturing_constraint": structure_rules.manufacturing_constraint,
+    "fatigue": structure_rules.fatigue,
+    "bound": bound,
+}
+_VIBRATION = "torsional_vibration"
+"""It comes first: the loads that the other rules look at depend on it."""
+LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
+
+
+def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> EffectPlan:
+    """Decide every effect of a scene.
+
+    Args:
+        goal: what an optimisation is asked for, from `wanted`: it takes the load cases that goal and limits
+            are read off and no others. None, as for an evaluation, lets every case count that is large.
+
+    Raises:
+        CranktopoError: the scene switches an effect on that it has no data for, switches off one that it or
+            the goal relies on, or leaves no load case; gas data that cannot be used.
+    """
+    asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
+    costing = Costing(scene, rates or CostRates(), may_mirror(scene, asymmetry))
+    facts = Facts(scene, costing, asymmetry, goal)
+    vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](facts))
+    facts = replace(facts, vibrating=vibration.state == "on")
+    decided = tuple(
+        vibration if name == _VIBRATION else _decide(scene.effects, name, rule(facts))
+        for name, rule in _RULES.items()
+    )
+    decided += structure_rules.whole_throw(facts)
+    cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_CASES]
+    if goal is None:
+        _check_cases(scene, cases)
+    else:
+        check_goal_cases(facts, goal, cases)
+    return EffectPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
+
+
+def _check_cases(scene: Scene, cases: list[str]) -> None:
+    """At least one load case is on and counts: the objective is divided by the sum of their weights."""
+    weights = scene.optimise.weights.model_dump()
+    if any(weights[name] > 0 for name in cases):
+        return
+    if not any(weights.values()) or cases:
+        raise invalid(
+            "optimise.weights",
+            {name: weights[name] for name in cases or LOAD_CASES},
+            "at least one load case that is on must have a weight above 0",
+            "Raise a weight, or set effects of a case that has one to 'on'.",
+        )
+    raise CranktopoError(
+        "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_CASES)} to 'on' or 'auto'."
+    )
+
+
+def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
+    """The scene as its own effects plan has it simulated.
+
+    Args:
+        kept: features that stay even where the plan leaves them out.
+
+    Raises:
+        CranktopoError: as `plan`.
+    """
+    return simulated_scene(scene, plan(scene), kept)
+
+
+def _for_all_cases(effect: Effect, cases: int) -> Effect:
+    """The mirror saves cells in the solve of every load case."""
+    if effect.name != "lateral_symmetry":
+        return effect
+    return replace(effect, cost=replace(effect.cost, seconds=effect.cost.seconds * cases))
+
+
+def _decide(effects: Effects, name: str, estimate: Estimate) -> Effect:
+    choice, threshold = getattr(effects, name), 100 * effects.threshold
+    if choice == "on" and estimate.impossible:
+        raise invalid(f"effects.{name}", choice, estimate.impossible, "Set it to 'auto' or 'off'.")
+    if choice == "off" and estimate.indispensable:
+        raise invalid(f"effects.{name}", choice, estimate.indispensable, "Set it to 'auto' or 'on'.")
+    state: Switch
+    if choice != "auto":
+        state, reason = choice, _joined(f"set {choice} in the scene", estimate.because)
+    elif estimate.absent:
+        state, reason = "off", _joined(estimate.absent, estimate.because)
+    elif estimate.needed:
+        state, reason = "on", _joined(*dict.fromkeys((estimate.needed, estimate.because)))
+    else:
+        above = estimate.percent is not None and estimate.percent >= threshold
+        state = "on" if above else "off"
+        word = "above" if above else "below"
+        reason = f"{estimate.because}, {word} the threshold of {threshold:g} %"
+    return Effect(name, state, reason, estimate.percent, estimate.cost, estimate.changes)
+
+
+def _joined(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)

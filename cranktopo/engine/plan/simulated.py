@@ -1,0 +1,46 @@
+"""The scene as it is simulated: the features that the plan leaves out are taken out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Literal
+
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.effect import EffectPlan
+
+# Effects that are features of both journals, and the dimensions of a journal that has none.
+Feature = Literal["bores", "fillets"]
+_WITHOUT: dict[Feature, dict[str, float | None]] = {
+    "bores": {"bore_diameter_mm": 0.0},
+    "fillets": {"fillet_mm": 0.0, "fillet_axial_mm": None},
+}
+
+
+def simulated_scene(scene: Scene, plan: EffectPlan, kept: Collection[Feature] = ()) -> Scene:
+    """The scene without the bores and fillets that are off, its mirror off where the plan has none, and the
+    manufacturing constraint on where the plan has it on.
+
+    Args:
+        kept: features that stay even where the plan leaves them out.
+
+    Returns:
+        The scene that is meshed; the same object when nothing is left out.
+    """
+    for feature in _WITHOUT:
+        if feature not in plan.enabled and feature not in kept:
+            scene = without(scene, feature)
+    if "lateral_symmetry" not in plan.enabled:
+        scene = scene.with_effect("lateral_symmetry", "off")
+    if "manufacturing_constraint" in plan.enabled:
+        scene = scene.with_effect("manufacturing_constraint", "on")
+    return scene
+
+
+def without(scene: Scene, feature: Feature) -> Scene:
+    """The scene with both journals without one feature; the same object when they have none."""
+    throw, update = scene.throw, _WITHOUT[feature]
+    main, pin = (j.model_copy(update=update) for j in (throw.main_journal, throw.crankpin))
+    if (main, pin) == (throw.main_journal, throw.crankpin):
+        return scene
+    bare = throw.model_copy(update={"main_journal": main, "crankpin": pin})
+    return scene.model_copy(update={"throw": bare})

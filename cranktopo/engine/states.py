@@ -1,0 +1,225 @@
+"""Extreme load states over the cycle, which of them become load cases, and why the others need none.
+
+The optimiser minimises the compliance of a linear structure. Multiplying a case by a factor multiplies its
+compliance by the square of it and leaves the best shape as it is, so a state whose loads are a multiple of
+another's needs no case of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.design.engine import Engine
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_worst_speed
+from cranktopo.engine.forces import rotating_forces
+from cranktopo.engine.gas import STEP_DEG
+from cranktopo.engine.kinematics import exact_motion, force_ratios
+from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.engine.rods_on_pin import near_share, rods_on_pins
+
+UNIT_FORCE_N = 1000.0
+UNIT_TORQUE_NM = 1.0
+
+
+@dataclass(frozen=True)
+class ExtremeState:
+    """An extreme state of the throw's loads.
+
+    Attributes:
+        name: `max_radial`, `max_torque`, `min_torque`, `max_tangential` or `overspeed_inertia`.
+        case: its loads, under the name of the load case that it would be.
+        deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
+        unit: whether the load is a unit load because the scene does not tell its size.
+        redundant: why it needs no load case of its own; empty when it is one.
+    """
+
+    name: str
+    case: LoadCase
+    deg: float | None = None
+    unit: bool = False
+    redundant: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """The state as `loads --json` prints it."""
+        load = {k: v for k, v in self.case.as_json().items() if k not in ("name", "from")}
+        return {"name": self.name, "deg": self.deg, **load, "redundant_because": self.redundant}
+
+
+def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
+    """The extreme states of a scene, those that become load cases in the order of their kinds.
+
+    Args:
+        enabled: names of the effects that are on; the inertia effects change the forces, without
+            `centrifugal` the overspeed state acts on the pin alone, and with `torsional_vibration` the
+            torques are those of the shaft at its worst speed.
+
+    Raises:
+        CranktopoError: gas data that cannot be used.
+    """
+    if scene.engine is None:
+        return _unit_states("unit load: the scene has no engine")
+    analysis = analyse(scene, enabled)
+    twisting = _twisting(scene, analysis, enabled)
+    torques = _torques(twisting)
+    states = [_radial(scene, analysis), _torque_state(twisting, "max_torque", torques[0])]
+    states.append(_tangential(analysis))
+    if torques[1] is not None:
+        states.append(_torque_state(twisting, "min_torque", torques[1]))
+    overspeed = _overspeed(scene, analysis, enabled)
+    if _load(overspeed) or overspeed.case.speed_rpm:
+        states.append(overspeed)
+    return _mark_redundant(tuple(states), enabled)
+
+
+def _twisting(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> LoadAnalysis:
+    """The analysis that the torques are taken from: of a vibrating shaft that at its worst speed."""
+    if "torsional_vibration" not in enabled:
+        return analysis
+    return analyse(at_worst_speed(scene, enabled), enabled)
+
+
+def _unit_states(why: str) -> tuple[ExtremeState, ...]:
+    def state(name: str, kind: LoadKind, **load: float) -> ExtremeState:
+        return ExtremeState(name, LoadCase(kind, kind, source=why, **load), unit=True)
+
+    return (
+        state("max_radial", "bending", radial_N=UNIT_FORCE_N),
+        state("max_torque", "torsion", torque_Nm=UNIT_TORQUE_NM),
+        state("max_tangential", "tangential", tangential_N=UNIT_FORCE_N),
+    )
+
+
+def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
+    given, cycle = analysis.engine.max_gas_force_N, analysis.cycle
+    if given is not None:
+        share, source = near_share(scene), "engine.max_gas_force_N"
+        source += f", times {share:.3g} for the web nearer to its rod" if share != 1 else ""
+        case = LoadCase("bending", "bending", radial_N=given * share, source=source)
+        return ExtremeState("max_radial", case)
+    if cycle is None:
+        why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"
+        return _unit_states(why)[0]
+    worst = cycle.largest("web_force_N")
+    source = f"largest radial force on the web, at {_where(analysis, worst)}"
+    return ExtremeState(
+        "max_radial", LoadCase("bending", "bending", radial_N=worst.value, source=source), worst.deg
+    )
+
+
+def _torques(analysis: LoadAnalysis) -> tuple[Extreme | None, Extreme | None]:
+    """Largest and smallest torque that a throw passes on; None where the scene does not tell."""
+    engine, cycle = analysis.engine, analysis.cycle
+    high = low = None
+    if cycle is not None:
+        high, low = _shaft_extremes(cycle)
+    if engine.max_torque_Nm is not None:
+        high = Extreme(engine.max_torque_Nm, None)
+    if engine.min_torque_Nm is not None:
+        low = Extreme(engine.min_torque_Nm, None)
+    return high, low
+
+
+def _shaft_extremes(cycle: Cycle) -> tuple[Extreme, Extreme]:
+    """Extremes of the torque behind any throw of the shaft."""
+    highest, lowest = cycle.torque.passed_on_Nm.max(axis=0), cycle.torque.passed_on_Nm.min(axis=0)
+    angle = cycle.torque.angle_deg
+    high, low = int(highest.argmax()), int(lowest.argmin())
+    return Extreme(float(highest[high]), float(angle[high])), Extreme(float(lowest[low]), float(angle[low]))
+
+
+def _torque_state(analysis: LoadAnalysis, name: str, torque: Extreme | None) -> ExtremeState:
+    if torque is None:
+        return _unit_states("unit load: neither engine.gas nor engine.max_torque_Nm is given")[1]
+    which = "largest" if name == "max_torque" else "smallest"
+    shaft = " of the vibrating shaft" if _vibrates(analysis) else ""
+    source = f"{which} torque behind a throw{shaft}, at {_where(analysis, torque)}"
+    if torque.deg is None:
+        source = f"engine.{name}_Nm"
+    case = LoadCase("torsion", "torsion", torque_Nm=torque.value, source=source)
+    return ExtremeState(name, case, torque.deg)
+
+
+def _vibrates(analysis: LoadAnalysis) -> bool:
+    return analysis.cycle is not None and analysis.cycle.torque.ahead_Nm is not None
+
+
+def _tangential(analysis: LoadAnalysis) -> ExtremeState:
+    cycle, given = analysis.cycle, analysis.engine.max_torque_Nm
+    if cycle is not None:
+        worst = cycle.largest("tangential_force_N")
+        source = f"largest tangential force, at {_where(analysis, worst)}"
+    elif given is not None:
+        worst = Extreme(given * NMM_PER_NM / analysis.radius_mm, None)
+        source = "engine.max_torque_Nm over the throw radius"
+    else:
+        return _unit_states("unit load: neither engine.gas nor engine.max_torque_Nm is given")[2]
+    case = LoadCase("tangential", "tangential", tangential_N=worst.value, source=source)
+    return ExtremeState("max_tangential", case, worst.deg)
+
+
+def _overspeed(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> ExtremeState:
+    """Inertia alone at the highest speed: the rods pull the pin outward, one alone at top dead centre."""
+    engine = analysis.engine
+    speed = max(engine.overspeed_rpm or 0.0, engine.speed_rpm)
+    rotating = rotating_forces(engine, analysis.balance, analysis.radius_mm, speed)
+    kg, deg = _pulling_kg(scene, engine, enabled)
+    source = f"inertia of piston and rod at top dead centre without gas force, {speed:g} rpm"
+    if engine.rods_per_pin > 1:
+        source = f"inertia of both pistons and rods of a pin without gas force, {speed:g} rpm"
+    pull = -kg * rotating.r_w2_m_s2 + 0.0
+    case = LoadCase("bending", "bending", radial_N=pull, source=source)
+    if "centrifugal" in enabled:
+        source += f", with {rotating.throw_N:.0f} N of the throw itself"
+        case = LoadCase("centrifugal", "centrifugal", radial_N=pull, speed_rpm=speed, source=source)
+    return ExtremeState("overspeed_inertia", case, deg % 360.0 + (360.0 if engine.strokes == 4 else 0.0))
+
+
+def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[float, float]:
+    """Mass on the pin that would pull as much as rods and pistons at their worst, and the crank angle."""
+    angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)
+    radius, length = scene.throw.radius_mm, engine.rod_length_mm
+    one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled))
+    if "reciprocating_inertia" in enabled:
+        moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
+        one += engine.reciprocating_kg * moving * force_ratios(np.radians(angle), radius, length).radial
+    curves = [rods.together(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
+    curve = max(curves, key=lambda kg: float(kg.max()))
+    return float(curve.max()), float(angle[int(curve.argmax())])
+
+
+def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
+    """Keep the largest state of each kind as the load case; the others are multiples of it."""
+    marked = []
+    for state in states:
+        rival = max((s for s in states if s.case.kind == state.case.kind), key=_size)
+        why = ""
+        if rival is not state:
+            factor = _load(state) / _load(rival) if _load(rival) else 0.0
+            why = (
+                f"{factor:+.3f} times {rival.name}: a linear structure has the same best shape, and "
+                f"{100 * factor**2:.1f} % of its compliance"
+            )
+        marked.append(ExtremeState(state.name, state.case, state.deg, state.unit, why) if why else state)
+    order = ("bending", "torsion", "tangential", "centrifugal")
+    return tuple(sorted(marked, key=lambda s: (bool(s.redundant), order.index(s.case.kind))))
+
+
+def _load(state: ExtremeState) -> float:
+    case = state.case
+    return case.radial_N or case.torque_Nm or case.tangential_N
+
+
+def _size(state: ExtremeState) -> float:
+    return abs(_load(state))
+
+
+def _where(analysis: LoadAnalysis, extreme: Extreme) -> str:
+    if extreme.deg is None:
+        return ""
+    place = f", {extreme.place}" if extreme.place else ""
+    return f"{extreme.deg:g} deg, {analysis.engine.speed_rpm:g} rpm{place}"

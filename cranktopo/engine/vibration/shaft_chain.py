@@ -1,0 +1,204 @@
+"""The turning shaft of a scene as a chain of disks: damper, pulley, throws, flywheel, coupling, takeoff."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass, field
+
+from cranktopo.base.units import MM2_PER_M2, NMM_PER_NM
+from cranktopo.design.schema import Scene
+from cranktopo.design.shaft import Coupling, Damper, Propeller, Rotor, ShaftTable
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.torsional_stiffness import (
+    first_half_share,
+    journal_torsion_modulus_mm3,
+    throw_stiffness_Nm_per_rad,
+)
+from cranktopo.numerics.disk_chain import DiskChain
+
+
+@dataclass(frozen=True)
+class ShaftChain:
+    """The chain of a shaft, from the free end to the takeoff.
+
+    Attributes:
+        names: of the disks.
+        first: index of the disk of throw 1; those of the other throws follow.
+        modulus_mm3: least modulus of a journal in torsion; stress of the crankshaft's sections is torque over
+            it.
+    """
+
+    chain: DiskChain
+    names: tuple[str, ...]
+    first: int
+    throws: int
+    modulus_mm3: float
+
+    @property
+    def driven(self) -> slice:
+        """The disks of the throws."""
+        return slice(self.first, self.first + self.throws)
+
+    @property
+    def behind(self) -> slice:
+        """The sections behind the throws; behind the last one only where something follows it."""
+        return slice(self.first, min(self.first + self.throws, len(self.names) - 1))
+
+    @property
+    def sections(self) -> tuple[str, ...]:
+        """Names of the sections between the disks."""
+        return tuple(f"{a} - {b}" for a, b in zip(self.names, self.names[1:], strict=False))
+
+    @property
+    def in_crankshaft(self) -> tuple[bool, ...]:
+        """Which sections are journals of the crankshaft."""
+        start = max(self.first - 1, 0)
+        return tuple(start <= i < self.behind.stop for i in range(len(self.sections)))
+
+    def shear_MPa(self, torque_Nm: float) -> float:
+        """Nominal shear stress of a torque in the weaker of main journal and crankpin, MPa."""
+        return torque_Nm * NMM_PER_NM / self.modulus_mm3
+
+
+@dataclass
+class _Row:
+    """A chain in the making: disks, and the spring behind each disk but the last.
+
+    A stiffness is complex: its imaginary part is the loss factor's.
+    """
+
+    names: list[str] = field(default_factory=list)
+    inertia: list[float] = field(default_factory=list)
+    absolute: list[float] = field(default_factory=list)
+    stiffness: list[complex] = field(default_factory=list)
+    relative: list[float] = field(default_factory=list)
+
+    def add(
+        self, name: str, inertia: float, stiffness: complex, relative: float = 0.0, absolute: float = 0.0
+    ) -> None:
+        """A disk at the end, joined to the last one if there is one."""
+        if self.names:
+            self.stiffness.append(stiffness)
+            self.relative.append(relative)
+        self.names.append(name)
+        self.inertia.append(inertia)
+        self.absolute.append(absolute)
+
+    def chain(self) -> DiskChain:
+        return DiskChain(
+            tuple(self.inertia),
+            tuple(k.real for k in self.stiffness),
+            tuple(k.imag / k.real if k.real else 0.0 for k in self.stiffness),
+            tuple(self.relative),
+            tuple(self.absolute),
+        )
+
+
+def moving_inertia_kg_mm2(scene: Scene) -> float:
+    """What rod and piston add to a throw: rotating mass and half the reciprocating mass at the throw radius.
+
+    The mean of a slider crank (Ker Wilson, Practical Solution of Torsional Vibration Problems).
+    """
+    engine = scene.engine
+    if engine is None:
+        return 0.0
+    moving_kg = engine.rods_per_pin * (engine.rod_rotating_kg + engine.reciprocating_kg / 2)
+    return moving_kg * scene.throw.radius_mm**2
+
+
+def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
+    """Second harmonic of a throw's inertia over a turn, in percent of its mean.
+
+    Each reciprocating mass swings by half of itself at the throw radius, twice a turn.
+    """
+    engine = scene.engine
+    if engine is None:
+        return 0.0
+    banks = {engine.axis_deg(c) for c in range(1, engine.cylinders + 1) if engine.throw_of(c) == 0}
+    together = abs(sum(cmath.exp(2j * math.radians(bank)) for bank in sorted(banks)))
+    swing = together * engine.reciprocating_kg / 2 * scene.throw.radius_mm**2
+    return 100 * swing / (throw_inertia_kg_mm2 + moving_inertia_kg_mm2(scene))
+
+
+def estimated_chain(scene: Scene) -> ShaftChain:
+    """The chain with inertia and stiffness of the throws in closed form; the scene has an engine."""
+    throws = len(scene.shaft_angles_deg)
+    return shaft_chain(
+        scene, throw_balance(scene).inertia_kg_mm2, (throw_stiffness_Nm_per_rad(scene),) * throws
+    )
+
+
+def shaft_chain(
+    scene: Scene, throw_inertia_kg_mm2: float, throws_Nm_per_rad: tuple[float, ...]
+) -> ShaftChain:
+    """The chain of a scene's shaft: one disk per throw in the plane of its crankpin.
+
+    The halves of neighbouring throws are springs in series; a half throw joins the ends. Halves that differ
+    share the twist of their throw as their closed form has it. What is joined rigidly is one disk.
+    """
+    shaft = scene.shaft or ShaftTable()
+    inertia = (throw_inertia_kg_mm2 + moving_inertia_kg_mm2(scene)) / MM2_PER_M2
+    share, lossy = first_half_share(scene), 1 + 1j * shaft.throw_loss_factor
+    near, far = ([k / part * lossy for k in throws_Nm_per_rad] for part in (share, 1 - share))
+    row = _Row()
+    nose = _add_free_end(row, shaft)
+    first = len(row.names)
+    for number, half in enumerate(near, start=1):
+        spring = _series(nose if number == 1 else far[number - 2], half)
+        relative = shaft.throw_damping_Nms_per_rad if number > 1 else 0.0
+        row.add(f"throw {number}", inertia, spring, relative, shaft.cylinder_damping_Nms_per_rad)
+    _add_takeoff(row, shaft, far[-1])
+    modulus = min(journal_torsion_modulus_mm3(j) for j in (scene.throw.main_journal, scene.throw.crankpin))
+    return ShaftChain(row.chain(), tuple(row.names), first, len(near), modulus)
+
+
+def _add_free_end(row: _Row, shaft: ShaftTable) -> complex | None:
+    """Ring and hub; returns the stiffness between the hub and the first journal, None where it is rigid."""
+    pulley, damper = shaft.pulley, shaft.damper
+    inertia = (pulley.inertia_kg_m2 if pulley else 0.0) + (damper.hub_inertia_kg_m2 if damper else 0.0)
+    if damper is not None:
+        row.add("damper ring", damper.ring_inertia_kg_m2, 0.0)
+    if inertia:
+        name = " + ".join(part for part, has in (("hub", damper), ("pulley", pulley)) if has is not None)
+        spring, relative = _damper(damper) if damper else (0j, 0.0)
+        row.add(name, inertia, spring, relative)
+    stiffness = pulley.stiffness_Nm_per_rad if pulley else None
+    return None if stiffness is None else stiffness * (1 + 1j * shaft.throw_loss_factor)
+
+
+def _damper(damper: Damper) -> tuple[complex, float]:
+    """Complex stiffness and viscous damping between hub and ring."""
+    stiffness = damper.stiffness_Nm_per_rad or 0.0
+    return stiffness * (1 + 1j * (damper.loss_factor or 0.0)), damper.damping_Nms_per_rad or 0.0
+
+
+def _add_takeoff(row: _Row, shaft: ShaftTable, half: complex) -> None:
+    """What follows the last throw; a part without stiffness of its own turns with its neighbour."""
+    parts: tuple[tuple[str, Rotor | None], ...] = (
+        ("flywheel", shaft.flywheel),
+        ("coupling", shaft.coupling),
+        ("driven machine", shaft.driven),
+        ("propeller", shaft.propeller),
+    )
+    joint: complex | None = half
+    for name, part in parts:
+        if part is None:
+            continue
+        loss = part.loss_factor if isinstance(part, Coupling) else shaft.throw_loss_factor
+        absolute = part.damping_Nms_per_rad if isinstance(part, Propeller) else 0.0
+        own = part.stiffness_Nm_per_rad
+        spring = None if own is None else own * (1 + 1j * loss)
+        if joint is None and spring is None:
+            row.names[-1] += f" + {name}"
+            row.inertia[-1] += part.inertia_kg_m2
+            row.absolute[-1] += absolute
+        else:
+            row.add(name, part.inertia_kg_m2, _series(joint, spring), absolute=absolute)
+        joint = None
+
+
+def _series(one: complex | None, other: complex | None) -> complex:
+    """Two springs one behind the other; None is rigid, and not both are."""
+    given = [k for k in (one, other) if k is not None]
+    return 1 / sum(1 / k for k in given)

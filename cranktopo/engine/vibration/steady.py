@@ -1,0 +1,212 @@
+"""Steady torsional vibration of a shaft over a range of speeds: by order, and summed over the cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.engine.vibration.shaft_chain import ShaftChain
+from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, curve_of
+from cranktopo.engine.vibration.varying_inertia import HARMONICS, coupled_response_rad
+from cranktopo.numerics.disk_chain import Array, ComplexArray, Mode
+
+ORDERS = 24
+SPEEDS = 200
+_STEPS_OF_RISE = 5
+_POINTS_PER_ORDER = 16
+"""Angles of a cycle for each order of a sum whose range is looked for."""
+
+
+@dataclass(frozen=True)
+class CriticalSpeed:
+    """A speed at which an order of the torque meets a natural frequency.
+
+    Attributes:
+        mode: number of the natural frequency, 1 is the lowest.
+        share: how far the cylinders' torques of this order add up in this mode: 1 where all of them help.
+        major: whether all cylinders have the same phase.
+    """
+
+    speed_rpm: float
+    order: float
+    mode: int
+    share: float
+    major: bool
+
+
+@dataclass(frozen=True)
+class Worst:
+    """Where the torque of the crankshaft swings most.
+
+    Attributes:
+        section: index of the section between two disks.
+        order: that with the largest share in it.
+    """
+
+    speed_index: int
+    section: int
+    order: float
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Steady vibration at every speed; amplitudes are half the range over the cycle.
+
+    Attributes:
+        orders: those that are solved, without the mean.
+        twist_rad: complex amplitudes of the disks, shape (speeds, orders, disks).
+        torque_Nm: complex amplitudes of the sections, shape (speeds, orders, sections).
+        mean_torque_Nm: of the sections, toward the takeoff.
+        torque_amplitude_Nm: shape (speeds, sections).
+        twist_amplitude_deg: of each section, one end against the other, shape (speeds, sections).
+        free_end_deg: amplitude of the first disk of the crankshaft, ring of the damper apart, (speeds,).
+    """
+
+    shaft: ShaftChain
+    harmonics: TorqueHarmonics
+    speeds_rpm: Array
+    orders: Array
+    twist_rad: ComplexArray
+    torque_Nm: ComplexArray
+    mean_torque_Nm: Array
+    torque_amplitude_Nm: Array
+    twist_amplitude_deg: Array
+    free_end_deg: Array
+
+    @property
+    def worst(self) -> Worst:
+        """Speed and section of the largest torque amplitude in the crankshaft; the lowest speed of equals."""
+        inside = np.array(self.shaft.in_crankshaft)
+        amplitude = np.where(inside, self.torque_amplitude_Nm, -1.0)
+        speed, section = (int(i) for i in np.unravel_index(int(amplitude.argmax()), amplitude.shape))
+        order = self.orders[int(np.abs(self.torque_Nm[speed, :, section]).argmax())]
+        return Worst(speed, section, float(order))
+
+    @property
+    def worst_Nm(self) -> float:
+        """That largest torque amplitude."""
+        return float(self.torque_amplitude_Nm[self.worst.speed_index, self.worst.section])
+
+    def barred_rpm(self, permitted_shear_MPa: float) -> tuple[tuple[float, float], ...]:
+        """Ranges of speed where the crankshaft's nominal alternating shear stress is above the permitted."""
+        inside = np.array(self.shaft.in_crankshaft)
+        stress = self.shaft.shear_MPa(1.0) * self.torque_amplitude_Nm[:, inside].max(axis=1)
+        above = np.concatenate([[False], stress > permitted_shear_MPa, [False]])
+        starts, ends = (np.flatnonzero(np.diff(above.astype(int)) == step) for step in (1, -1))
+        return tuple(
+            (float(self.speeds_rpm[a]), float(self.speeds_rpm[b - 1]))
+            for a, b in zip(starts, ends, strict=True)
+        )
+
+
+def critical_speeds(
+    shaft: ShaftChain,
+    modes: Sequence[Mode],
+    harmonics: TorqueHarmonics,
+    range_rpm: tuple[float, float],
+    orders: int = ORDERS,
+) -> tuple[CriticalSpeed, ...]:
+    """Every crossing of an order with a natural frequency in a range of speeds, the slowest first."""
+    shifts = harmonics.shifts[1 : orders + 1]
+    majors = harmonics.in_phase()[1 : orders + 1]
+    rods = len(harmonics.firing_deg) / shaft.throws
+    found = []
+    for number, mode in enumerate(modes, start=1):
+        swing = mode.shape[shaft.driven]
+        shares = np.abs((shifts * swing).sum(axis=1)) / (rods * np.abs(swing).sum())
+        for order, share, major in zip(harmonics.orders[1:], shares, majors, strict=False):
+            speed = 60.0 * mode.frequency_Hz / float(order)
+            if range_rpm[0] <= speed <= range_rpm[1]:
+                found.append(CriticalSpeed(speed, float(order), number, float(share), bool(major)))
+    return tuple(sorted(found, key=lambda c: (c.speed_rpm, c.order)))
+
+
+def speeds_to_solve(
+    range_rpm: tuple[float, float], critical: Sequence[CriticalSpeed], count: int = SPEEDS, rise: float = 0.0
+) -> Array:
+    """Even steps over a range, and every critical speed in it.
+
+    Args:
+        rise: how much higher than a critical speed its peak may lie, of that speed; steps up to it are added.
+    """
+    steps = 1 + rise * np.linspace(0, 1, _STEPS_OF_RISE if rise else 1)
+    peaks = np.outer([c.speed_rpm for c in critical], steps).ravel()
+    return np.unique(np.concatenate([np.linspace(*range_rpm, count), peaks[peaks <= range_rpm[1]]]))
+
+
+def vibration(
+    shaft: ShaftChain,
+    harmonics: TorqueHarmonics,
+    speeds_rpm: Array,
+    orders: int = ORDERS,
+    varying_kg_m2: ComplexArray | None = None,
+) -> Vibration:
+    """Steady vibration of a shaft at each speed.
+
+    Orders above the solved ones are taken as if the shaft were rigid.
+
+    Args:
+        varying_kg_m2: harmonics of the throws' inertia; None for their mean inertia alone.
+    """
+    solved = harmonics.orders[1 : orders + 1]
+    frequency = angular_speed_rad_s(1.0) * speeds_rpm[:, None] * solved
+    twist = np.empty((*frequency.shape, len(shaft.names)), dtype=complex)
+    torque = np.empty((*frequency.shape, len(shaft.sections)), dtype=complex)
+    amplitude, twisted = (np.empty((len(speeds_rpm), len(shaft.sections))) for _ in range(2))
+    free_end = np.empty(len(speeds_rpm))
+    for index, speed in enumerate(speeds_rpm):
+        excited = on_disks(shaft, harmonics.of_throws_Nm(float(speed)))
+        if varying_kg_m2 is None:
+            twist[index] = shaft.chain.response_rad(frequency[index], excited[1 : orders + 1])
+        else:
+            # The last orders feel those above them: as many more are solved as the inertia reaches.
+            more = harmonics.orders[1 : 1 + orders + round(HARMONICS / float(harmonics.orders[1]))]
+            w, torques = angular_speed_rad_s(float(speed)), excited[1 : 1 + len(more)]
+            twist[index] = coupled_response_rad(shaft, more, w, torques, varying_kg_m2)[:orders]
+        torque[index] = shaft.chain.section_torque_Nm(frequency[index], twist[index])
+        amplitude[index] = _half_range(section_curves_Nm(shaft, excited, torque[index]))
+        relative = twist[index, :, :-1] - twist[index, :, 1:]
+        twisted[index] = np.degrees(_half_range(_summed(relative)))
+        nose = twist[index, :, [1 if shaft.names[0] == "damper ring" else 0]]
+        free_end[index] = np.degrees(_half_range(_summed(nose.T)))[0]
+    mean = np.cumsum(on_disks(shaft, harmonics.of_throws_Nm(0.0))[0].real)[:-1]
+    return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, amplitude, twisted, free_end)
+
+
+def on_disks(shaft: ShaftChain, throws_Nm: ComplexArray) -> ComplexArray:
+    """Torques on the throws as torques on the disks of the chain, shape (orders, disks)."""
+    torque = np.zeros((len(throws_Nm), len(shaft.names)), dtype=complex)
+    torque[:, shaft.driven] = throws_Nm
+    return torque
+
+
+def section_curves_Nm(shaft: ShaftChain, excited: ComplexArray, solved: ComplexArray) -> Array:
+    """Torque of every section over the cycle, its mean included, shape (sections, angles).
+
+    Args:
+        excited: torques on the disks, all orders.
+        solved: torques of the sections, the orders from the first one that were solved.
+    """
+    every = rigid_torque_Nm(shaft, excited)
+    every[1 : len(solved) + 1] = solved
+    every[0] = np.cumsum(excited[0])[:-1]
+    return curve_of(every.T, 2 * len(every))
+
+
+def rigid_torque_Nm(shaft: ShaftChain, excited: ComplexArray) -> ComplexArray:
+    """Torque of every section if the shaft did not twist: the disks take it up by their inertia."""
+    share = np.cumsum(shaft.chain.inertia_kg_m2) / np.sum(shaft.chain.inertia_kg_m2)
+    return np.asarray(np.cumsum(excited, axis=1) - share * excited.sum(axis=1)[:, None])[:, :-1]
+
+
+def _summed(solved: ComplexArray) -> Array:
+    """Curves over the cycle of the solved orders alone."""
+    mean = np.zeros((solved.shape[-1], 1))
+    return curve_of(np.hstack([mean, solved.T]), _POINTS_PER_ORDER * len(solved))
+
+
+def _half_range(curves: Array) -> Array:
+    return np.asarray((curves.max(axis=-1) - curves.min(axis=-1)) / 2)

@@ -1,1 +1,0 @@
-"""Matrix-free finite elements on the structured grid, in JAX."""

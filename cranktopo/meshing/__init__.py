@@ -1,1 +1,0 @@
-"""Ten-node tetrahedra on exact solids and in closed surfaces."""

@@ -1,0 +1,1 @@
+"""Filters and projections of a density field."""

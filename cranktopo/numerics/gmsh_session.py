@@ -1,0 +1,114 @@
+"""One gmsh session: opened quietly, closed always, its errors turned into messages, its mesh read."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+
+_TRIANGLE = 2
+_ALONE = threading.RLock()
+"""gmsh keeps one state for the whole process."""
+
+
+@contextmanager
+def cad_session(what: str) -> Iterator[Any]:
+    """A fresh gmsh model, yielding the gmsh module; everything in it is gone afterwards.
+
+    Single-threaded, so that the same input gives the same mesh; sessions of other threads wait.
+
+    Raises:
+        CranktopoError: gmsh or a library of it is missing, or gmsh failed inside the block.
+    """
+    with _ALONE:
+        yield from _session(what)
+
+
+def _session(what: str) -> Iterator[Any]:
+    gmsh = _gmsh()
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        gmsh.model.add(what)
+        yield gmsh
+    except CranktopoError:
+        raise
+    except Exception as error:
+        if type(error) is not Exception:  # gmsh raises the bare class; anything else is a defect
+            raise
+        raise CranktopoError(
+            f"{what}: gmsh failed: {str(error).strip() or gmsh.logger.getLastError()}.",
+            hint="Change the dimensions slightly, or the element size.",
+            code=ExitCode.SOLVER,
+        ) from None
+    finally:
+        gmsh.finalize()
+
+
+@contextmanager
+def quiet_stdout() -> Iterator[None]:
+    """Reader and writer of STEP in OCC print to the process's stdout, past any Python stream."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def _gmsh() -> Any:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:  # OSError: a system library that gmsh loads is missing
+        raise CranktopoError(
+            f"gmsh cannot be loaded: {error}.",
+            hint="'cranktopo doctor' says which line installs it.",
+            code=ExitCode.MISSING_TOOL,
+        ) from None
+    return gmsh
+
+
+def tetrahedra(gmsh: Any, element_type: int, corners: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Nodes (n, 3) in mm and elements (elements, corners) of the session's mesh, nodes numbered from 0.
+
+    Args:
+        element_type: gmsh's number of the type.
+        corners: nodes of an element.
+
+    Raises:
+        CranktopoError: there is no such element.
+    """
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, nodes = gmsh.model.mesh.getElementsByType(element_type)
+    if len(nodes) == 0:
+        raise CranktopoError(
+            "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
+        )
+    return coordinates.reshape(-1, 3), _numbers(tags)[nodes].reshape(-1, corners)
+
+
+def triangles(gmsh: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices (n, 3) in mm and outward faces (m, 3) of the open session's surface mesh."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, corners = gmsh.model.mesh.getElementsByType(_TRIANGLE)
+    return coordinates.reshape(-1, 3), _numbers(tags)[corners].reshape(-1, 3)
+
+
+def _numbers(tags: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Row of each node by its tag."""
+    number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    number[tags] = np.arange(len(tags))
+    return number

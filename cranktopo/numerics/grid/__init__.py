@@ -1,0 +1,1 @@
+"""Matrix-free finite elements on a structured grid, in JAX."""

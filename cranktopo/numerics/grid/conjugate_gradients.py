@@ -1,0 +1,254 @@
+"""Conjugate gradients in float64, all cases at once, preconditioned by the multigrid cycle or by Jacobi.
+
+Fields have shape (cases, 3, nodes...). The relative residual that all cases must reach is `tolerance`. Only
+the preconditioner may be in float32: directions that are rounded find the same few soft motions of a web
+again and again, which takes many more cycles on fine grids.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from cranktopo.numerics.grid.boundary_conditions import (
+    BoundaryConditions,
+    add_section,
+    coordinates_of_ends,
+    interior_factors,
+    section_coordinates,
+)
+from cranktopo.numerics.grid.multigrid import Hierarchy, apply_cycle, project
+from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
+from cranktopo.numerics.kernels.registry import by_kernel, coupled
+
+_Preconditioner = Callable[[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
+"""From a residual and its norms to a field and scales per case: the correction is their projected product."""
+
+# Aim a little lower: the recursive residual that is watched drifts from the true one by rounding.
+_AIM = 0.9
+# No regular system lets the residual grow so far on its way down: this one is singular.
+_DIVERGED = 1e10
+
+
+class System(NamedTuple):
+    """Equilibrium K(moduli) u = f of every case.
+
+    Attributes:
+        blocks: reflection blocks (8, 3, 3, nz) of the layers.
+        moduli: modulus per cell, float64.
+        forces: (cases, 3, nodes...), float64.
+    """
+
+    blocks: jax.Array
+    supports: BoundaryConditions
+    moduli: jax.Array
+    forces: jax.Array
+
+
+class CgResult(NamedTuple):
+    """What an iteration arrived at.
+
+    Attributes:
+        displacements: (cases, 3, nodes...).
+        relative_residual: (cases,) norm of the true residual, computed afresh, over that of the load.
+        iterations: number of iterations, shared by all cases.
+    """
+
+    displacements: jax.Array
+    relative_residual: jax.Array
+    iterations: jax.Array
+
+
+class _CgState(NamedTuple):
+    """Between two steps.
+
+    Attributes:
+        true_error: relative residual at the last measurement; `error` is that of `r`, which is carried on.
+        measure: whether the next step is a measurement.
+    """
+
+    u: jax.Array
+    r: jax.Array
+    p: jax.Array
+    rz: jax.Array
+    error: jax.Array
+    true_error: jax.Array
+    done: jax.Array
+    measure: jax.Array
+    stop: jax.Array
+
+
+def stiffness_product(system: System, u: jax.Array) -> jax.Array:
+    """K u with the springs of the rigid sections, as far as admissible displacements feel it.
+
+    The reactions are projected out: far larger than a residual, they would drown it in float32.
+    """
+    supports = system.supports
+    springs = jnp.einsum("bmn,bn->bm", supports.springs, section_coordinates(supports, u))
+    forces = supports.partition.add_interfaces(apply_stiffness(system.blocks, system.moduli, u))
+    return project(supports, add_section(supports, forces, springs))
+
+
+def product_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Product with the stiffness, and its work (cases,) on the admissible displacements that it is of."""
+    if system.supports.partition.parts > 1:
+        return _by_product(system, u)
+    return by_kernel(_by_kernel, _by_product, system, u)
+
+
+def _by_product(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    image = stiffness_product(system, u)
+    return image, system.supports.partition.dot(u, image)
+
+
+def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """The same, with masks and work of the free nodes where the product is made."""
+    supports, nodes = system.supports, (u.shape[2], u.shape[3], u.shape[4])
+    factors = interior_factors(supports, nodes)
+    free, ends, works = coupled("stiffness", "free_forces", [system.blocks, system.moduli, u, *factors])
+    moved = section_coordinates(supports, u)
+    pushed = coordinates_of_ends(supports, ends) + jnp.einsum("bmn,bn->bm", supports.springs, moved)
+    return add_section(supports, free, pushed), jnp.sum(works, axis=1) + jnp.sum(moved * pushed, axis=1)
+
+
+@partial(jax.jit, donate_argnames="guess")
+def multigrid_cg(
+    system: System,
+    hierarchy: Hierarchy,
+    degree: jax.Array,
+    guess: jax.Array,
+    tolerance: jax.Array,
+    max_iterations: jax.Array,
+) -> CgResult:
+    """Conjugate gradients with the multigrid cycle.
+
+    Args:
+        hierarchy: built from the system's moduli or from similar ones.
+        degree: smoothing steps before and after each coarse correction.
+        guess: start values; their memory is taken for the result, so that the array is gone afterwards.
+
+    Returns:
+        CgResult; the tolerance is missed where the cap is reached, where the preconditioner or the matrix is
+        not positive definite in floating point, and where rounding stops all progress.
+    """
+    precondition = partial(apply_cycle, hierarchy, system.supports, degree)
+    return _iterate(system, precondition, guess, tolerance, max_iterations)
+
+
+@jax.jit
+def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterations: jax.Array) -> CgResult:
+    """Conjugate gradients with the inverse diagonal; result as of `multigrid_cg`."""
+    diagonal = stiffness_diagonal(system.blocks, system.moduli)
+    inverse = jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1.0), 0.0)
+
+    def precondition(residual: jax.Array, norm: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return inverse * residual, jnp.ones_like(norm)
+
+    return _iterate(system, precondition, guess, tolerance, max_iterations)
+
+
+@dataclass(frozen=True)
+class _Iteration:
+    """One loop of two kinds of steps, so that the product is compiled only once.
+
+    Attributes:
+        load: (cases,) norms of the projected forces, 1 where 0.
+    """
+
+    system: System
+    precondition: _Preconditioner
+    load: jax.Array
+    tolerance: jax.Array
+    max_iterations: jax.Array
+
+    def step(self, s: _CgState) -> _CgState:
+        """Along the next direction, as far as the energy falls."""
+        direction, r, slope = jax.lax.cond(s.measure, self._measured, self._conjugate, s)
+        # Not a result of the branches: it would be copied.
+        u = jnp.where(s.measure, 0.0, s.u)
+        image, curvature = product_and_work(self.system, direction)
+        alpha = _ratio(slope, curvature)
+        u, r = u + _wide(alpha) * direction, r - _wide(alpha) * image
+        error = jnp.sqrt(self._dot(r, r)) / self.load
+        sound = jnp.all((slope > 0) & (curvature > 0) & (error < _DIVERGED) | (error == 0))
+        done = s.done + jnp.where(s.measure, 0, 1)
+        spent = done >= self.max_iterations
+        checked = s.measure & (s.done > 0)
+        stuck = checked & ~(jnp.max(error) <= 0.5 * jnp.max(s.true_error))  # also when not a number
+        return _CgState(
+            u=u,
+            r=r,
+            p=direction,
+            rz=jnp.where(s.measure, 0.0, slope),
+            error=error,
+            true_error=jnp.where(s.measure, error, s.true_error),
+            done=done,
+            measure=~s.measure & (jnp.all(error <= _AIM * self.tolerance) | ~sound | spent),
+            stop=s.measure & (jnp.all(error <= self.tolerance) | stuck | spent),
+        )
+
+    def _measured(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """From zero along u: the true residual, and u scaled per case to the least energy of its error.
+
+        It makes the most of the guess at the start and checks the result at the end. Where the recursive
+        residual has drifted from the true one, the iteration goes on from there, as long as that still helps.
+        """
+        # Projected here, not kept: the forces would be one more field.
+        forces = project(self.system.supports, self.system.forces)
+        return s.u, forces, self._dot(forces, s.u)
+
+    def _conjugate(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array]:
+        z, scale = self.precondition(s.r, s.error * self.load)
+        # What z has outside the space of admissible displacements the residual does not feel.
+        rz = scale * self._dot(s.r, z.astype(s.r.dtype))
+        kept = _wide(_ratio(rz, s.rz)) * s.p
+        return project(self.system.supports, z.astype(s.r.dtype), scale, kept), s.r, rz
+
+    def _dot(self, a: jax.Array, b: jax.Array) -> jax.Array:
+        return self.system.supports.partition.dot(a, b)
+
+
+def _iterate(
+    system: System,
+    precondition: _Preconditioner,
+    guess: jax.Array,
+    tolerance: jax.Array,
+    max_iterations: jax.Array,
+) -> CgResult:
+    """From the guess until a measurement tells to stop."""
+    free = project(system.supports, system.forces)
+    load = jnp.sqrt(system.supports.partition.dot(free, free))
+    load = jnp.where(load > 0, load, 1.0)
+    iteration = _Iteration(system, precondition, load, tolerance, max_iterations)
+    first = _before_measuring(project(system.supports, guess))
+    final = jax.lax.while_loop(lambda s: ~s.stop, iteration.step, first)
+    return CgResult(final.u, final.true_error, final.done)
+
+
+def _before_measuring(u: jax.Array) -> _CgState:
+    none, zero = jnp.zeros(u.shape[0], u.dtype), jnp.zeros_like(u)
+    return _CgState(
+        u=u,
+        r=zero,
+        p=zero,
+        rz=none,
+        error=none,
+        true_error=none,
+        done=jnp.zeros((), jnp.int32),
+        measure=jnp.asarray(True),
+        stop=jnp.asarray(False),
+    )
+
+
+def _wide(scalars: jax.Array) -> jax.Array:
+    return scalars[:, None, None, None, None]
+
+
+def _ratio(a: jax.Array, b: jax.Array) -> jax.Array:
+    """a / b, and 0 where there is nothing to divide by: a zero guess, a case that is already solved."""
+    return jnp.where(b > 0, a / jnp.where(b > 0, b, 1.0), 0.0)

@@ -1,0 +1,198 @@
+"""Equilibrium to a checked residual: fast multigrid first, then announced fallbacks, else an error.
+
+Nothing leaves this module whose true float64 residual misses its tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.numerics.grid.compiling import compile_multigrid
+from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
+from cranktopo.numerics.grid.devices import SharedSolve, devices_for
+from cranktopo.numerics.grid.diagnosis import VOID, unsupported_load, void_energy_share
+from cranktopo.numerics.grid.multigrid import GridTables, build_hierarchy
+from cranktopo.numerics.precision import Precision
+
+# An answer of which void decides more than this share is refused.
+_VOID_SHARE = 0.5
+# Only cells stiffer than this share of the stiffest count as joined when a failure is explained.
+_SOFT = 1e-3
+
+
+class Solution(NamedTuple):
+    """Displacements and how well they satisfy equilibrium.
+
+    Attributes:
+        relative_residual: (cases,) norm of the true residual over that of the load.
+        iterations: number of iterations, shared by all cases, of all methods together.
+        method: what reached the tolerance.
+        notice: one sentence when the first method was not enough, else empty.
+    """
+
+    displacements: jax.Array
+    relative_residual: jax.Array
+    iterations: int
+    method: str = ""
+    notice: str = ""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to solve; `degree` 0 is Jacobi without a hierarchy."""
+
+    name: str
+    precision: Precision
+    degree: int
+    cap: int
+
+
+# A field that defeats two smoothing steps in float32 is either ill-conditioned or an island in void:
+# float64 helps with the second, deeper smoothing with the first.
+METHODS = (
+    Method("multigrid CG", "float32", 2, 200),
+    Method("multigrid CG in float64 with deeper smoothing", "float64", 6, 600),
+    Method("Jacobi CG", "float64", 0, 5000),
+)
+
+
+def solve_system(
+    tables: GridTables,
+    system: System,
+    guess: jax.Array,
+    tolerance: float,
+    names: tuple[str, ...],
+    precision: Precision = "float32",
+) -> Solution:
+    """Displacements of every case, their true residual at most the tolerance.
+
+    Args:
+        guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros; the
+            array is gone afterwards.
+        precision: of the first method's multigrid cycle.
+
+    Raises:
+        CranktopoError: the field or the load makes no sense, or no method reaches the tolerance (exit
+            code 4).
+    """
+    _check_numbers(system, names)
+    iterations, tried = 0, ""
+    for method in (replace(METHODS[0], precision=precision), *METHODS[1:]):
+        result = run_method(method, tables, system, guess, tolerance)
+        used, residual = int(result.iterations), _worst(result)
+        iterations += used
+        _check_meaning(system, result, residual <= tolerance, names)
+        if residual <= tolerance:
+            notice = f"{tried}: {method.name} took over and reached {tolerance:.0e}" if tried else ""
+            return Solution(result.displacements, result.relative_residual, iterations, method.name, notice)
+        if not tried:
+            _check_load_path(system, names)
+        tried = f"{method.name} stopped at relative residual {residual:.1e} after {used} iterations"
+        guess = result.displacements if isfinite(residual) else jnp.zeros_like(guess)
+    raise _failure(system, result, tolerance, iterations, names)
+
+
+def run_method(
+    method: Method, tables: GridTables, system: System, guess: jax.Array, tolerance: float
+) -> CgResult:
+    """What one method arrives at; the others have not been tried."""
+    limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
+    if method.degree == 0:
+        return jacobi_cg(system, guess, *limits)
+    parts = devices_for(system.moduli.shape)
+    if parts > 1:
+        return SharedSolve(tables, system, method.degree, guess, limits, method.precision, parts).result()
+    compile_multigrid(tables, system, method.precision)
+    hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
+    return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
+
+
+def _worst(result: CgResult) -> float:
+    return float(jnp.max(result.relative_residual))
+
+
+def _check_numbers(system: System, names: tuple[str, ...]) -> None:
+    least, largest, numbers, finite = _extreme_values(system.moduli, system.forces)
+    least, largest = float(least), float(largest)
+    if not (numbers and least >= 0 and largest > 0):
+        raise CranktopoError(
+            f"solver: relative moduli from {least:.3g} to {largest:.3g}{'' if numbers else ' or no number'}; "
+            "all must be finite, none negative and one positive.",
+            hint="Check the densities and the material.",
+            code=ExitCode.SOLVER,
+        )
+    if not bool(jnp.all(finite)):
+        raise CranktopoError(
+            f"solver: load case {names[int(jnp.argmin(finite))]} has forces that are not finite numbers.",
+            hint="Check the loads.",
+            code=ExitCode.SOLVER,
+        )
+
+
+@jax.jit
+def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, ...]:
+    """Least and largest modulus, whether all are finite, and whether the forces of each case are.
+
+    A compiled minimum may pass over what is not a number; a sum does not.
+    """
+    finite = jnp.isfinite(jnp.sum(moduli)), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
+    return jnp.min(moduli), jnp.max(moduli), *finite
+
+
+def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[str, ...]) -> None:
+    """Refuse an answer that void decides; while it is not reached, only where material has a gap."""
+    shares = void_energy_share(system, result.displacements)
+    if not shares.max() > _VOID_SHARE:
+        return
+    found = unsupported_load(system, VOID)
+    if found is None and not solved:
+        return
+    case, reason = found or _hinge(system, VOID) or (int(shares.argmax()), "a part of the structure is loose")
+    raise CranktopoError(
+        f"solver: load case {names[case]} has no answer that means anything: {reason}; {shares.max():.0%} of "
+        f"its work is done on void, cells softer than {VOID:.0e} of the stiffest.",
+        hint="Join the load to the supports with material: move the load or raise the volume fraction.",
+        code=ExitCode.SOLVER,
+    )
+
+
+def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
+    """The first case whose load reaches its supports across edges or corners only."""
+    found = unsupported_load(system, threshold, "faces")
+    return found and (
+        found[0],
+        "its load reaches a support only across edges or corners of cells, which are hinges",
+    )
+
+
+def _check_load_path(system: System, names: tuple[str, ...]) -> None:
+    """Before slower methods are tried: a singular system has no answer."""
+    found = unsupported_load(system, 0.0)
+    if found is not None:
+        case, reason = found
+        raise CranktopoError(
+            f"solver: load case {names[case]} has no answer: {reason}.",
+            hint="Join the load to the supports with material, or give void cells a small modulus.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def _failure(
+    system: System, result: CgResult, tolerance: float, iterations: int, names: tuple[str, ...]
+) -> CranktopoError:
+    residual = [float(r) for r in result.relative_residual]
+    worst = residual.index(max(residual))
+    found = unsupported_load(system, _SOFT) or _hinge(system, _SOFT)
+    reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
+    return CranktopoError(
+        f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
+        f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",
+        hint="Check that a load path joins the journals, or use a smaller stiffness contrast.",
+        code=ExitCode.SOLVER,
+    )

@@ -1,0 +1,120 @@
+"""Fourth-kind Chebyshev-Jacobi smoothing, a step at a time: by a kernel on the processor, elsewhere by JAX.
+
+Source: J. Lottes, Optimal polynomial smoothers for multigrid V-cycles, Numer. Linear Algebra Appl. 30, 2023,
+algorithm 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions, interior_factors
+from cranktopo.numerics.grid.partition import Partition
+from cranktopo.numerics.kernels.registry import by_kernel, coupled
+
+
+class Smoothing(NamedTuple):
+    """Fields (cases, 3, nodes...) between two steps.
+
+    Attributes:
+        correction: part of `field` whose forces `residual` does not know of yet.
+    """
+
+    correction: jax.Array
+    field: jax.Array
+    residual: jax.Array
+
+
+class Steps(NamedTuple):
+    """Jacobi steps of a level, and where components move on their own.
+
+    Attributes:
+        sizes: inverse diagonal over the largest eigenvalue of the Jacobi-scaled operator (3, nodes...).
+        along_x, along_z: (cases, 3, nodes) 0 where a component is held, else 1.
+    """
+
+    sizes: jax.Array
+    along_x: jax.Array
+    along_z: jax.Array
+
+    def __call__(self, residual: jax.Array) -> jax.Array:
+        """Correction by one Jacobi step."""
+        masks = self.along_x[:, :, :, None, None] * self.along_z[:, :, None, None, :]
+        return masks * self.sizes * residual
+
+
+@dataclass(frozen=True)
+class Smoother:
+    """The operator of a level, and how it is smoothed with it.
+
+    Attributes:
+        name: of the operator among the kernels.
+        apply: product of `arrays` with a field, not yet complete on the interfaces of a partition.
+    """
+
+    name: str
+    apply: Callable[..., jax.Array]
+    arrays: Sequence[jax.Array]
+    steps: Steps
+    partition: Partition
+
+    def start(self, residual: jax.Array) -> Smoothing:
+        """From a field of zeros."""
+        first = 4 / 3 * self.steps(residual)
+        return Smoothing(first, first, residual)
+
+    def before(self, state: Smoothing, count: int | jax.Array) -> Smoothing:
+        """So many corrections in all, the first one in the state; the last residual knows of all of them."""
+        return self._sweeps(state, count, 1, count)
+
+    def after(self, state: Smoothing, count: int | jax.Array) -> Smoothing:
+        """So many corrections more."""
+        return self._sweeps(state, count, 0, count + 1)
+
+    def _sweeps(
+        self, state: Smoothing, count: int | jax.Array, first: int, end: int | jax.Array
+    ) -> Smoothing:
+        """So many products, from a number of the recursion on; from `end` on only residuals change."""
+
+        def sweep(index: jax.Array, state: Smoothing) -> Smoothing:
+            number = index + first
+            return self._step(state, jnp.where(number < end, _weights(number), 0.0))
+
+        return jax.lax.fori_loop(0, count, sweep, state)
+
+    def _step(self, state: Smoothing, weights: jax.Array) -> Smoothing:
+        weights = weights.astype(state.field.dtype)
+        if self.partition.parts > 1:
+            return self._by_product(self.arrays, state, self.steps, weights)
+        return by_kernel(self._by_kernel, self._by_product, self.arrays, state, self.steps, weights)
+
+    def _by_kernel(
+        self, arrays: Sequence[jax.Array], state: Smoothing, steps: Steps, weights: jax.Array
+    ) -> Smoothing:
+        return Smoothing(*coupled(self.name, "smoothing", [*arrays, *state, *steps, weights]))
+
+    def _by_product(
+        self, arrays: Sequence[jax.Array], state: Smoothing, steps: Steps, weights: jax.Array
+    ) -> Smoothing:
+        keep, fresh = weights
+        forces = self.partition.add_interfaces(self.apply(*arrays, state.correction))
+        residual = state.residual - forces
+        correction = keep * state.correction + fresh * steps(residual)
+        return Smoothing(correction, state.field + correction, residual)
+
+
+def steps_of(sizes: jax.Array, supports: BoundaryConditions) -> Steps:
+    """The steps of a level under the supports of every case."""
+    _, nx, ny, nz = sizes.shape
+    along_x, along_z = interior_factors(supports, (nx, ny, nz))
+    return Steps(sizes, along_x.astype(sizes.dtype), along_z.astype(sizes.dtype))
+
+
+def _weights(number: jax.Array) -> jax.Array:
+    """Weights of the last correction and of a Jacobi step in correction `number` + 1."""
+    return jnp.stack([jnp.maximum(2 * number - 1, 0), 8 * number + 4]) / (2 * number + 3)

@@ -1,0 +1,214 @@
+"""Code that goes through the planes of nodes along x: an operator couples two neighbours, a finish ends one.
+
+Nodal forces of two planes are kept at a time, in spare memory that stays in the cache. Once the operator has
+coupled a plane to the next one its forces are complete, and the finish does with them what the call is for:
+fields that it changes are read and written once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from cranktopo.numerics.kernels.ir_builder import INT64, Value, VectorCode
+
+# What a kernel gets after its arrays: cases, nodes along x, y, z, part, its first plane, that after its last.
+NUMBERS = [INT64] * 7
+
+Shape = tuple[int, ...]
+Planes = tuple[Value, ...]
+"""Addresses of a plane of nodes, one per component."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Numbers of nodes; in `plane` and `component`, numbers from one plane or component to the next."""
+
+    cases: Value
+    nx: Value
+    ny: Value
+    nz: Value
+    plane: Value
+    component: Value
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A plane of nodes and the one after it: displacements to read, forces to add to, each near and far."""
+
+    field: tuple[Planes, Planes]
+    forces: tuple[Planes, Planes]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What an operator couples in one go.
+
+    Attributes:
+        number: of the near plane.
+        inside: whether there is a far one; where there is none its addresses must not be used.
+        cases: number of load cases.
+        pair: the planes of one of these.
+    """
+
+    number: Value
+    inside: Value
+    cases: Value
+    pair: Callable[[Value], Pair]
+
+
+class Operator(Protocol):
+    """What a layer of cells, or the stencils of a plane, give to the forces of two planes.
+
+    Attributes:
+        arrays: number of arrays that it is made of.
+        together: whether all load cases go through the planes side by side.
+    """
+
+    arrays: int
+    together: bool
+
+    def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
+        """Write what couples the planes of a layer."""
+
+
+class Finish(Protocol):
+    """What is done with a plane whose forces are complete.
+
+    Attributes:
+        arrays: number of arrays that it reads, the field first; those that it writes come after.
+        replaced: how many of those that it reads, from the first on, are the memory of its results.
+    """
+
+    arrays: int
+    replaced: int
+
+    def results(self, field: Shape) -> list[Shape]:
+        """Shapes of what it writes; the first one has the field's."""
+
+    def write(
+        self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes
+    ) -> None:
+        """Write what ends a plane of one case."""
+
+
+def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
+    """Kernel that ends the planes of nodes from `first` to before `last` of every case.
+
+    Inputs of the function: arrays of the operator and of the finish, spare memory (parts, planes, 3, nodes
+    along y, along z), `NUMBERS`. A part couples the planes on both sides of its own, whose forces it does not
+    end, so that the number of parts does not change the result.
+    """
+    march = _March(code, operator, finish)
+    if operator.together:
+        march.write(INT64(0), march.grid.cases)
+    else:
+        with code.loop(INT64(0), march.grid.cases, INT64(1)) as case:
+            march.write(case.index, INT64(1))
+    code.builder.ret_void()
+
+
+def spare_planes(operator: Operator, finish: Finish) -> tuple[int, int]:
+    """Planes in the spare memory of a part, per case and besides: copies of neighbours, forces of two."""
+    copies = _copied_planes(finish)
+    return (copies + 2, 0) if operator.together else (copies, 2)
+
+
+def _copied_planes(finish: Finish) -> int:
+    """Planes that a part keeps copies of, per case: one on each side of what it overwrites."""
+    return 2 if finish.replaced else 0
+
+
+def write_copies(code: VectorCode, operator: Operator, finish: Finish) -> None:
+    """What is called for every part before the kernel, with the same inputs.
+
+    Where the finish overwrites the field it copies the planes next to the part's own into its spare memory.
+    """
+    march = _March(code, operator, finish)
+    if finish.replaced:
+        march.copy_neighbours()
+    code.builder.ret_void()
+
+
+class _March:
+    def __init__(self, code: VectorCode, operator: Operator, finish: Finish):
+        *arrays, spare, cases, nx, ny, nz, part, self._first, self._last = code.function.args
+        plane = code.times(ny, nz)
+        self._code, self._operator, self._finish = code, operator, finish
+        self.grid = Grid(cases, nx, ny, nz, plane, code.times(nx, plane))
+        self._own, self._others = arrays[: operator.arrays], arrays[operator.arrays :]
+        each, besides = spare_planes(operator, finish)
+        planes = code.plus(code.times(INT64(each), cases), besides)
+        self._copies = code.at(spare, code.times(part, INT64(3), planes, plane))
+        copied = INT64(3 * _copied_planes(finish))
+        self._near = code.at(self._copies, code.times(copied, cases, plane))
+
+    def write(self, start: Value, cases: Value) -> None:
+        """Through the planes with so many cases, from one on."""
+        code, first = self._code, self._first
+        size = code.times(INT64(3), cases, self.grid.plane)
+        before = code.plus(first, -1)
+        begin = code.builder.select(code.below(before, INT64(0)), INT64(0), before)
+        near, far = self._near, code.at(self._near, size)
+        code.clear(near, size)
+        with code.loop(begin, self._last, INT64(1), (near, far)) as turn:
+            plane, (near, far) = turn.index, turn.values
+            code.clear(far, size)
+            inside = code.below(code.plus(plane, 1), self.grid.nx)
+            layer = Layer(plane, inside, cases, lambda k: self._pair(start, k, plane, (near, far)))
+            self._operator.couple(code, self.grid, self._own, layer)
+            with (
+                code.builder.if_then(code.builder.not_(code.below(plane, first))),
+                code.loop(INT64(0), cases, INT64(1)) as k,
+            ):
+                case, forces = code.plus(start, k.index), self._forces(near, k.index)
+                self._finish.write(code, self.grid, self._others, case, plane, forces)
+            turn.following = far, near
+
+    def copy_neighbours(self) -> None:
+        """The planes before and after the part's own, of all cases."""
+        code, there = self._code, (self._code.plus(self._first, -1), self._last)
+        exists = code.below(INT64(0), self._first), code.below(self._last, self.grid.nx)
+        for side in range(2):
+            with code.builder.if_then(exists[side]), code.loop(INT64(0), self.grid.cases, INT64(1)) as case:
+                for c in range(3):
+                    copy = self._copy(side, case.index, c)
+                    code.copy(self._plane(case.index, c, there[side]), copy, self.grid.plane)
+
+    def _pair(self, start: Value, k: Value, plane: Value, forces: tuple[Value, Value]) -> Pair:
+        case = self._code.plus(start, k)
+        far = self._code.plus(plane, 1)
+        fields = self._field(case, plane), self._field(case, far)
+        return Pair(fields, (self._forces(forces[0], k), self._forces(forces[1], k)))
+
+    def _field(self, case: Value, plane: Value) -> Planes:
+        """Displacements of a plane; from the copies where another part overwrites them."""
+        code, own = self._code, tuple(self._plane(case, c, plane) for c in range(3))
+        if not self._finish.replaced:
+            return own
+        before, after = code.below(plane, self._first), code.builder.not_(code.below(plane, self._last))
+        select = code.builder.select
+        return tuple(
+            select(before, self._copy(0, case, c), select(after, self._copy(1, case, c), address))
+            for c, address in enumerate(own)
+        )
+
+    def _plane(self, case: Value, c: int, plane: Value) -> Value:
+        return self._code.at(self._others[0], field_offset(self._code, self.grid, case, c, plane))
+
+    def _copy(self, side: int, case: Value, c: int) -> Value:
+        code, cases = self._code, self.grid.cases
+        fields = code.plus(code.times(INT64(side), cases), case)
+        return code.at(self._copies, code.times(code.plus(code.times(fields, INT64(3)), c), self.grid.plane))
+
+    def _forces(self, start: Value, k: Value) -> Planes:
+        code = self._code
+        first = code.times(k, INT64(3))
+        return tuple(code.at(start, code.times(code.plus(first, c), self.grid.plane)) for c in range(3))
+
+
+def field_offset(code: VectorCode, grid: Grid, case: Value, c: int, plane: Value) -> Value:
+    """Numbers before a plane of a component in a field (cases, 3, nodes...)."""
+    component = code.plus(code.times(case, INT64(3)), c)
+    return code.plus(code.times(component, grid.component), code.times(plane, grid.plane))

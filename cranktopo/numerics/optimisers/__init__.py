@@ -1,0 +1,1 @@
+"""Optimisers for few and for many variables, and what they tell of an optimum."""

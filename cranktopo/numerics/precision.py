@@ -1,0 +1,148 @@
+"""The one place that touches JAX settings for a `with` block: 64-bit numbers and stored programs."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Literal
+from weakref import WeakSet
+
+from cranktopo.base.cache import user_cache
+from cranktopo.base.errors import CranktopoError, ExitCode, shown
+
+Precision = Literal["float32", "float64"]
+
+_FOLDER_SETTING = "jax_compilation_cache_dir"
+
+
+@contextmanager
+def double_precision() -> Iterator[None]:
+    """Context in which JAX arrays may be float64 and compiled programs are kept for the next process.
+
+    Reported numbers are computed inside it. Nothing is changed outside the block, so importing
+    cranktopo never alters the settings of a user's own JAX program; a compilation cache that the user
+    has set up is left alone, and JAX_ENABLE_COMPILATION_CACHE=false switches ours off too.
+    """
+    import jax
+
+    check_device()
+    with jax.enable_x64(True), _stored_compilations():
+        yield
+
+
+@cache
+def check_device() -> None:
+    """Check that JAX has something to compute on; raises CranktopoError where it has not."""
+    import jax
+
+    try:
+        jax.devices()
+    except Exception as error:  # JAX raises whatever its plugins raise, an empty AssertionError among it
+        wanted = os.environ.get("JAX_PLATFORMS")
+        asked = f" (JAX_PLATFORMS = {shown(wanted)})" if wanted else ""
+        reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
+        raise CranktopoError(
+            f"JAX finds no device to compute on{asked}: {reason}.",
+            hint="Unset JAX_PLATFORMS, or install JAX for that device: see `cranktopo doctor`.",
+            code=ExitCode.MISSING_TOOL,
+        ) from None
+
+
+def cache_folder() -> Path:
+    """Where compiled programs are kept: one folder per JAX version and kind of processor."""
+    import jax
+
+    return user_cache() / f"jax-{jax.__version__}-{_processor()}"
+
+
+class CompileClock:
+    """The time during which JAX traces or compiles from now on, in any thread of this process."""
+
+    def __init__(self) -> None:
+        self._began = time.perf_counter()
+        self._spans: list[tuple[float, float]] = []
+        _listen()
+        _clocks.add(self)
+
+    @property
+    def compile_s(self) -> float:
+        """Seconds; what several threads compile at the same time counts once."""
+        total, until = 0.0, self._began
+        for start, end in sorted(self._spans):
+            total += max(0.0, end - max(start, until))
+            until = max(until, end)
+        return total
+
+    def add(self, start: float, end: float) -> None:
+        """Count a compilation between two times of `time.perf_counter`."""
+        self._spans.append((start, end))
+
+
+_clocks: WeakSet[CompileClock] = WeakSet()
+
+
+@cache
+def _listen() -> None:
+    """Tell the clocks that are in use of every compilation: one listener per process, JAX never drops one."""
+    import jax
+
+    def listener(event: str, duration_secs: float, **_: str | int) -> None:
+        if event.startswith("/jax/core/compile/"):
+            now = time.perf_counter()
+            for clock in list(_clocks):
+                clock.add(now - duration_secs, now)
+
+    jax.monitoring.register_event_duration_secs_listener(listener)
+
+
+@contextmanager
+def _stored_compilations() -> Iterator[None]:
+    import jax
+    from jax.experimental.compilation_cache import compilation_cache
+
+    folder = _writable(cache_folder())
+    if folder is None or getattr(jax.config, _FOLDER_SETTING) is not None:
+        yield
+        return
+    settings = {
+        _FOLDER_SETTING: str(folder),
+        "jax_persistent_cache_min_compile_time_secs": 0.0,  # tiny programs are many: half of all compiling
+    }
+    before = {name: getattr(jax.config, name) for name in settings}
+    try:
+        _configure(settings)
+        yield
+    finally:
+        _configure(before)
+        compilation_cache.reset_cache()  # else JAX goes on using the folder
+
+
+def _configure(settings: dict[str, object]) -> None:
+    import jax
+
+    for name, value in settings.items():
+        jax.config.update(name, value)
+
+
+def _writable(folder: Path) -> Path | None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _processor() -> str:
+    """Digest of the processor's features: a program compiled for one kind may not run on another."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        features = next(line for line in lines if line.startswith(("flags", "Features")))
+    except (OSError, StopIteration):
+        features = platform.processor()
+    return hashlib.sha256(f"{platform.machine()} {features}".encode()).hexdigest()[:8]

@@ -1,0 +1,118 @@
+"""Surfaces read from and written to the files of CAD, meshers, printers and viewers."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError, shown
+from cranktopo.base.files import write_bytes
+from cranktopo.base.formats import SurfaceFormat
+from cranktopo.base.reading import GEOMETRY_LIMIT_MIB, check_input
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+_METRES_PER_MM = 1e-3
+_FARTHEST_MM = 1e6
+_3MF_TYPES = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n'
+    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>'
+    "</Types>"
+)
+_3MF_RELATIONS = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n'
+    '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+    '<Relationship Target="/3D/3dmodel.model" Id="rel0" '
+    'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'
+)
+_3MF_HEAD = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<model unit="millimeter" xml:lang="en-US" '
+    'xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>'
+    '<object id="1" type="model"><mesh><vertices>'
+)
+_3MF_TAIL = '</triangles></mesh></object></resources><build><item objectid="1"/></build></model>'
+
+
+def write_surface(path: Path, mesh: SurfaceMesh, form: SurfaceFormat) -> None:
+    """Write a mesh atomically, in the frame of `cranktopo.base.frames`.
+
+    STL (binary, single precision) and 3MF are in mm; GLB, for viewers, is in metres, as its
+    specification demands.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    write_bytes(path, {"stl": _stl, "3mf": _3mf, "glb": _glb}[form](mesh))
+
+
+def write_stl(path: Path, mesh: SurfaceMesh) -> None:
+    """Write a mesh as `write_surface` does, as STL."""
+    write_surface(path, mesh, "stl")
+
+
+def read_stl(path: Path, name: str = "") -> SurfaceMesh:
+    """The surface in an STL file, mm, vertices joined; nothing about it is checked.
+
+    Args:
+        name: of the file in the message, by default its path.
+
+    Raises:
+        CranktopoError: it cannot be read.
+    """
+    import trimesh
+
+    name = name or f"'{path}'"
+    check_input(path, name, GEOMETRY_LIMIT_MIB, "Give a closed STL in mm.")
+    try:
+        with path.open("rb") as file:
+            mesh = trimesh.load_mesh(file, file_type="stl")
+        surface = SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
+    except Exception as error:  # trimesh raises what its parsers raise, all meaning this
+        raise CranktopoError(
+            f"{name}: cannot be read as STL: {shown(str(error))}.", hint="Export it again as STL, mm."
+        ) from None
+    if not (np.abs(surface.vertices_mm) <= _FARTHEST_MM).all():  # false for NaN as well
+        raise CranktopoError(
+            f"{name}: holds coordinates that are no numbers or beyond {_FARTHEST_MM:g} mm.",
+            hint="Export it again as STL, mm.",
+        )
+    return surface
+
+
+def _stl(mesh: SurfaceMesh) -> bytes:
+    import trimesh
+
+    content: bytes = trimesh.exchange.stl.export_stl(mesh.as_trimesh())
+    return content
+
+
+def _glb(mesh: SurfaceMesh) -> bytes:
+    in_metres = SurfaceMesh(mesh.vertices_mm * _METRES_PER_MM, mesh.faces)
+    content: bytes = in_metres.as_trimesh().export(file_type="glb")
+    return content
+
+
+def _3mf(mesh: SurfaceMesh) -> bytes:
+    """3MF core specification 1.3: a package of one model with one object.
+
+    The date of its parts is fixed, so that the same surface gives the same bytes.
+    """
+    vertices = "".join(
+        f'<vertex x="{x!s}" y="{y!s}" z="{z!s}"/>' for x, y, z in mesh.vertices_mm.astype(np.float32)
+    )
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.faces)
+    model = f"{_3MF_HEAD}{vertices}</vertices><triangles>{faces}{_3MF_TAIL}"
+    parts = {
+        "[Content_Types].xml": _3MF_TYPES,
+        "_rels/.rels": _3MF_RELATIONS,
+        "3D/3dmodel.model": model,
+    }
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as package:
+        for name, text in parts.items():
+            package.writestr(zipfile.ZipInfo(name), text, zipfile.ZIP_DEFLATED)
+    return content.getvalue()

@@ -1,0 +1,1 @@
+"""Linear elasticity on ten-node tetrahedra: meshes, assembly, solves, stresses."""

@@ -1,1 +1,0 @@
-"""SIMP density optimisation."""

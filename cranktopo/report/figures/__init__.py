@@ -1,1 +1,0 @@
-"""Figures: matplotlib plots and shaded pictures of finished results."""

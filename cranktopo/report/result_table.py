@@ -1,0 +1,152 @@
+"""One table, four forms: terminal, Markdown, CSV, JSON rows. Columns have names, never positions."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from cranktopo.report.markdown_text import escaped
+
+T = TypeVar("T")
+Cell = str | float | None
+Row = Mapping[str, Cell]
+
+
+@dataclass(frozen=True)
+class ResultTable:
+    """A table of text and numbers.
+
+    Attributes:
+        columns: decimals by machine name, in order; the name ends in the unit, e.g. `mass_kg`. Text ignores
+            the decimals.
+        rows: cells by column; None prints as a dash.
+        best: row number and column of the cells to mark as best.
+    """
+
+    columns: Mapping[str, int]
+    rows: tuple[Row, ...]
+    best: frozenset[tuple[int, str]] = frozenset()
+
+    def head(self, column: str) -> tuple[str, str]:
+        """Label and unit of a column: `torsion_kNm_per_rad` gives ("torsion", "kN m/rad")."""
+        for suffix in sorted(_UNITS, key=len, reverse=True):
+            if column.endswith(f"_{suffix}"):
+                return column[: -len(suffix) - 1].replace("_", " "), _UNITS[suffix]
+        return column.replace("_", " "), ""
+
+    def is_text(self, column: str) -> bool:
+        """Whether a column holds words."""
+        return any(isinstance(row[column], str) for row in self.rows)
+
+    def longest(self, column: str) -> int:
+        """Letters of the longest cell of a column."""
+        return max((len(self.cell(row, column)) for row in range(len(self.rows))), default=0)
+
+    def cell(self, row: int, column: str) -> str:
+        """A cell as text, rounded, with a trailing `*` where it is marked as best."""
+        value = self.rows[row][column]
+        if value is None:
+            return "-"
+        text = value if isinstance(value, str) else f"{value:.{self.columns[column]}f}"
+        return f"{text}*" if (row, column) in self.best else text
+
+    def cells(self, row: int) -> list[str]:
+        """All cells of a row as text."""
+        return [self.cell(row, column) for column in self.columns]
+
+
+@dataclass(frozen=True)
+class Column(Generic[T]):
+    """A column of a table of like things: its machine name, its decimals, and where a thing holds it."""
+
+    name: str
+    digits: int
+    read: Callable[[T], Cell]
+
+
+def tabulate(
+    columns: Sequence[Column[T]], things: Iterable[T], best: frozenset[tuple[int, str]] = frozenset()
+) -> ResultTable:
+    """One row per thing."""
+    rows = tuple({column.name: column.read(thing) for column in columns} for thing in things)
+    return ResultTable({column.name: column.digits for column in columns}, rows, best)
+
+
+def terminal(table: ResultTable) -> str:
+    """The table for a terminal: right-aligned numbers, a column's head broken at its unit."""
+    heads = [table.head(column) for column in table.columns]
+    body = [table.cells(row) for row in range(len(table.rows))]
+    lines = [[head[part] for head in heads] for part in (0, 1)] + body
+    widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
+    return "\n".join(_align(line, widths) for line in [*lines[:2], ["-" * w for w in widths], *lines[2:]])
+
+
+def markdown(table: ResultTable) -> str:
+    """The table as GitHub Markdown."""
+    first = next(iter(table.columns))
+    head = " | ".join(" ".join(table.head(column)).strip() for column in table.columns)
+    rule = " | ".join("---" if c == first or table.is_text(c) else "---:" for c in table.columns)
+    rows = [
+        " | ".join(_markdown_cell(table, row, c) for c in table.columns) for row in range(len(table.rows))
+    ]
+    return "\n".join(f"| {line} |" for line in (head, rule, *rows))
+
+
+def _markdown_cell(table: ResultTable, row: int, column: str) -> str:
+    """A cell whose words are shown as they are; the star of the best value stays a star."""
+    text = table.cell(row, column)
+    if table.rows[row][column] is None:
+        return text
+    best = (row, column) in table.best
+    return escaped(text.removesuffix("*") if best else text) + "*" * best
+
+
+def comma_separated(table: ResultTable) -> str:
+    """The table as CSV with machine names and full precision."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, table.columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table.rows)
+    return stream.getvalue().rstrip("\n")
+
+
+def records(table: ResultTable) -> list[dict[str, Any]]:
+    """The rows as objects keyed by machine name, full precision."""
+    return [dict(row) for row in table.rows]
+
+
+_UNITS = {
+    "kg": "kg",
+    "kg_mm": "kg mm",
+    "kg_mm2": "kg mm2",
+    "Nm_per_rad": "N m/rad",
+    "Nm_per_rad_kg": "N m/rad/kg",
+    "N_per_mm": "N/mm",
+    "N_per_mm_kg": "N/mm/kg",
+    "kNm_per_rad": "kN m/rad",
+    "kNm_per_rad_kg": "kN m/rad/kg",
+    "kN_per_mm": "kN/mm",
+    "kN_per_mm_kg": "kN/mm/kg",
+    "N_mm": "N mm",
+    "N": "N",
+    "Nm": "N m",
+    "percent": "%",
+    "Hz": "Hz",
+    "rpm": "rpm",
+    "mm": "mm",
+    "mm3": "mm3",
+    "s": "s",
+    "h": "h",
+    "deg": "deg",
+    "MPa": "MPa",
+    "MiB": "MiB",
+    "per_mm": "1/mm",
+}
+
+
+def _align(cells: Sequence[str], widths: Sequence[int]) -> str:
+    numbers = [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
+    return "  ".join([cells[0].ljust(widths[0]), *numbers]).rstrip()

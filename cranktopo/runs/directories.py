@@ -1,0 +1,290 @@
+"""Run directories: made once, never overwritten, found again by path or by name."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shlex
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, shown, suggest
+from cranktopo.base.files import read_json, sweep_temporaries, unwritable, write_json, write_text
+from cranktopo.base.reading import read_text
+from cranktopo.runs.destination import check_folder
+from cranktopo.runs.folders import moved, unfinished_folder
+from cranktopo.runs.lock import locked
+from cranktopo.runs.manifest import (
+    RunStatus,
+    check_manifest,
+    file_hash,
+    new_manifest,
+    settings_hash,
+    timestamp,
+)
+
+RUNS = Path("runs")
+_MANIFEST, _DESIGN, _LOG = "manifest.json", "design.toml", "run.log"
+_HISTORY, _METRICS, _CHECKPOINT = "history.csv", "metrics.json", "checkpoint/state.npz"
+
+
+@dataclass(frozen=True)
+class RunStore:
+    """A run directory and the files in it."""
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """Name of the run directory."""
+        return self.path.resolve().name
+
+    @property
+    def checkpoint(self) -> Path:
+        """Where the checkpoint of the run is or will be."""
+        return self.path / _CHECKPOINT
+
+    def manifest(self) -> dict[str, Any]:
+        """The manifest; raises CranktopoError when it is missing, corrupted or of another version."""
+        path = self.path / _MANIFEST
+        manifest = read_json(path)
+        check_manifest(manifest, path)
+        return manifest
+
+    def started(self) -> datetime:
+        """When the run was started; raises CranktopoError when the manifest does not say."""
+        text = self.manifest()["started"]
+        try:
+            return datetime.fromisoformat(text)
+        except ValueError:
+            raise CranktopoError(
+                f"'{self.path / _MANIFEST}': started = {shown(text)} is no date.", hint="Start a new run."
+            ) from None
+
+    def set_status(self, status: RunStatus) -> None:
+        """Record the status; every status but "running" also records the time as the end of the run."""
+        manifest = self.manifest()
+        manifest["status"] = status
+        manifest["ended"] = None if status == "running" else timestamp()
+        write_json(self.path / _MANIFEST, manifest)
+
+    def resume(self) -> None:
+        """Mark the run as running again, with the time, and clear what a killed process left unfinished."""
+        sweep_temporaries(self.path)
+        manifest = self.manifest()
+        resumed = [*manifest.get("resumed", []), timestamp()]
+        write_json(
+            self.path / _MANIFEST, {**manifest, "status": "running", "ended": None, "resumed": resumed}
+        )
+
+    def require_same_inputs(self) -> None:
+        """Check that the input files are those the run was started with.
+
+        Raises:
+            CranktopoError: one is missing or its content changed.
+        """
+        for role, entry in self.manifest().get("inputs", {}).items():
+            if file_hash(Path(entry["path"])) != entry["sha256"]:
+                raise CranktopoError(
+                    f"run '{self.path}': {role} '{entry['path']}' changed since it was started.",
+                    hint="Restore that file, or start a new run.",
+                )
+
+    def log(self, text: str) -> None:
+        """Append one line with the time to run.log.
+
+        Raises:
+            CranktopoError: it cannot be written.
+        """
+        try:
+            with (self.path / _LOG).open("a", encoding="utf-8") as file:
+                file.write(f"{timestamp()} {text}\n")
+        except OSError as error:
+            raise unwritable(self.path / _LOG, error) from None
+
+    def write_history(self, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Write history.csv: one row per iteration, columns in order of first appearance, units in names."""
+        columns = list(dict.fromkeys(key for row in rows for key in row))
+        text = io.StringIO()
+        writer = csv.DictWriter(text, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+        write_text(self.path / _HISTORY, text.getvalue())
+
+    def read_history(self) -> list[dict[str, Any]]:
+        """Rows of history.csv, numbers as numbers; empty before the first write."""
+        path = self.path / _HISTORY
+        if not path.is_file():
+            return []
+        lines = read_text(path, f"'{path}'").splitlines()
+        return [{k: _number(v) for k, v in row.items() if k and v} for row in csv.DictReader(lines)]
+
+    def write_metrics(self, metrics: Mapping[str, Any]) -> None:
+        """Write metrics.json; raises CranktopoError when a number is not finite."""
+        write_json(self.path / _METRICS, metrics)
+
+
+def check_destination(out: Path | None, root: Path = RUNS) -> None:
+    """Check, writing nothing, that a run can be made: call it before the long work.
+
+    Args:
+        out: the run directory the user asked for, or None for a new one under `root`.
+
+    Raises:
+        CranktopoError: `out` is a file or a folder with files in it, or its parent is not writable.
+    """
+    if out is not None and out.exists():
+        _check_empty(out)
+    check_folder(out or root)
+
+
+def create_run(
+    *,
+    design: str,
+    design_toml: str,
+    scene: Mapping[str, Any],
+    options: Mapping[str, Any],
+    command: Sequence[str],
+    inputs: Mapping[str, Path] | None = None,
+    assumed: Sequence[Mapping[str, Any]] = (),
+    out: Path | None = None,
+    root: Path = RUNS,
+) -> RunStore:
+    """Make a new run directory with its manifest and a copy of the design.
+
+    Call it after all validation: nothing exists on the disk before.
+
+    Args:
+        design: name of the design, part of the directory's name.
+        design_toml: text of the design as the user wrote it.
+        scene: the resolved scene, plain values.
+        options: what the command line added to the scene, plain values.
+        inputs: other input files by role, hashed into the manifest.
+        assumed: what the scene does not say and is assumed.
+        out: directory to use; it must not exist or be empty. By default
+            `root/<date-time>_<design>_<hash>`, hash over scene and options.
+
+    Raises:
+        CranktopoError: the directory is taken or cannot be written, an input cannot be read.
+    """
+    check_destination(out, root)
+    stem = f"{datetime.now():%Y%m%d-%H%M%S}_{design}_{settings_hash(scene, options)[:8]}"
+    name = stem if out is None else out.resolve().name
+    manifest = new_manifest(
+        run=name,
+        design=design,
+        command=command,
+        scene=scene,
+        options=options,
+        inputs=inputs or {},
+        assumed=assumed,
+    )
+    with unfinished_folder(root if out is None else out.parent) as folder:
+        write_text(folder / _DESIGN, design_toml)
+        write_json(folder / _MANIFEST, manifest)
+        RunStore(folder).log(f"started: {shlex.join(command)}")
+        return RunStore(_published(folder, root / stem) if out is None else moved(folder, out))
+
+
+def open_run(reference: str, root: Path = RUNS) -> RunStore:
+    """An existing run by path, by name or by the beginning of its name.
+
+    Args:
+        reference: path of a run directory, or the (start of the) name of one under `root`.
+
+    Raises:
+        CranktopoError: no such run, several with that beginning, not a run, manifest unusable.
+    """
+    path = Path(reference)
+    if not path.exists():
+        path = _by_name(reference, root)
+    if not path.is_dir() or not (path / _MANIFEST).is_file():
+        what = f"{_MANIFEST} is missing" if path.is_dir() else "a file"
+        raise CranktopoError(
+            f"run '{reference}': not a run directory ({what}).", hint="List runs with 'cranktopo runs list'."
+        )
+    run = RunStore(path)
+    run.manifest()
+    return run
+
+
+def runs_named(reference: str, root: Path = RUNS) -> list[str]:
+    """Names of the runs that begin so; none for an empty beginning."""
+    names = [run.path.name for run in list_runs(root)]
+    return [name for name in names if name.startswith(reference)] if reference else []
+
+
+def list_runs(root: Path = RUNS) -> list[RunStore]:
+    """The runs under `root`, oldest first; directories without a manifest are left out."""
+    found = sorted(root.glob(f"*/{_MANIFEST}"))
+    return [RunStore(path.parent) for path in found if not path.parent.name.startswith(".")]
+
+
+def remove_run(run: RunStore) -> None:
+    """Delete a run directory that no process works in.
+
+    Raises:
+        CranktopoError: not a run directory, in use, or it cannot be deleted.
+    """
+    run.manifest()
+    with locked(run.path):
+        try:
+            shutil.rmtree(run.path)
+        except OSError as error:
+            raise unwritable(run.path, error) from None
+
+
+def _check_empty(out: Path) -> None:
+    if not out.is_dir():
+        raise CranktopoError(f"output '{out}': exists and is a file.", hint="Choose another --out.")
+    if any(out.iterdir()):
+        raise CranktopoError(
+            f"output '{out}': exists and is not empty; runs are never overwritten.",
+            hint="Choose another --out.",
+        )
+
+
+def _published(folder: Path, wanted: Path) -> Path:
+    """The folder under the wanted name, with a number behind it where that is taken."""
+    number = 1
+    while True:
+        path = wanted if number == 1 else wanted.with_name(f"{wanted.name}-{number}")
+        manifest = read_json(folder / _MANIFEST)
+        write_json(folder / _MANIFEST, {**manifest, "run": path.name})
+        if not path.exists():
+            try:
+                return moved(folder, path)
+            except CranktopoError:
+                if not path.exists():
+                    raise
+        number += 1
+
+
+def _by_name(reference: str, root: Path) -> Path:
+    matches = runs_named(reference, root)
+    if reference in matches or len(matches) == 1:
+        return root / (reference if reference in matches else matches[0])
+    if matches:
+        raise CranktopoError(
+            f"run '{reference}': {len(matches)} runs begin so: {', '.join(matches[:4])}.",
+            hint="Give more of the name.",
+        )
+    names = [run.path.name for run in list_runs(root)]
+    near = f"{suggest(reference, names)} " if get_close_matches(reference, names, n=1) else ""
+    raise CranktopoError(
+        f"run '{reference}': no such run under '{root}'.", hint=f"{near}List runs with 'cranktopo runs list'."
+    )
+
+
+def _number(text: str) -> int | float | str:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

@@ -1,0 +1,106 @@
+"""Accuracy studies of a design: levels solved from cheap to fine until a time budget is used."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.machine import Machine, this_machine
+from cranktopo.design.halves import difference
+from cranktopo.tasks.accuracy.stress_levels import stress_levels
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.level import (
+    EVALUATION,
+    FILLET_STRESS,
+    OPTIMISER,
+    TITLES,
+    Level,
+    PlannedLevel,
+    StudyName,
+)
+from cranktopo.tasks.fea.levels import evaluation_levels
+from cranktopo.tasks.fea.targets import Target
+
+_SHARES = {EVALUATION: 0.35, FILLET_STRESS: 0.2, OPTIMISER: 1.0}
+"""Share of what is left of the budget that a study may use, in this order; the last one takes all."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """All levels that a budget allowed, in the order of solving; `failures` has a sentence per failed one."""
+
+    design: str
+    budget_s: float
+    spent_s: float
+    machine: Machine
+    levels: tuple[Level, ...]
+    failures: tuple[str, ...]
+    interrupted: bool
+
+
+def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
+    """The studies that a target calls for; a surface file has only that of the evaluation."""
+    found: dict[StudyName, list[PlannedLevel]] = {EVALUATION: evaluation_levels(target)}
+    found[FILLET_STRESS] = stress_levels(target)
+    if target.file is None and target.scene.envelope is not None and not difference(target.scene):
+        from cranktopo.tasks.accuracy.optimiser_levels import optimiser_levels
+
+        found[OPTIMISER] = optimiser_levels(target.scene)
+    return {name: levels for name, levels in found.items() if levels}
+
+
+def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None) -> Study:
+    """Solve level after level within a wall time; Ctrl-C ends it early and keeps what is done."""
+    began = time.perf_counter()
+    machine = this_machine()
+    levels: list[Level] = []
+    failures = _left_out(target)
+
+    def spent_s() -> float:
+        return time.perf_counter() - began
+
+    def run(name: StudyName, planned: Sequence[PlannedLevel], share: float) -> None:
+        def announce(text: str) -> None:
+            progress(f"{spent_s():.0f} of {budget_s:g} s: {TITLES[name]}, {text}")
+
+        if spent_s() < budget_s:
+            for found in _solved(planned, share * (budget_s - spent_s()), announce):
+                if isinstance(found, Level):
+                    levels.append(found)
+                else:
+                    failures.append(f"{TITLES[name]}, {found}")
+
+    interrupted = False
+    try:
+        studies = planned_studies(target)
+        for name, planned in studies.items():
+            run(name, planned, 1.0 if name == list(studies)[-1] else _SHARES[name])
+    except KeyboardInterrupt:
+        interrupted = True
+    return Study(target.name, budget_s, spent_s(), machine, tuple(levels), tuple(failures), interrupted)
+
+
+def _left_out(target: Target) -> list[str]:
+    """A sentence where the halves of a throw differ."""
+    key = difference(target.scene)
+    return [f"{TITLES[OPTIMISER]}: models half of a throw, and {key} makes its halves differ"] if key else []
+
+
+def _solved(planned: Sequence[PlannedLevel], allowed_s: float, announce: Info) -> Iterator[Level | str]:
+    """Solved levels, or why one failed, until the next would not fit; the first is always tried."""
+    start, rate = time.perf_counter(), None
+    for number, level in enumerate(planned):
+        began = time.perf_counter()
+        guess = None if rate is None else rate * level.cost
+        if number > 0 and began - start + (guess or 0.0) > allowed_s:
+            return
+        announce(level.name + ("" if guess is None else f", about {guess:.2g} s"))
+        try:
+            found = level.solve()
+        except CranktopoError as error:
+            yield f"{level.name}: {error}"
+            continue
+        rate = (time.perf_counter() - began) / level.cost
+        yield found

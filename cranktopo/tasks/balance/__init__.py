@@ -1,0 +1,1 @@
+"""Balance of the whole engine: free forces and moments, counterweights, balancer shafts."""

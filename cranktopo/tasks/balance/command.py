@@ -1,0 +1,55 @@
+"""`cranktopo balance`
+
+Balance of the whole engine: free forces and moments, counterweights, balancer shafts.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.verbosity import info, verbosity_options
+
+
+@click.command(name="balance")
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@click.option(
+    "--report",
+    "page",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Also write a page with polar plots (.html), or Markdown with PNGs (.md).",
+)
+@verbosity_options
+def command(design: str, as_json: bool, page: Path | None) -> None:
+    """Balance of DESIGN's whole engine at its speed: free forces and moments by order, and what takes them.
+
+    In line, V or boxer, as [engine.arrangement] says. Counterweights of every web, for its throw and for the
+    shaft; bending moment inside the shaft; balancer shafts of the scene, or those that would be needed; loads
+    of the main bearings over the cycle with and without counterweights.
+
+    Example: cranktopo balance mikron-iiic --report balance.html
+    """
+    from cranktopo.design.assumed import LOADS, THROW, assumed_text, assumptions
+    from cranktopo.design.loading import load_scene
+    from cranktopo.engine.balance.whole_engine import engine_balance
+    from cranktopo.report.report_file import check_report_path
+    from cranktopo.tasks.balance.stage import balance_json, report_balance
+    from cranktopo.tasks.balance.text import balance_text
+
+    if page is not None:
+        check_report_path(page)
+    scene = load_scene(design, whole=True)
+    balance = engine_balance(scene)
+    if page is not None:
+        report_balance(balance, page)
+        info(f"report: {page}")
+    data = balance_json(balance)
+    click.echo(json.dumps(data, indent=2) if as_json else balance_text(data))
+    assumed = assumptions(scene, (THROW, LOADS))
+    if assumed and not as_json:
+        info(assumed_text(assumed))

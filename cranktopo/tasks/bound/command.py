@@ -1,0 +1,59 @@
+"""`cranktopo bound`
+
+What no web of the envelope can beat, whatever its topology: proven, for a goal and limits.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import click
+
+from cranktopo.base.errors import ExitCode
+from cranktopo.cli.completion import designs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
+from cranktopo.cli.options import DEFAULT_DESIGN, web_option
+from cranktopo.cli.parameters import CELL_MM
+from cranktopo.cli.verbosity import detail, info, verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.design.one_web import WebName
+
+
+@click.command("bound")
+@click.argument("design", required=False, shell_complete=designs)
+@web_option
+@goal_options
+@click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge, mm; default: the design's.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
+def command(
+    design: str | None,
+    web: WebName | None,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
+    resolution_mm: float | None,
+    as_json: bool,
+) -> ExitCode:
+    """Prove what no web of DESIGN's envelope can beat, whatever its topology, for a goal and limits.
+
+    The proof is about the optimiser's cells: every density between 0 and 1 in each of them counts as a web.
+    Limits that it cannot hold, such as fatigue safety, are left out, which is said and only makes the bound
+    looser. Without a goal it is the least mass at both stiffnesses of the original.
+
+    Example: cranktopo bound mikron-iiic --maximise torsion --limit "mass <= 95 %"
+    """
+    from cranktopo.design.loading import load_scene
+    from cranktopo.design.one_web import one_web
+    from cranktopo.tasks.bound.stage import bound_of
+    from cranktopo.tasks.bound.text import bound_summary
+
+    scene = one_web(load_scene(design or DEFAULT_DESIGN, whole=True), web)
+    if scene.goal is None and minimise is None and maximise is None:
+        minimise = "mass"
+    scene = with_goal_options(scene, minimise, maximise, limits)
+    found = bound_of(scene, resolution_mm, info, detail)
+    click.echo(json.dumps(found) if as_json else bound_summary(found))
+    return ExitCode.DONE if found["bound"]["possible"] else ExitCode.CRITERION_NOT_MET

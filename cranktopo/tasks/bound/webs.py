@@ -1,0 +1,151 @@
+"""Every web that an envelope holds: densities of cells from 0 to 1, and the best of them for a linear goal.
+
+No filter, no penalty: whatever an optimiser or a parametric web puts into the cells is among them. Where a
+die shapes the web, the density never grows outward from its parting plane; draft is left out, which only adds
+webs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.bodies.cells.domain import Domain
+from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.filters.forging import Parting
+from cranktopo.tasks.bound.requirements import LINEAR
+from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
+from cranktopo.tasks.density.model import ThrowModel
+from cranktopo.tasks.density.responses import Design, Response, quantities
+
+Array = NDArray[np.float64]
+_TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Die:
+    """Along which axis the halves of a die leave, and where they part."""
+
+    axis: int
+    parting: Parting
+
+
+@dataclass(frozen=True)
+class Webs:
+    """The webs of an envelope.
+
+    Attributes:
+        fixed: solid fraction that every web has (nx, ny, nz).
+        design: fraction that a web may fill (nx, ny, nw).
+        layers: z layers of the web.
+        amounts: what a full cell adds to mass, inertia and unbalance of the throw, each (nx, ny, nw).
+        fixed_amounts: what the fixed material has of them.
+        die: None where any density may be made.
+    """
+
+    fixed: Array
+    design: Array
+    layers: slice
+    amounts: Mapping[str, Array]
+    fixed_amounts: Mapping[str, float]
+    die: Die | None = None
+
+    def best(self, gains: Array) -> tuple[float, Array]:
+        """The largest sum of gains times densities, and densities that reach it (nx, ny, nw)."""
+        if self.die is None:
+            taken = gains > 0
+            return float(np.sum(np.where(taken, gains, 0.0))), taken.astype(np.float64)
+        moved, (end, start) = np.moveaxis(gains, self.die.axis, 0), self.die.parting
+        # The layers that one half forms alone, from the parting plane outward, and one that both share.
+        left, right = moved[:start][::-1], moved[end:]
+        shared = moved[start:end].sum(axis=0)
+        (from_left, keep_left), (from_right, keep_right) = _best_chain(left), _best_chain(right)
+        middle = shared + from_left + from_right
+        roots = np.maximum(middle, 0.0) if end > start else middle
+        open_ = middle > 0 if end > start else np.ones(middle.shape, bool)
+        parts = (
+            keep_left[::-1] & open_,
+            np.broadcast_to(open_, (end - start, *open_.shape)),
+            keep_right & open_,
+        )
+        chosen = np.concatenate(parts).astype(np.float64)
+        return float(np.sum(roots)), np.moveaxis(chosen, 0, self.die.axis)
+
+    def made(self, density: Array, above: Array, below: Array) -> Array:
+        """The densities that a die can make and that cost least of above / density + below * density.
+
+        Args:
+            density: those of each cell on its own.
+        """
+        if self.die is None:
+            return density
+        axis, (end, start) = self.die.axis, self.die.parting
+        above, below = np.moveaxis(above, axis, 0), np.moveaxis(np.maximum(below, _TINY), axis, 0)
+        left = _falling(above[:end][::-1], below[:end][::-1])[::-1]
+        right = _falling(above[end:], below[end:])
+        if end > start:
+            right = np.minimum(right, left[-1])
+        return np.moveaxis(np.sqrt(np.concatenate([left, right])), 0, axis)
+
+
+def _falling(above: Array, below: Array) -> Array:
+    """Weighted means of above / below that never grow along the first axis and lie nearest to each of them.
+
+    Source: R. E. Barlow et al., Statistical Inference under Order Restrictions, 1972, min-max formula.
+    """
+    found = np.full(above.shape, np.inf)
+    for first in range(len(above)):
+        means = np.cumsum(above[first:], axis=0) / np.cumsum(below[first:], axis=0)
+        largest = np.maximum.accumulate(means[::-1], axis=0)[::-1]
+        found[first:] = np.minimum(found[first:], largest)
+    return found
+
+
+def _best_chain(gains: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Largest sums over first parts of columns along the first axis, not below 0, and what they take."""
+    ahead, paying = np.zeros(gains.shape[1:]), np.zeros(gains.shape, bool)
+    for layer in range(len(gains) - 1, -1, -1):
+        ahead = np.maximum(gains[layer] + ahead, 0.0)
+        paying[layer] = ahead > 0
+    return ahead, np.logical_and.accumulate(paying, axis=0)
+
+
+def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> Webs:
+    """The webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
+    layers = slice(*domain.web_layers)
+    design = np.asarray(designable(scene, domain))
+    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
+    sums = {name: known[name] for name in LINEAR}
+    values, slopes = _values_and_slopes(tuple(sums.values()), domain.fixed)
+    return Webs(
+        fixed=domain.fixed,
+        design=design,
+        layers=layers,
+        amounts={name: by[:, :, layers] * design for name, by in zip(sums, slopes, strict=True)},
+        fixed_amounts=dict(zip(sums, values.tolist(), strict=True)),
+        die=_die(scene, domain),
+    )
+
+
+def _values_and_slopes(sums: tuple[Response, ...], solid: Array) -> tuple[Array, Array]:
+    """Values (k,) of sums over the cells and their derivatives (k, nx, ny, nz) by the solid fraction."""
+
+    def values(solid: jax.Array) -> jax.Array:
+        none = jnp.zeros(0)
+        return jnp.stack([of.value(Design(solid, solid, none, none, none)) for of in sums])
+
+    found = jax.jit(lambda solid: (values(solid), jax.jacrev(values)(solid)))(solid)
+    return np.asarray(found[0]), np.asarray(found[1])
+
+
+def _die(scene: Scene, domain: Domain) -> Die | None:
+    if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
+        return None
+    axis = pull_axis(scene)
+    return Die(axis, parting_of(domain, axis))

@@ -1,0 +1,1 @@
+"""Several targets beside a baseline: tables, plots and one page."""

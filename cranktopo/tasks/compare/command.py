@@ -1,0 +1,132 @@
+"""`cranktopo compare`
+
+Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from cranktopo.base.formats import PLOTS
+from cranktopo.cli.completion import designs
+from cranktopo.cli.options import FATIGUE_METHODS, bound_option, mesh_options
+from cranktopo.cli.parameters import Choice
+from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.tasks.evaluate.command import warn_missed
+
+if TYPE_CHECKING:
+    from cranktopo.tasks.compare.result import Comparison
+    from cranktopo.tasks.fatigue.stage import FatigueMethod
+
+
+@click.command()
+@click.argument("targets", metavar="TARGET...", nargs=-1, required=True, shell_complete=designs)
+@click.option("--baseline", required=True, metavar="TARGET", help="The target that counts as 100 %.")
+@click.option(
+    "--format",
+    "form",
+    type=Choice(["table", "markdown", "csv", "json"]),
+    default="table",
+    show_default=True,
+    help="Form of the result on stdout.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Same as --format json.")
+@click.option(
+    "--plot", type=click.Path(path_type=Path), help="Also draw stiffness over mass (.png .svg .pdf)."
+)
+@click.option(
+    "--report",
+    "page",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Also write a page with 3D view (.html), or Markdown with PNGs (.md).",
+)
+@click.option("--stress", is_flag=True, help="Also colour the 3D view of --report by stress: one more solve.")
+@click.option(
+    "--fatigue",
+    "method",
+    type=Choice(FATIGUE_METHODS),
+    help="Also assess the fatigue safety by this method; see 'cranktopo fatigue --help'.",
+)
+@bound_option
+@mesh_options
+@verbosity_options
+def command(
+    targets: tuple[str, ...],
+    baseline: str,
+    form: str,
+    as_json: bool,
+    plot: Path | None,
+    page: Path | None,
+    stress: bool,
+    method: FatigueMethod | None,
+    no_bound: bool,
+    element_size_mm: float | None,
+    accuracy: float | None,
+    budget: float | None,
+    design: str | None,
+    align: bool,
+) -> None:
+    """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
+
+    The stiffnesses are those of the supports in the designs, each with a bound of its error, and their
+    changes with smaller ones, since errors of like meshes cancel. A star marks the best of each column,
+    unless another is within that bound. The baseline is evaluated too when it is not among the targets. Of a
+    design with a [goal] it tells which limits hold; --fatigue tells its safety. Of a sweep its picks count.
+
+    Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
+    """
+    if stress and page is None:
+        raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
+    if plot is not None:
+        from cranktopo.runs.destination import check_file
+
+        check_file(plot, "--plot", PLOTS)
+    if page is not None:
+        from cranktopo.report.report_file import check_report_path
+
+        check_report_path(page)
+    from cranktopo.tasks.compare.stage import compare_targets, comparison_bound, report_comparison
+    from cranktopo.tasks.fea.stage import MeshRequest
+
+    wanted = MeshRequest(element_size_mm, accuracy, budget)
+    found = compare_targets(targets, baseline, wanted, method, design, info, align)
+    click.echo(_text(found.comparison, "json" if as_json else form))
+    bound = None if no_bound or (plot or page) is None else comparison_bound(found, info)
+    if plot is not None:
+        from cranktopo.tasks.compare.plot import plot_stiffness_over_mass
+
+        plot_stiffness_over_mass(found.comparison, plot, bound)
+        info(f"plot: {plot}")
+    if page is not None:
+        report_comparison(found, page, ["cranktopo", *sys.argv[1:]], info if stress else None, bound)
+        info(f"report: {page}")
+    warn_missed(found.missed, accuracy)
+
+
+def _text(comparison: Comparison, form: str) -> str:
+    from cranktopo.report.goal_table import goal_line, limits_table
+    from cranktopo.report.result_table import comma_separated, markdown, terminal
+    from cranktopo.tasks.compare import text as tables
+
+    if form == "json":
+        return json.dumps(tables.comparison_json(comparison), indent=2)
+    if form == "csv":
+        return comma_separated(tables.flat_table(comparison))
+    printed = markdown if form == "markdown" else terminal
+    shown = [
+        tables.value_table(comparison),
+        tables.percent_table(comparison),
+        tables.published_table(comparison),
+    ]
+    parts = [printed(table) for table in shown if table is not None]
+    verdicts = [] if comparison.fatigue is None else ["\n".join(comparison.fatigue.verdicts)]
+    goals = [
+        f"{name}: {goal_line(goal, comparison.base.name)}\n\n{printed(limits_table(goal))}"
+        for name, goal in comparison.goals.items()
+    ]
+    return "\n\n".join([*parts, *verdicts, *goals])

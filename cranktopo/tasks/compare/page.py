@@ -1,0 +1,253 @@
+"""The report of a comparison as content."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.engine.analysis import LoadAnalysis
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.report.gallery import gallery_picture
+from cranktopo.report.goal_table import goal_line, limits_table
+from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.report.result_table import Column, ResultTable, tabulate
+from cranktopo.report.sections import assumed_tables, pairs, versions_section
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.tasks.accuracy.plot import error_picture
+from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.compare.plot import scatter_points
+from cranktopo.tasks.compare.result import Comparison
+from cranktopo.tasks.compare.text import percent_table, published_table, value_table
+from cranktopo.tasks.extraction.undercut_table import DesignUndercuts, undercut_table
+from cranktopo.tasks.fea.quantities import (
+    BENDING,
+    BENDING_PER_MASS,
+    MASS,
+    SAFETY,
+    TORSION,
+    TORSION_PER_MASS,
+    Quantity,
+)
+from cranktopo.tasks.fea.scatter import scatter_pictures
+from cranktopo.tasks.fea.stress_section import stress_section
+from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
+from cranktopo.tasks.loads.section import loads_section
+from cranktopo.tasks.optimise.verdict import fatigue_fact
+from cranktopo.tasks.plan.section import effects_section
+
+_LABELS = {
+    MASS: "Lightest",
+    TORSION_PER_MASS: "Stiffest in torsion per mass",
+    BENDING_PER_MASS: "Stiffest in bending per mass",
+    SAFETY: "Safest against fatigue",
+}
+"""Quantities that make the verdict, and how they read there."""
+
+
+@dataclass(frozen=True)
+class ComparisonRecord:
+    """A finished comparison with everything that its page shows.
+
+    Attributes:
+        bodies: surfaces of all entries in order, of two different webs both half throws; with stresses where
+            they were solved.
+        undercuts: of the same bodies.
+        effects, cases, loads: of the baseline; no loads without an engine.
+        hashes: SHA-256 of every scene and file, by what it is of.
+        written: when, ISO 8601.
+        bound: beside the entry that is stiffest in torsion per mass, as `bound` of metrics.json.
+    """
+
+    comparison: Comparison
+    bodies: tuple[ShownBody, ...]
+    undercuts: tuple[DesignUndercuts, ...]
+    effects: EffectPlan
+    cases: tuple[LoadCase, ...]
+    loads: LoadAnalysis | None
+    hashes: Mapping[str, str]
+    command: str
+    written: str
+    versions: Mapping[str, str | None]
+    bound: Mapping[str, Any] | None = None
+
+
+def comparison_page(record: ComparisonRecord) -> Page:
+    """The report of a comparison."""
+    comparison, bodies = record.comparison, record.bodies
+    stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
+    best = comparison.leading(TORSION_PER_MASS)
+    first = _body_of(comparison, best)
+    scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed), first=first) if bodies else None
+    leader = comparison.entries[best].name
+    others = [e.name for row, e in enumerate(comparison.entries) if row != comparison.baseline]
+    return Page(
+        title=f"{', '.join(others)} against {comparison.base.name}",
+        subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
+        headline=_headline(comparison),
+        facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
+        sections=(
+            _variants(comparison, record.undercuts, record.bound),
+            *bound_sections(
+                {"bound": record.bound}, f"{comparison.base.name} and {leader} in the body-fitted evaluation"
+            ),
+            *_goals(comparison),
+            _accuracy(comparison),
+            stress_section(scene3d, f"{record.command} --stress"),
+            loads_section(record.loads, [case.as_json() for case in record.cases]),
+            effects_section(record.effects.as_json()),
+            _provenance(record),
+            versions_section(record.versions),
+        ),
+        scene3d=scene3d,
+        picture=gallery_picture(bodies) if bodies else None,
+    )
+
+
+def _body_of(comparison: Comparison, row: int) -> int:
+    """Number of the first body of an entry: two different webs are two bodies."""
+    return row + sum(entry.evaluation.second_web_kg is not None for entry in comparison.entries[:row])
+
+
+def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
+    """How many of the designs a die releases; `found` are those that have a surface to look at."""
+    caught = [one.name for one in found if not one.free]
+    unknown = designs - len(found)
+    status: FactStatus = "bad" if caught else "unknown" if unknown else "good"
+    note = f"hollows or undercuts in {', '.join(caught)}" if caught else "by a die that parts in x = 0"
+    note += "; STEP files were not examined" * bool(unknown)
+    return Fact("Released by a die", f"{len(found) - len(caught)} of {designs}", note, status)
+
+
+def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
+    percent = comparison.percent(row, quantity)
+    change = f"{percent - 100:+.1f}"
+    if quantity.error is None or row == comparison.baseline:
+        return f"{change} %"
+    error = percent / 100 * comparison.change_error_percent(row, comparison.baseline, quantity)
+    return f"{change} +-{error:.1g} %"
+
+
+def _headline(comparison: Comparison) -> str:
+    row, baseline = comparison.leading(TORSION_PER_MASS), comparison.base.name
+    if row == comparison.baseline:
+        return f"None is stiffer in torsion per kilogram than {baseline}."
+    level = comparison.level(TORSION_PER_MASS)
+    names = " and ".join(comparison.entries[other].name for other in level)
+    doubt = f" ({names} within the error estimate)" if level else ""
+    changes = {q: comparison.percent(row, q) - 100 for q in (MASS, TORSION, BENDING)}
+    best = comparison.entries[row].name
+    return (
+        f"{best} is the stiffest in torsion per kilogram{doubt}: "
+        f"{_change(comparison, row, TORSION_PER_MASS)} against {baseline}. "
+        + comparison_sentence("It", changes, baseline)
+    )
+
+
+def _facts(comparison: Comparison) -> tuple[Fact, ...]:
+    facts = tuple(_best(comparison, q, label) for q, label in _LABELS.items() if q in comparison.quantities)
+    if comparison.fatigue is not None:
+        return facts
+    return (*facts, fatigue_fact(None, "only stiffness was compared; --fatigue adds the safety"))
+
+
+def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
+    """Which entry has the best value of a quantity, and which others are within the error estimate."""
+    row, level = comparison.leading(quantity), comparison.level(quantity)
+    change = f"{_change(comparison, row, quantity)} of the baseline"
+    rivals = [comparison.entries[other].name for other in level if other != comparison.baseline]
+    note = "the baseline itself" if row == comparison.baseline else change
+    note += ", less than the error estimate" if comparison.baseline in level else ""
+    note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
+    status: FactStatus = "neutral" if comparison.baseline in (row, *level) else "good"
+    return Fact(label, comparison.entries[row].name, note, status)
+
+
+def _variants(
+    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: Mapping[str, Any] | None
+) -> Section:
+    tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
+    published = published_table(comparison)
+    if published is not None:
+        tables.append(("Beside published values", published))
+    if undercuts:
+        tables.append(("Release from a die that parts in x = 0", undercut_table(undercuts)))
+    return Section(
+        "variants",
+        "Variants",
+        "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
+        "those of the full throw with the supports of its design." + _safety(comparison),
+        tuple(tables),
+        scatter_pictures(scatter_points(comparison), comparison.baseline, bound),
+    )
+
+
+def _goals(comparison: Comparison) -> tuple[Section, ...]:
+    """What became of the goals of the designs; nothing where none has one."""
+    if not comparison.goals:
+        return ()
+    base, goals = comparison.base.name, comparison.goals.items()
+    lines = [f"{name}: {goal_line(goal, base)}." for name, goal in goals]
+    tables = tuple((name, limits_table(goal)) for name, goal in goals)
+    return (Section("goals", "Goals and limits", " ".join(lines), tables),)
+
+
+def _safety(comparison: Comparison) -> str:
+    if comparison.fatigue is None:
+        return ""
+    places = [
+        f"{entry['target']}: {entry['critical']['place']}"
+        for entry in comparison.fatigue.json["fatigue"]
+        if "critical" in entry
+    ]
+    worst = f" Least safety: {'; '.join(places)}." if places else ""
+    return f" {' '.join(comparison.fatigue.verdicts)}{worst}"
+
+
+def _accuracy(comparison: Comparison) -> Section:
+    evaluations = [entry.evaluation for entry in comparison.entries]
+    table = tabulate(
+        (
+            Column("target", 0, lambda e: e.target),
+            Column("element_size_mm", 2, lambda e: e.fine.element_size_mm),
+            Column("nodes", 0, lambda e: float(e.fine.nodes)),
+            Column("torsion_error_percent", 2, lambda e: e.torsion_error_percent),
+            Column("bending_error_percent", 2, lambda e: e.bending_error_percent),
+            Column("time_s", 1, lambda e: e.total_seconds),
+        ),
+        evaluations,
+    )
+    found = [
+        {"name": e.target, "seconds": e.total_seconds, "error_percent": e.error_percent} for e in evaluations
+    ]
+    return Section(
+        "accuracy",
+        "Accuracy and what it costs",
+        "Errors are bounds by what cubic elements would change, and for triangles by a coarser mesh as well. "
+        "A difference between two webs has a smaller one, since errors of like meshes cancel.",
+        (("Meshes", table),),
+        (error_picture(found),),
+    )
+
+
+def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
+    """What a target does not say, one table for all; fatigue names what it uses as well."""
+    known = comparison.fatigue.json["fatigue"] if comparison.fatigue else []
+    entries = [entry.evaluation.as_json() for entry in comparison.entries]
+    found = [
+        {**item, "key": f"{entry['target']}: {item['key']}"}
+        for entry in known or entries
+        for item in entry.get("assumed", ())
+    ]
+    return assumed_tables(found)
+
+
+def _provenance(record: ComparisonRecord) -> Section:
+    rows = [("command", record.command), ("written", record.written), *record.hashes.items()]
+    return Section(
+        "provenance",
+        "Where this comes from",
+        tables=(("Comparison", pairs(rows)), *_assumed(record.comparison)),
+    )

@@ -1,0 +1,150 @@
+"""Targets beside a baseline: values, percentages, and which of them is best beyond the error estimates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.schema import Published
+from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
+from cranktopo.tasks.fea.error_bound import difference_bound_percent
+from cranktopo.tasks.fea.evaluation import Evaluation
+from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, Quantity, evaluation_values
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A compared target.
+
+    Attributes:
+        published: what was published for it, if anything.
+        safety: least fatigue safety of its fillets, where it was assessed.
+    """
+
+    evaluation: Evaluation
+    published: Published | None = None
+    safety: float | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the target."""
+        return self.evaluation.target
+
+    @cached_property
+    def values(self) -> Mapping[str, float]:
+        """The compared quantities by key, in the units of their table."""
+        return evaluation_values(self.evaluation) | ({} if self.safety is None else {SAFETY.key: self.safety})
+
+    def error_percent(self, quantity: Quantity) -> float:
+        """Error estimate of a quantity; 0 where it is exact."""
+        return {
+            None: 0.0,
+            "torsion": self.evaluation.torsion_error_percent,
+            "bending": self.evaluation.bending_error_percent,
+            "safety": 100 * SAME,
+        }[quantity.error]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Targets beside a baseline.
+
+    Attributes:
+        baseline: position of the entry that counts as 100 %.
+        fatigue: of the entries that have a safety, the baseline among them, where it was assessed.
+        goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
+    """
+
+    entries: tuple[Entry, ...]
+    baseline: int
+    fatigue: FatigueComparison | None = None
+    goals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What is compared."""
+        return COMPARED if self.fatigue is None else (*COMPARED, SAFETY)
+
+    @property
+    def base(self) -> Entry:
+        """The entry that counts as 100 %."""
+        return self.entries[self.baseline]
+
+    def percent(self, row: int, quantity: Quantity) -> float:
+        """A value in percent of the baseline's; the entry has it."""
+        return 100 * self.entries[row].values[quantity.key] / self.base.values[quantity.key]
+
+    def having(self, quantity: Quantity) -> list[int]:
+        """Rows that have a value of a quantity: all of them but of the safety."""
+        return [row for row, entry in enumerate(self.entries) if quantity.key in entry.values]
+
+    def change_error_percent(self, row: int, other: int, quantity: Quantity) -> float:
+        """Bound of the error of the relative difference between two entries; 0 where it is exact."""
+        one, two = self.entries[row], self.entries[other]
+        errors = one.error_percent(quantity), two.error_percent(quantity)
+        if row == other or quantity.error not in ("torsion", "bending"):
+            return 0.0 if row == other else max(errors)
+        triangles = one.evaluation.triangles or two.evaluation.triangles
+        return difference_bound_percent(*errors, triangles=triangles)
+
+    def differ(self, row: int, other: int, quantity: Quantity) -> bool:
+        """Whether two entries differ in a quantity by at least the bound of the difference's error."""
+        if quantity.error is None:
+            return True
+        one, two = self.entries[row], self.entries[other]
+        change = 100 * abs(one.values[quantity.key] / two.values[quantity.key] - 1)
+        return bool(change >= self.change_error_percent(row, other, quantity))
+
+    def leading(self, quantity: Quantity) -> int:
+        """Row with the best value of a quantity, by however little."""
+        value = {
+            row: quantity.better * self.entries[row].values[quantity.key] for row in self.having(quantity)
+        }
+        return max(value, key=lambda row: value[row])
+
+    def level(self, quantity: Quantity) -> list[int]:
+        """Rows that the best value of a quantity does not beat by as much as the error estimates."""
+        best = self.leading(quantity)
+        others = (row for row in self.having(quantity) if row != best)
+        return [row for row in others if not self.differ(best, row, quantity)]
+
+    def best(self, quantity: Quantity) -> int | None:
+        """Row of the best entry; None where another one is within the error estimate."""
+        return None if self.level(quantity) else self.leading(quantity)
+
+
+def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison | None = None) -> Comparison:
+    """A comparison against one of the entries.
+
+    Args:
+        baseline: name of the entry that counts as 100 %.
+        fatigue: of those entries that hold a safety, in the same order.
+
+    Raises:
+        CranktopoError: the baseline is not among the entries, or the supports differ.
+    """
+    names = [entry.name for entry in entries]
+    if baseline not in names:
+        raise CranktopoError(
+            f"baseline '{baseline}' is not among the targets {', '.join(names)}.", code=ExitCode.USAGE
+        )
+    check_same_supports((e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries)
+    return Comparison(tuple(entries), names.index(baseline), fatigue)
+
+
+def check_same_supports(supports: Iterable[tuple[str, str]]) -> None:
+    """Check that targets with these supports in torsion and in bending can be compared.
+
+    Raises:
+        CranktopoError: they differ.
+    """
+    found = dict.fromkeys(supports)
+    if len(found) > 1:
+        named = "; ".join(f"torsion '{torsion}', bending '{bending}'" for torsion, bending in found)
+        raise CranktopoError(
+            f"the targets have different [supports], so their stiffnesses do not compare: {named}.",
+            hint="Give all of them the same.",
+        )

@@ -1,0 +1,1 @@
+"""SIMP density optimisation of the web, in memory."""

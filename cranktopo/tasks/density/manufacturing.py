@@ -1,0 +1,190 @@
+"""From a scene's process to its block in the density chain: a die, a mould or a mill, and its obstacles.
+
+Bores are drilled, and web faces and envelope walls are machined, after forging or casting: none of them is
+an obstacle or needs draft.
+"""
+
+from __future__ import annotations
+
+import math
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.frames import X, Z
+from cranktopo.base.polygons import polygon_section
+from cranktopo.base.spans import holds
+from cranktopo.bodies.cells.domain import Domain
+from cranktopo.bodies.cells.web_cells import centres_mm
+from cranktopo.bodies.through_holes import through_holes
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.filters.forging import Die, Parting, reachable
+from cranktopo.numerics.filters.tool_access import ONE_CELL, Direction, Offsets, ToolAccess
+from cranktopo.tasks.density.material import web_cell_mm
+
+Array = NDArray[np.float64]
+Cells = NDArray[np.bool_]
+_SOLID = 0.5
+_RAMP_CELLS, _RIM_CELLS = 3.0, 0.25
+
+
+def is_manufactured(scene: Scene) -> bool:
+    """Whether a process limits the shape, in a scene as it is simulated."""
+    return scene.effects.manufacturing_constraint == "on"
+
+
+def pull_axis(scene: Scene) -> int:
+    """Axis along which the halves of a die or mould leave."""
+    return X if scene.optimise.parting == "lateral" else Z
+
+
+def tool_radius_mm(scene: Scene) -> float:
+    """Radius of the end mill, mm."""
+    return scene.optimise.tool_radius_mm or scene.throw.radius_mm / 10
+
+
+def designable(scene: Scene, domain: Domain) -> Array:
+    """Designable fraction of the cells of the web's layers (nx, ny, nw), less what no die half reaches."""
+    first, last = domain.web_layers
+    design = domain.design[:, :, first:last]
+    if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
+        return design
+    axis = pull_axis(scene)
+    return design * reachable(open_cells(scene, domain), parting_of(domain, axis), axis)
+
+
+def unreachable_share(scene: Scene, domain: Domain) -> float:
+    """Share of the design space that no die half reaches past the voids of the envelope, 0 to 1."""
+    first, last = domain.web_layers
+    kept = designable(scene, domain) * domain.volume_mm3[:, :, first:last]
+    return float(1 - kept.sum() / (domain.design * domain.volume_mm3)[:, :, first:last].sum())
+
+
+def process_block(scene: Scene, domain: Domain) -> Die | ToolAccess | None:
+    """The scene's process as a block of the density chain; call inside `double_precision()`."""
+    if not is_manufactured(scene):
+        return None
+    if scene.optimise.process == "cast":
+        return _mould(scene, domain)
+    return _mill(scene, domain) if scene.optimise.process == "milled" else _die(scene, domain)
+
+
+def parting_of(domain: Domain, axis: int = X) -> Parting:
+    """Where the halves of a die meet: in x = 0, a grid plane, or in the web's mid-plane."""
+    if axis == Z:
+        first, last = domain.web_layers
+        return (last - first + 1) // 2, (last - first) // 2
+    plane = int(np.searchsorted(domain.grid.x_mm, -1e-6 * float(domain.grid.steps_mm[0][0])))
+    return plane, plane
+
+
+def open_cells(scene: Scene, domain: Domain) -> Cells:
+    """Cells of the web's layers (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
+
+    Bores and holes through the envelope along the crank axis are drilled after forging or casting.
+    """
+    first, last = domain.web_layers
+    x, y, z = centres_mm(domain)
+    bored = np.zeros((len(x), len(y)), bool)
+    for journal, centre in scene.throw.journals:
+        bored |= np.hypot(x[:, None], y[None, :] - centre) < journal.bore_radius_mm
+    filled = (domain.design > 0) | (domain.fixed > 0)
+    holes = [
+        holds(polygon_section(contours)(y, np.full_like(y, height)), x[:, None])
+        for contours, height in zip(through_holes(scene, z.tolist()), z, strict=True)
+    ]
+    return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
+
+
+def _die(scene: Scene, domain: Domain) -> Die:
+    axis = pull_axis(scene)
+    free = designable(scene, domain) > 0
+    kept = jnp.asarray(_behind_journals(scene, domain) * free) if axis == Z else None
+    return Die(jnp.asarray(free), kept, axis, parting_of(domain, axis), _fall(scene, domain, axis))
+
+
+def _mould(scene: Scene, domain: Domain) -> ToolAccess:
+    axis = pull_axis(scene)
+    fall = _fall(scene, domain, axis)
+    ways = (Direction(axis, -1, ONE_CELL, fall), Direction(axis, 1, ONE_CELL, fall))
+    return _access(scene, domain, (0, 0, int(axis == Z)), ways)
+
+
+def _mill(scene: Scene, domain: Domain) -> ToolAccess:
+    radius, steps = tool_radius_mm(scene), web_cell_mm(domain)
+    x, y, z = (max(1, math.ceil(radius / step)) for step in steps)
+    # A tool centred a radius beyond the mirror plane touches what stands two radii beyond it.
+    margin = (2 * x if domain.mirrored_x else x, y, z)
+    faces = disc(radius, steps[0], steps[1])
+    sides = disc(radius, steps[1], steps[2])
+    ways = (Direction(Z, 1, faces), Direction(Z, -1, faces), Direction(X, -1, sides), Direction(X, 1, sides))
+    return _access(scene, domain, margin, ways)
+
+
+def _access(scene: Scene, domain: Domain, margin: tuple[int, ...], ways: tuple[Direction, ...]) -> ToolAccess:
+    """Of a mirrored model the way from the negative side brings nothing that its image does not."""
+    mirrored = domain.mirrored_x
+    used = tuple(way for way in ways if not (mirrored and way.axis == X and way.inward > 0))
+    free = designable(scene, domain) > 0
+    air = _air(scene, domain, free, margin)
+    x, y, z = margin
+    return ToolAccess(jnp.asarray(free), jnp.asarray(air), (x, y, z), mirrored, used)
+
+
+def disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
+    """Cells whose centres lie within a radius of a cell's centre, as offsets along two axes."""
+    a, b = (math.floor(radius_mm / step + 1e-9) for step in (step_a_mm, step_b_mm))
+    inside = radius_mm * (1 + 1e-9)
+    return tuple(
+        (i, j)
+        for i in range(-a, a + 1)
+        for j in range(-b, b + 1)
+        if math.hypot(i * step_a_mm, j * step_b_mm) <= inside
+    )
+
+
+def _air(scene: Scene, domain: Domain, free: Cells, margin: tuple[int, ...]) -> Array:
+    """1 where nothing stands, `margin` cells around the web; journals go on beyond both of its faces."""
+    first, last = domain.web_layers
+    standing = free | (domain.fixed[:, :, first:last] >= _SOLID)
+    (mx, my, mz), (x, y, _) = margin, centres_mm(domain)
+    before = (mx, 0) if domain.mirrored_x else (0, 0)
+    standing = np.pad(standing, (before, (0, 0), (0, 0)), mode="symmetric")
+    x = np.concatenate([-x[:mx][::-1], x]) if domain.mirrored_x else x
+    faces = [
+        np.hypot(x[:, None], y[None, :] - centre) < journal.radius_mm
+        for journal, centre in scene.throw.journals
+    ]
+    below, above = (np.repeat(face[:, :, None], mz, axis=2) for face in faces)
+    standing = np.concatenate([below, standing, above], axis=2)
+    lead = 0 if domain.mirrored_x else mx
+    return 1.0 - np.pad(standing, ((lead, mx), (my, my), (0, 0))).astype(np.float64)
+
+
+def _behind_journals(scene: Scene, domain: Domain) -> Array:
+    """Least density (nx, ny, nw): 1 between the mid-plane and a journal, its draft included.
+
+    It falls over some cells around a cone, where it is one half, so that the surface is that cone and not
+    the steps of the cells in it. The cone begins just beyond the journal's rim, so that an iso-value a little
+    off one half leaves no gap behind it.
+    """
+    x, y, z = centres_mm(domain)
+    lateral, along, axial = np.meshgrid(x, y, z, indexing="ij")
+    (main, main_y), (pin, pin_y) = scene.throw.journals
+    start, end = scene.web_z_mm
+    slope, cell = math.tan(math.radians(scene.optimise.draft_deg)), max(web_cell_mm(domain)[:2])
+    rim, ramp = _RIM_CELLS * cell, _RAMP_CELLS * cell
+    main_mm = main.radius_mm + rim + slope * (axial - start) - np.hypot(lateral, along - main_y)
+    pin_mm = pin.radius_mm + rim + slope * (end - axial) - np.hypot(lateral, along - pin_y)
+    main_side, pin_side = (sign * ((start + end) / 2 - axial) > -1e-6 * (end - start) for sign in (1, -1))
+    inside_mm = np.maximum(np.where(main_side, main_mm, -ramp), np.where(pin_side, pin_mm, -ramp))
+    return np.asarray(np.clip(_SOLID + inside_mm / ramp, 0.0, 1.0))
+
+
+def _fall(scene: Scene, domain: Domain, axis: int) -> tuple[float, float]:
+    """Steps of the draft from layer to layer, in cells along the two other axes."""
+    steps = web_cell_mm(domain)
+    slope = math.tan(math.radians(scene.optimise.draft_deg)) * steps[axis]
+    first, second = (slope / step for other, step in enumerate(steps) if other != axis)
+    return first, second

@@ -1,0 +1,148 @@
+"""From design variables to relative moduli: the chain of density filter, manufacturing, projection, SIMP.
+
+The design variables live on the cells of the web. The chain is x -> filtered -> what a process can make
+-> projected density (the physical one) -> modulus. Filter, process and projection are exchangeable blocks;
+every function is differentiable by JAX. Design variables `x` and the physical `density` have shape
+(nx, ny, nw) and lie in [0, 1]; `beta`: steepness of the projection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.bodies.cells.domain import Domain
+from cranktopo.numerics.filters.density_filter import cone_filter, cone_kernel
+from cranktopo.numerics.filters.projection import Projection, projected
+
+Block = Callable[[jax.Array], jax.Array]
+"""A differentiable map of fields (nx, ny, nw), registered as a JAX pytree: a dataclass with `__call__`."""
+PENALTY = 3.0
+PLAIN = Projection()
+CONTRAST = 1e-9
+
+
+@dataclass(frozen=True)
+class Interpolation:
+    """Constant data of the density-to-modulus chain.
+
+    Attributes:
+        fixed: solid fraction that is not designable (nx, ny, nz).
+        design: designable fraction of the cells of the web's layers (nx, ny, nw).
+        web_layers: range of z layers that holds the web.
+        density_filter: from design variables to a smooth density.
+        process: from a smooth density to the nearest one that can be made; None where anything can.
+        penalty: exponent of SIMP.
+        within: share of the smooth density that the eroded design has, below 1 at walls of the design space
+            (nx, ny, nw); None where walls do not erode it.
+    """
+
+    fixed: jax.Array
+    design: jax.Array
+    web_layers: tuple[int, int]
+    density_filter: Block
+    process: Block | None = None
+    projection: Projection = PLAIN
+    penalty: float = PENALTY
+    within: jax.Array | None = None
+
+    @property
+    def total(self) -> jax.Array:
+        """Designable volume in cells."""
+        return jnp.sum(self.design)
+
+
+def build_interpolation(
+    domain: Domain, filter_radius_mm: float, design: NDArray[np.float64] | None = None
+) -> Interpolation:
+    """The density-to-modulus chain of a domain, for a web that any process may make.
+
+    Call it inside `double_precision()`.
+
+    Args:
+        filter_radius_mm: radius of the cone filter, mm; it sets the smallest member.
+        design: designable fraction of the cells of the web's layers, by default the domain's.
+    """
+    first, last = domain.web_layers
+    free = jnp.asarray(domain.design[:, :, first:last] if design is None else design)
+    kernel = jnp.asarray(cone_kernel(web_cell_mm(domain), filter_radius_mm))
+    return Interpolation(
+        fixed=jnp.asarray(domain.fixed),
+        design=free,
+        web_layers=(first, last),
+        density_filter=cone_filter(free, kernel, domain.mirrored_x),
+    )
+
+
+def web_cell_mm(domain: Domain) -> tuple[float, float, float]:
+    """Edges of the cells of the web's layers, mm."""
+    dx, dy, dz = domain.grid.steps_mm
+    return float(dx[0]), float(dy[0]), float(dz[domain.web_layers[0]])
+
+
+def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
+    """Filtered density that the process can make; its iso-surface bounds the web."""
+    smooth = data.density_filter(x)
+    return smooth if data.process is None else data.process(smooth)
+
+
+def physical_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+    """Physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
+    return _projected(data, smooth_density(data, x), beta, data.projection.made)
+
+
+def eroded_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+    """The thinner design whose stiffness counts: the physical density unless members have a least size."""
+    smooth = smooth_density(data, x)
+    seen = smooth if data.within is None else smooth * data.within
+    return _projected(data, seen, beta, data.projection.eroded)
+
+
+def dilated_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+    """The thicker design whose volume grows: the physical density unless gaps have a least size."""
+    return _projected(data, smooth_density(data, x), beta, data.projection.dilated)
+
+
+def _projected(
+    data: Interpolation, smooth: jax.Array, beta: float | jax.Array, threshold: float
+) -> jax.Array:
+    return projected(smooth, beta, threshold) * (data.design > 0)
+
+
+def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
+    """Relative moduli (nx, ny, nz) of all cells (modified SIMP).
+
+    Source: M. P. Bendsoe, O. Sigmund, Topology Optimization, 2003; O. Sigmund, SMO 33, 2007.
+    """
+    web = data.design * (CONTRAST + density**data.penalty * (1.0 - CONTRAST))
+    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(web)
+
+
+def solid_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
+    """Solid fraction (nx, ny, nz) of all cells, which carries the mass."""
+    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(data.design * density)
+
+
+def volume_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
+    """Share of the designable volume that is solid."""
+    return jnp.sum(data.design * density) / data.total
+
+
+def greyness(data: Interpolation, density: jax.Array) -> jax.Array:
+    """Measure of non-discreteness, 0 for a black-and-white design, 1 for density one half everywhere.
+
+    Source: O. Sigmund, Morphology-based black and white filters, SMO 33, 2007.
+    """
+    return jnp.sum(data.design * 4.0 * density * (1.0 - density)) / data.total
+
+
+jax.tree_util.register_dataclass(
+    Interpolation,
+    data_fields=["fixed", "design", "density_filter", "process", "within"],
+    meta_fields=["web_layers", "projection", "penalty"],
+)

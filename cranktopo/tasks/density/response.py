@@ -1,0 +1,173 @@
+"""Differentiable responses of the throw: implicit differentiation of the equilibrium by the moduli.
+
+All functions take relative moduli (1 = solid material, shape (nx, ny, nz)), the solid fraction of every cell
+likewise, nodal forces divided by the modulus and displacements in mm (cases, 3, nodes...), and must be called
+inside `double_precision()`. They are differentiable by `jax.grad` and friends; a solve runs eagerly, so do
+not wrap them in `jax.jit`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.grid.conjugate_gradients import System
+from cranktopo.numerics.grid.equilibrium import Solution, solve_system
+from cranktopo.numerics.grid.lattice import layer_blocks
+from cranktopo.numerics.grid.multigrid import build_tables
+from cranktopo.numerics.grid.operator import strain_energy_densities, strain_energy_density
+from cranktopo.numerics.grid.partition import WHOLE
+from cranktopo.numerics.precision import Precision
+from cranktopo.tasks.density.model import ThrowModel, case_forces, cell_volumes_mm3
+
+Array = NDArray[np.float64]
+
+
+def solve(
+    model: ThrowModel,
+    moduli: jax.Array,
+    *,
+    forces: jax.Array | None = None,
+    guess: jax.Array | None = None,
+    tolerance: float = 1e-8,
+    precision: Precision = "float32",
+) -> Solution:
+    """Displacements of every load case.
+
+    Args:
+        guess: what to start from; the array is gone afterwards.
+
+    Raises:
+        CranktopoError: moduli or loads that make no sense, or the residual is not reached (exit code 4).
+    """
+    load = model.forces if forces is None else forces
+    start = jnp.zeros_like(load) if guess is None else guess
+    tables = build_tables(model.lattice, model.levels)
+    system = System(jnp.asarray(tables.blocks), model.supports, moduli, load)
+    return solve_system(tables, system, start, tolerance, model.case_names, precision)
+
+
+def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8) -> jax.Array:
+    """Differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve."""
+
+    @jax.custom_vjp
+    def field(moduli: jax.Array) -> jax.Array:
+        return solve(model, moduli, tolerance=tolerance).displacements
+
+    def forward(moduli: jax.Array) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+        u = field(moduli)
+        return u, (moduli, u)
+
+    def backward(saved: tuple[jax.Array, jax.Array], cotangent: jax.Array) -> tuple[jax.Array]:
+        moduli, u = saved
+        adjoint = solve(model, moduli, forces=cotangent, tolerance=tolerance).displacements
+        return (-_energy_density(layer_blocks(model.lattice), adjoint, u),)
+
+    field.defvjp(forward, backward)
+    return field(moduli)
+
+
+def adjoint_gradients(
+    model: ThrowModel, adjoint: jax.Array, u: jax.Array, solid: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Derivatives (nx, ny, nz) of any function of u by relative moduli and by the solid fraction.
+
+    Args:
+        adjoint: solution (cases, 3, nodes...) whose nodal forces are the function's derivative by u.
+    """
+    by_moduli = -_energy_density(layer_blocks(model.lattice), adjoint, u)
+    if not model.spinning:
+        return by_moduli, jnp.zeros_like(solid)
+    return by_moduli, jax.grad(lambda s: jnp.sum(case_forces(model, s) * adjoint))(solid)
+
+
+def compliances(model: ThrowModel, u: jax.Array, forces: jax.Array | None = None) -> jax.Array:
+    """Work of the loads of the full throw, F . u per case (cases,), N mm."""
+    load = model.forces if forces is None else forces
+    return _works(load, u) * model.modulus_MPa / model.share
+
+
+def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
+    """Derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint.
+
+    Body forces stay as they are: `compliance_gradients_by_solid` adds what changes with the mass.
+    """
+    return _scaled_energies(layer_blocks(model.lattice), u, -model.modulus_MPa / model.share)
+
+
+def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Array) -> jax.Array:
+    """Derivatives (cases, nx, ny, nz) of the compliances by the solid fraction that carries mass, N mm."""
+
+    def work(solid: jax.Array) -> jax.Array:
+        return jnp.sum(case_forces(model, solid) * u, axis=(1, 2, 3, 4))
+
+    # The load moves u as well: for a linear structure that doubles its direct effect on F . u.
+    by_load: jax.Array = jax.jacrev(work)(solid)
+    return 2 * by_load * model.modulus_MPa / model.share
+
+
+def case_load(case: LoadCase) -> float:
+    """The load whose work is the compliance: torque in N mm of a torsion case, pin force in N else."""
+    if case.kind == "torsion":
+        return case.torque_Nm * NMM_PER_NM
+    return math.hypot(case.radial_N, case.tangential_N)
+
+
+def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
+    """Relative rotation of the two mid-journal sections under a torsion case, rad."""
+    index = model.case_names.index(case)
+    return compliances(model, u)[index] / case_load(model.cases[index])
+
+
+def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
+    """Mean displacement of the crankpin's material along the case's pin force, mm."""
+    index = model.case_names.index(case)
+    return compliances(model, u)[index] / case_load(model.cases[index])
+
+
+def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
+    """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
+    load = model.cases[model.case_names.index(case)]
+    return case_load(load) ** 2 / compliance_N_mm / (NMM_PER_NM if load.kind == "torsion" else 1.0)
+
+
+def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
+    """Mass of the full throw, kg."""
+    tonne = density_tonne_per_mm3(density_kg_m3) * jnp.sum(solid * cell_volumes_mm3(model.lattice))
+    return tonne * KG_PER_TONNE / model.share
+
+
+def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
+    """Mass of the full throw times the y of its centre of mass, kg mm."""
+    _, y = _arms_mm(model)
+    return throw_mass_kg(model, solid * (y[:, :-1] + y[:, 1:]) / 2, density_kg_m3)
+
+
+def throw_inertia_kg_mm2(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
+    """Moment of inertia of the full throw about the crank axis, kg mm2; exact for full cells."""
+    squares = []
+    for axis, arm in enumerate(_arms_mm(model)):
+        low, high = np.delete(arm, -1, axis), np.delete(arm, 0, axis)
+        squares.append((low**2 + low * high + high**2) / 3)
+    return throw_mass_kg(model, solid * (squares[0] + squares[1]), density_kg_m3)
+
+
+def _arms_mm(model: ThrowModel) -> tuple[Array, Array]:
+    if model.arms_mm is None:
+        raise ValueError("a model without arms_mm does not say where its nodes are")
+    return model.arms_mm
+
+
+@jax.jit
+def _scaled_energies(blocks: jax.Array, u: jax.Array, factor: jax.Array) -> jax.Array:
+    return factor * strain_energy_densities(blocks, u)
+
+
+_works = jax.jit(WHOLE.dot)
+_energy_density = jax.jit(strain_energy_density)

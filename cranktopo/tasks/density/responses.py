@@ -1,0 +1,239 @@
+"""Responses of a design: one number each, a pure JAX function of the solved design, and its whole derivative.
+
+A response is a value of stiffness, mass or displacement that an optimisation may minimise, maximise or limit.
+`jax.jit` and `jax.grad` work around its `value`. That the displacements follow the moduli is no business of a
+response: `slopes` adds it, from the self-adjoint work of the loads at no cost, and by one more solve for a
+response that reads displacements.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.bodies.web_moments import Moments
+from cranktopo.design.goal.quantities import MOTIONS
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.tasks.density.material import Interpolation
+from cranktopo.tasks.density.model import ThrowModel
+from cranktopo.tasks.density.response import (
+    adjoint_gradients,
+    case_load,
+    compliance_gradients,
+    compliance_gradients_by_solid,
+    throw_inertia_kg_mm2,
+    throw_mass_kg,
+    throw_unbalance_kg_mm,
+)
+
+
+class Design(NamedTuple):
+    """One design and what its loads do to it; a JAX tree.
+
+    Attributes:
+        moduli: relative modulus of every cell (nx, ny, nz).
+        solid: solid fraction of every cell (nx, ny, nz), which has the mass.
+        works: work of the loads of the full throw (cases,), N mm.
+        first_works: those of the first design of the optimisation.
+        displacements: (cases, 3, nodes...), mm; 0 at nodes without any material.
+    """
+
+    moduli: jax.Array
+    solid: jax.Array
+    works: jax.Array
+    first_works: jax.Array
+    displacements: jax.Array
+
+
+@dataclass(frozen=True)
+class Response:
+    """One number of a design.
+
+    Attributes:
+        unit: as in messages.
+        value: pure JAX function of the solved design.
+        reads_displacements: whether `value` reads the displacements themselves; its derivative takes a solve.
+        needs_solve: whether `value` depends on the loads; without, it is a sum over the cells.
+        stiffest: whether more material, wherever it is put, gives the response its most or its least value;
+            empty where that depends.
+    """
+
+    name: str
+    unit: str
+    value: Callable[[Design], jax.Array]
+    reads_displacements: bool = False
+    needs_solve: bool = True
+    stiffest: Literal["most", "least", ""] = ""
+
+
+def weighted_compliance(weights: Sequence[float]) -> Response:
+    """Weighted sum of the works of the loads, each over its value in the first design."""
+    shares = jnp.asarray(weights) / sum(weights)
+    return Response("weighted compliance", "", lambda design: shares @ (design.works / design.first_works))
+
+
+def relative_compliance(index: int, name: str, weight: float = 1.0) -> Response:
+    """Work of the loads of one case over its value in the first design, times a weight."""
+
+    def value(design: Design) -> jax.Array:
+        return weight * design.works[index] / design.first_works[index]
+
+    return Response(f"{name} compliance", "", value)
+
+
+def volume(chain: Interpolation) -> Response:
+    """Share of the design space that is solid."""
+    first, last = chain.web_layers
+    fixed, total = jnp.sum(chain.fixed[:, :, first:last]), chain.total
+
+    def value(design: Design) -> jax.Array:
+        return (jnp.sum(design.solid[:, :, first:last]) - fixed) / total
+
+    return Response("volume fraction", "", value, needs_solve=False)
+
+
+def quantities(model: ThrowModel, density_kg_m3: float, bolted: Moments | None = None) -> dict[str, Response]:
+    """Every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
+
+    The stiffness of a load case has the case's name.
+
+    Args:
+        bolted: mass moments of what is bolted to each web, kg and mm.
+    """
+    parts = (0.0,) * 3 if bolted is None else (bolted.volume, bolted.polar, bolted.first_y)
+    mass, *others = (
+        _of_solid(name, unit, of, model, density_kg_m3, 2 * part)
+        for (name, unit, of), part in zip(_OF_SOLID, parts, strict=True)
+    )
+    loaded = [r for index, case in enumerate(model.cases) for r in _of_case(index, case, mass)]
+    return {response.name: response for response in (mass, *others, *loaded)}
+
+
+_OF_SOLID = (
+    ("mass", "kg", throw_mass_kg),
+    ("inertia", "kg mm2", throw_inertia_kg_mm2),
+    ("unbalance", "kg mm", throw_unbalance_kg_mm),
+)
+
+
+def _of_solid(
+    name: str,
+    unit: str,
+    of: Callable[[ThrowModel, jax.Array, float], jax.Array],
+    model: ThrowModel,
+    density_kg_m3: float,
+    part: float,
+) -> Response:
+    def value(design: Design) -> jax.Array:
+        found = of(model, design.solid, density_kg_m3)
+        return found + part if part else found
+
+    return Response(name, unit, value, needs_solve=False)
+
+
+def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
+    """Stiffness, stiffness per mass and motion of the load under one case; a body force has none."""
+    load, torsion = abs(case_load(case)), case.kind == "torsion"
+    if case.kind == "centrifugal" or load == 0:
+        return []
+    unit, turn = (NMM_PER_NM, math.degrees(1)) if torsion else (1.0, 1.0)
+    stiffness = Response(
+        case.name,
+        "N m/rad" if torsion else "N/mm",
+        lambda design: load**2 / design.works[index] / unit,
+        stiffest="most",
+    )
+    per_mass = ratio(f"{case.name}_per_mass", "N m/(rad kg)" if torsion else "N/(mm kg)", stiffness, mass)
+    motion = Response(
+        MOTIONS.get(case.name, f"{case.name}_{'twist' if torsion else 'displacement'}"),
+        "deg" if torsion else "mm",
+        lambda design: design.works[index] / load * turn,
+        stiffest="least",
+    )
+    return [stiffness, per_mass, motion]
+
+
+def ratio(name: str, unit: str, above: Response, below: Response) -> Response:
+    """One response over another."""
+    return Response(
+        name,
+        unit,
+        lambda design: above.value(design) / below.value(design),
+        above.reads_displacements or below.reads_displacements,
+        above.needs_solve or below.needs_solve,
+    )
+
+
+def slopes(
+    model: ThrowModel,
+    functions: tuple[Callable[[Design], jax.Array], ...],
+    design: Design,
+    adjoints: Mapping[int, jax.Array],
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Values of k functions of a solved design and their whole derivatives.
+
+    Args:
+        functions: such as the values of responses; hashable.
+        adjoints: by index of a function that reads displacements, the displacements under `loads_of` it.
+
+    Returns:
+        Values (k,), derivatives (k, nx, ny, nz) by the relative moduli and by the solid fraction.
+    """
+    values, by_moduli, by_solid, by_works = _partial_slopes(functions, design)
+    u = design.displacements
+    by_moduli += _combined(by_works, compliance_gradients(model, u))
+    if model.spinning:
+        by_solid += _combined(by_works, compliance_gradients_by_solid(model, u, design.solid))
+    for index, adjoint in adjoints.items():
+        of_u = adjoint_gradients(model, adjoint, u, design.solid)
+        by_moduli, by_solid = by_moduli.at[index].add(of_u[0]), by_solid.at[index].add(of_u[1])
+    return values, by_moduli, by_solid
+
+
+@partial(jax.jit, static_argnums=0)
+def loads_of(function: Callable[[Design], jax.Array], design: Design) -> jax.Array:
+    """Derivative of a function by the displacements (cases, 3, nodes...): the loads of its adjoint solve."""
+    loads = jax.grad(lambda u: function(design._replace(displacements=u)))(design.displacements)
+    return on_material(loads, design.moduli)
+
+
+@jax.jit
+def on_material(field: jax.Array, moduli: jax.Array) -> jax.Array:
+    """A field (cases, 3, nodes...) with zeros at the nodes where no cell has any stiffness."""
+    filled = jnp.pad(moduli > 0, 1)
+    for axis in range(3):
+        size = filled.shape[axis]
+        near = jax.lax.slice_in_dim(filled, 0, size - 1, axis=axis)
+        filled = near | jax.lax.slice_in_dim(filled, 1, size, axis=axis)
+    return field * filled
+
+
+@partial(jax.jit, static_argnums=0)
+def values_of(functions: tuple[Callable[[Design], jax.Array], ...], design: Design) -> jax.Array:
+    """Values (k,) of functions of a solved design."""
+    return jnp.stack([function(design) for function in functions])
+
+
+@partial(jax.jit, static_argnums=0)
+def _partial_slopes(
+    functions: tuple[Callable[[Design], jax.Array], ...], design: Design
+) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    """Values and derivatives by moduli, solid and works, the displacements held."""
+
+    def stacked(moduli: jax.Array, solid: jax.Array, works: jax.Array) -> jax.Array:
+        return values_of(functions, design._replace(moduli=moduli, solid=solid, works=works))
+
+    seen = design.moduli, design.solid, design.works
+    return stacked(*seen), *jax.jacrev(stacked, (0, 1, 2))(*seen)
+
+
+@jax.jit
+def _combined(shares: jax.Array, fields: jax.Array) -> jax.Array:
+    return jnp.einsum("kb,bxyz->kxyz", shares, fields)

@@ -1,0 +1,111 @@
+"""The density optimisation in memory: scene -> plan -> load cases -> domain -> density."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
+from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolution
+from cranktopo.design.checks.goal import check_known
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.schema import Scene
+from cranktopo.engine.cases import load_cases
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.coarse_start import coarse_scene, first_state
+from cranktopo.tasks.density.length_scale import check_lengths
+from cranktopo.tasks.density.notices import notices
+from cranktopo.tasks.density.problem import DensityProblem, Progress, SolverSettings
+from cranktopo.tasks.density.state import State
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A validated scene with everything the optimisation needs, before anything is written.
+
+    Attributes:
+        scene: the scene as it is simulated, without what the plan leaves out.
+        notices: what a user may not expect, in sentences.
+    """
+
+    scene: Scene
+    plan: EffectPlan
+    cases: tuple[LoadCase, ...]
+    domain: Domain
+    notices: tuple[str, ...] = ()
+
+
+def prepare(scene: Scene) -> Prepared:
+    """Check a scene for optimisation and build its load cases and domain.
+
+    Raises:
+        CranktopoError: resolution out of range, no envelope, an envelope that misses a journal.
+    """
+    goal = wanted(scene)
+    if goal is not None:
+        check_known(goal, "density")
+    effects = plan(scene, goal=goal)
+    scene = simulated_scene(scene, effects)
+    quarter = laterally_symmetric(scene, "envelope")
+    cases = load_cases(scene, effects.enabled)
+    resolution = scene.optimise.resolution_mm
+    check_resolution(scene, resolution, quarter, len(cases), available_memory_MiB())
+    check_lengths(scene)
+    domain = build_domain(scene, resolution)
+    return Prepared(scene, effects, cases, domain, notices(scene, domain))
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """A finished density optimisation."""
+
+    problem: DensityProblem
+    state: State
+    design: loop.WebDensities
+
+
+def optimise_density(
+    prepared: Prepared, solving: SolverSettings | None = None, progress: Progress = lambda *_: None
+) -> Optimum:
+    """Optimise the web of a prepared scene in memory; call inside `double_precision()`.
+
+    Raises:
+        CranktopoError: solver failure.
+    """
+    problem = build_problem(prepared.scene, prepared.domain, prepared.cases, solving)
+    first = first_state(problem, prepared.scene, prepared.domain, prepared.cases, progress)
+    state = iterate(problem, first, progress)
+    return Optimum(problem, state, loop.final_design(problem, state))
+
+
+def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *_: None) -> State:
+    """The state at the end of the optimisation; `progress` is called after every iteration."""
+    while not state.done:
+        state = loop.step(problem, state)
+        progress(problem, state)
+    return state
+
+
+def describe(prepared: Prepared) -> str:
+    """One line about the model: cells, cell size, padding, symmetry, load cases."""
+    grid = prepared.domain.grid
+    sizes = " x ".join(f"{step.max():.3g}" for step in grid.steps_mm)
+    nx, ny, nz = grid.cells
+    loads = ", ".join(_load_text(case) for case in prepared.cases)
+    coarser = coarse_scene(prepared.scene, prepared.domain)
+    first = "" if coarser is None else f"; first on cells of {coarser.optimise.resolution_mm:.3g} mm"
+    return (
+        f"{prepared.scene.name}: {prepared.domain.extent} model, {nx} x {ny} x {nz} cells of {sizes} mm, "
+        f"padded by {grid.padding[0]}, {grid.padding[1]}, {grid.padding[2]} cells for {grid.levels} "
+        f"multigrid levels{first}; {loads}"
+    )
+
+
+def _load_text(case: LoadCase) -> str:
+    if case.kind == "torsion":
+        return f"{case.name} {case.torque_Nm:,.1f} N m"
+    return f"{case.name} {(case.radial_N or case.tangential_N) / 1000:,.2f} kN"

@@ -1,0 +1,115 @@
+"""`cranktopo designs`
+
+List the built-in designs, copy one to edit, or begin a new one with every key.
+"""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import click
+
+from cranktopo.cli.completion import designs as complete_designs
+from cranktopo.cli.group import SuggestingGroup
+
+
+@click.group("designs", cls=SuggestingGroup)
+def command() -> None:
+    """List the built-in designs, copy one to edit, or begin a new one.
+
+    Example: cranktopo designs copy mikron-iiic my-engine.toml
+    """
+
+
+@command.command("list")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def list_command(as_json: bool) -> None:
+    """List the built-in designs.
+
+    Example: cranktopo designs list
+    """
+    from cranktopo.design.loading import builtin_designs, load_scene
+
+    found = {name: load_scene(name).description for name in builtin_designs()}
+    if as_json:
+        entries = [{"name": name, "description": text} for name, text in found.items()]
+        click.echo(json.dumps({"schema_version": 1, "designs": entries}, indent=2))
+        return
+    width = max(len(name) for name in found)
+    for name, text in found.items():
+        click.echo(f"{name:{width}}  {text}")
+
+
+@command.command("copy")
+@click.argument("design", shell_complete=complete_designs)
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def copy_command(design: str, file: Path, force: bool) -> None:
+    """Copy DESIGN to FILE (.toml), named after the file: edit it, then give it to any command.
+
+    The copy finds the files that the design names. What was published about the original stays behind,
+    because it does not hold for the copy.
+
+    Example: cranktopo designs copy mikron-iiic my-engine.toml
+    """
+    from cranktopo.base.files import write_text
+    from cranktopo.design.copying import copy_of
+    from cranktopo.runs.destination import check_file
+
+    check_file(file, "file", (".toml",), replace=force)
+    write_text(file, copy_of(design, file))
+    example = shlex.join(["cranktopo", "compare", str(file), "--baseline", design])
+    click.echo(f"{file}: edit it, then for example: {example}")
+
+
+@command.command("pair")
+@click.argument("design", shell_complete=complete_designs)
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--first", metavar="TARGET", help="Design, or run, whose web becomes [web].")
+@click.option("--second", metavar="TARGET", help="Design, or run, whose web becomes [second_web].")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def pair_command(design: str, file: Path, first: str | None, second: str | None, force: bool) -> None:
+    """Copy DESIGN to FILE (.toml) with two webs that were found one by one, by `--web` of the optimisers.
+
+    A run gives its web: of shape its result, of iterate its best step, of optimise its re-model. Its journals
+    must be those of DESIGN but for their lengths, which are taken over.
+
+    Example: cranktopo designs pair two-webs.toml pair.toml --first runs/one --second runs/other
+    """
+    from cranktopo.base.files import write_text
+    from cranktopo.design.pairing import pair_text
+    from cranktopo.runs.destination import check_file
+    from cranktopo.tasks.designs.run_webs import parametric_scene, web_target
+
+    if first is None and second is None:
+        raise click.UsageError("give --first, --second or both: without them nothing changes")
+    check_file(file, "file", (".toml",), replace=force)
+    webs = [None if text is None else parametric_scene(text, web_target(text)) for text in (first, second)]
+    write_text(file, pair_text(design, file, *webs))
+    click.echo(f"{file}: {shlex.join(['cranktopo', 'evaluate', str(file)])}")
+
+
+@command.command("new")
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--name", help="Name of the design; the file's by default.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def new_command(file: Path, name: str | None, force: bool) -> None:
+    """Write FILE (.toml), a design with every key: meaning, unit, range and default.
+
+    It is valid as it stands: replace the values, switch on what the engine needs.
+
+    Example: cranktopo designs new my-engine.toml
+    """
+    from cranktopo.base.files import write_text
+    from cranktopo.design.copying import design_name
+    from cranktopo.design.loading import parse_scene
+    from cranktopo.design.template import template
+    from cranktopo.runs.destination import check_file
+
+    check_file(file, "file", (".toml",), replace=force)
+    text = template(name or design_name(file))
+    parse_scene(text, str(file))
+    write_text(file, text)
+    click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

@@ -1,0 +1,163 @@
+"""The parametric web that a run left, and the design whose own web is its original."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import read_json
+from cranktopo.design.loading import builtin_designs, load_scene
+from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.one_web import WebName, one_web
+from cranktopo.design.schema import Scene
+from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
+from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, kind_of, resume_command, shown_results
+
+Step = Mapping[str, Any]
+REMODEL = "remodel.json"
+_WEB = "web.toml"
+
+
+@dataclass(frozen=True)
+class WebTarget:
+    """What a target means to a command that works with dimensions.
+
+    Attributes:
+        design: the scene whose own web is the original.
+        file: scene of the web to begin with, a TOML file; None where that is the design's own web.
+        run: where the web comes from; without a file its re-model is still to be made.
+    """
+
+    design: Scene
+    file: Path | None = None
+    run: RunStore | None = None
+
+    @property
+    def begun(self) -> Scene | RunStore | None:
+        """What a shape optimisation begins with, as it takes it."""
+        return self.run if self.file is None else load_scene(str(self.file))
+
+
+def web_target(text: str, web: WebName | None = None) -> WebTarget:
+    """What a target is: a design, a scene file, a run, or the folder of a re-model.
+
+    Args:
+        web: of a design with two different webs the one that is meant.
+
+    Raises:
+        CranktopoError: none of these, a run that is not finished, or two webs and none of them named.
+    """
+    path = Path(text)
+    if web and path.suffix != ".toml" and text not in builtin_designs():
+        raise CranktopoError(
+            f"--web {web}: names a web of a design, and '{text}' is none.",
+            hint="Leave it out: a run is of one web.",
+            code=ExitCode.USAGE,
+        )
+    if (path / REMODEL).is_file():
+        return _of_remodel(path)
+    named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
+    if not (path.is_dir() or named):
+        return WebTarget(one_web(load_scene(text, whole=True), web))
+    run = open_run(text)
+    return WebTarget(scene_of_run(run), run_web(run), run)
+
+
+def parametric_scene(text: str, target: WebTarget) -> Scene:
+    """The scene whose web has dimensions.
+
+    Raises:
+        CranktopoError: a run that has no parametric web.
+    """
+    if target.run is not None and target.file is None:
+        raise CranktopoError(
+            f"target '{text}': the run has no parametric web, whose dimensions could be changed.",
+            hint=f"Make one: {shlex.join(['cranktopo', 'remodel', text])}",
+        )
+    return target.design if target.file is None else load_scene(str(target.file))
+
+
+def run_web(run: RunStore) -> Path | None:
+    """Scene file of a run's parametric web: its result, its best web, its newest re-model; None without one.
+
+    Raises:
+        CranktopoError: the run is not finished, or found no web.
+    """
+    kind = kind_of(run)
+    if not (run.path / RESULT_FILES[kind]).is_file():
+        raise CranktopoError(
+            f"run '{run.path}': is not finished and has no web yet.",
+            hint=f"Continue it: {resume_command(run)}",
+        )
+    if kind == SHAPE:
+        return run.path / _WEB
+    if kind != LOOP:
+        return newest_remodel(run)
+    with shown_results(run):
+        best = best_row(read_json(run.path / RESULT_FILES[LOOP]))
+        if best is None:
+            raise CranktopoError(
+                f"run '{run.path}': its loop found no better web.", hint="Begin with its design instead."
+            )
+        return run.path / row_folder(best) / _WEB
+
+
+def newest_remodel(run: RunStore) -> Path | None:
+    """Scene file of the newest re-model of a run, in it or beside it or under runs/."""
+    found = {file.resolve() for file in _remodels(run)}
+    made = [file for file in found if read_json(file).get("run") == run.name]
+    if not made:
+        return None
+    return _design_of(max(made, key=lambda file: (file.stat().st_mtime_ns, str(file))).parent)
+
+
+def _remodels(run: RunStore) -> Iterator[Path]:
+    for folder, depth in ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2)):
+        yield from folder.glob("*/" * depth + REMODEL)
+
+
+def _design_of(folder: Path) -> Path:
+    files = read_json(folder / REMODEL).get("files")
+    name = files.get("design") if isinstance(files, dict) else None
+    if not isinstance(name, str):
+        raise CranktopoError(
+            f"re-model '{folder}': its {REMODEL} names no design.", hint="Make it anew: cranktopo remodel RUN"
+        )
+    return folder / name
+
+
+def _of_remodel(folder: Path) -> WebTarget:
+    """The folder of a re-model; its original is that of the run that it was made of."""
+    name = read_json(folder / REMODEL).get("run")
+    beside = folder.resolve().parent
+    for place in (beside, beside / str(name), RUNS / str(name)):
+        if place.name == name and (place / "manifest.json").is_file():
+            run = open_run(str(place))
+            return WebTarget(scene_of_run(run), _design_of(folder), run)
+    file = shlex.quote(str(_design_of(folder)))
+    raise CranktopoError(
+        f"re-model '{folder}': the run '{name}' that it was made of is gone, so its original is not known.",
+        hint=f"Give its scene, which then is its own original: {file}",
+    )
+
+
+def best_row(data: Mapping[str, Any]) -> Step | None:
+    """The best web: that of the shape optimisation where it is better than the best step, else that step."""
+    shape = data.get("shape")
+    if shape is not None and shape["better_than_best_step"]:
+        return cast(Step, data["steps"][-1])
+    return None if data["best_step"] is None else cast(Step, data["steps"][data["best_step"]])
+
+
+def row_words(row: Step) -> str:
+    """A row in a sentence: `step 6`, or `shape`."""
+    return SHAPE if row.get("name") == SHAPE else f"step {row['number']}"
+
+
+def row_folder(row: Step) -> str:
+    """Name of the folder of a row's web in the loop's directory."""
+    return SHAPE if row.get("name") == SHAPE else f"step-{row['number']:02d}"

@@ -1,0 +1,1 @@
+"""Files of a design's exact solid and its workshop drawing."""

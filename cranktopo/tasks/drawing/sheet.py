@@ -1,0 +1,207 @@
+"""Workshop drawing of a throw: views at a true scale on A3, title block, tolerances, table of dimensions.
+
+A throw whose halves differ has two sheets, one above the other on A2.
+
+Lengths are in mm. The projection is first angle (ISO 5456-2), the title block holds the fields of ISO 7200,
+general tolerances are those of ISO 2768.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cranktopo.base.reproducible import time_of_writing
+from cranktopo.design.schema import Scene
+from cranktopo.design.symmetry import web_asymmetry
+from cranktopo.engine.balance.throw import ThrowBalance
+from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
+from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section
+from cranktopo.throw.profile import ProfileWeb
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure, SubFigure
+
+_WIDTH_MM, _HEIGHT_MM, _BORDER_MM = 420.0, 297.0, 10.0
+_TABLE_MM, _TITLE_MM = 112.0, 62.0
+_SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+"""Scales of ISO 5455."""
+_MM_PER_INCH = 25.4
+_SHOWN = {
+    None: "half of it shown",
+    "first": "first half, sheet 1 of 2",
+    "second": "second half, sheet 2 of 2",
+}
+_TURNED = "Half a turn about the throw from where sheet 1 is drawn."
+_NOTES = (
+    "General tolerances ISO 2768-mK unless stated.",
+    "Journals and fillets ground, Ra 0.4 µm; bores Ra 3.2 µm;",
+    "all other surfaces as forged or milled, Ra 6.3 µm.",
+    "Break sharp edges 0.3 mm.",
+)
+
+
+def write_drawing(
+    sheets: Sequence[Sheet], balance: ThrowBalance, paths: Sequence[Path], started: datetime | None = None
+) -> None:
+    """Draw a throw with its dimensions.
+
+    Args:
+        sheets: its half throw, or both where they differ.
+        balance: its masses, for the title block.
+        paths: files to write; each ending gives its format.
+        started: when the work began that the drawing is a part of, its date; now by default.
+    """
+    import matplotlib as mpl
+
+    written = time_of_writing(started)
+    figure = drawing_figure(sheets, balance, written)
+    with mpl.rc_context({"svg.hashsalt": sheets[0].scene.name}):  # the same names of parts in every drawing
+        for path in paths:
+            date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
+            figure.savefig(path, dpi=150, metadata=date.get(path.suffix.lower()))
+
+
+def drawing_figure(sheets: Sequence[Sheet], balance: ThrowBalance, written: datetime | None = None) -> Figure:
+    """The drawing as a figure, one A3 above the other, dated `written` or today."""
+    from matplotlib.figure import Figure
+
+    date = time_of_writing(written)
+    figure = Figure(figsize=(_WIDTH_MM / _MM_PER_INCH, len(sheets) * _HEIGHT_MM / _MM_PER_INCH))
+    parts = figure.subfigures(len(sheets), 1, squeeze=False)[:, 0]
+    for part, sheet in zip(parts, sheets, strict=True):
+        _draw(part, sheet, balance, date)
+    return figure
+
+
+def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datetime) -> None:
+    views = (front_view, lengthwise_section, cross_section)
+    scale = _scale(sheet)
+    (front, long, across), (x, y) = (sheet.front, sheet.lengthwise, sheet.across), _origin(sheet, scale)
+    places = ((x, y), (x + front.size_mm(scale)[0], y), (x, y - across.size_mm(scale)[1]))
+    for view, room, place in zip(views, (front, long, across), places, strict=True):
+        axes = _axes(figure, place, room.size_mm(scale))
+        axes.set_xlim(*room.x_limits(scale))
+        axes.set_ylim(*room.y_limits(scale))
+        view(axes, sheet, scale)
+    page = _axes(figure, (0.0, 0.0), (_WIDTH_MM, _HEIGHT_MM))
+    page.set_xlim(0, _WIDTH_MM)
+    page.set_ylim(0, _HEIGHT_MM)
+    page.axis("off")
+    frame(page, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
+    _table(page, sheet)
+    _title_block(page, sheet, balance, scale, written)
+
+
+def _scale(sheet: Sheet) -> float:
+    """The largest standard scale at which all views fit beside the table."""
+    for scale in _SCALES:
+        (front_x, front_y), (long_x, long_y), (across_x, across_y) = (
+            room.size_mm(scale) for room in (sheet.front, sheet.lengthwise, sheet.across)
+        )
+        wide = max(front_x + long_x, across_x) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
+        if wide and max(front_y, long_y) + across_y <= _HEIGHT_MM - 2 * _BORDER_MM:
+            return scale
+    return _SCALES[-1]
+
+
+def _origin(sheet: Sheet, scale: float) -> tuple[float, float]:
+    """Lower left corner of the front view on the sheet: the views stand in the middle of their room."""
+    front, long, across = (room.size_mm(scale) for room in (sheet.front, sheet.lengthwise, sheet.across))
+    free_x = _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM - front[0] - long[0]
+    free_y = _HEIGHT_MM - 2 * _BORDER_MM - max(front[1], long[1]) - across[1]
+    return _BORDER_MM + free_x / 2, _BORDER_MM + free_y / 2 + across[1]
+
+
+def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, float]) -> Any:
+    (x, y), (width, height) = corner, size
+    return figure.add_axes((x / _WIDTH_MM, y / _HEIGHT_MM, width / _WIDTH_MM, height / _HEIGHT_MM))
+
+
+def _table(page: Any, sheet: Sheet) -> None:
+    """Every number that the scene holds of the web: outline first, then its features."""
+    lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
+    for feature in sheet.features:
+        lines += feature.lines
+    size = min(8.0, 8.0 * 60 / max(len(lines), 1))
+    left, top = _WIDTH_MM - _BORDER_MM - _TABLE_MM + 4, _HEIGHT_MM - _BORDER_MM - 4
+    page.text(left, top, "\n".join(lines), va="top", family="monospace", fontsize=size, linespacing=1.25)
+
+
+def _journal_lines(sheet: Sheet) -> list[str]:
+    scene, lines = sheet.scene, []
+    for (journal, _), name in zip(scene.throw.journals, ("MAIN JOURNAL", "CRANKPIN"), strict=True):
+        bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ", solid"
+        fillet = f", fillets {journal.fillet}" if journal.fillet_mm else ", no fillets"
+        lines.append(f"{name:13}⌀{journal.outer_diameter_mm:g}{bore}")
+        lines.append(f"{'':13}length {journal.length_mm:g}{fillet}")
+    long = f"this half {scene.pitch_mm / 2:g} long" if sheet.half else f"pitch {scene.pitch_mm:g}"
+    throw = f"{'THROW':13}radius {scene.throw.radius_mm:g}, {long}"
+    return [*lines, throw, *_drilling_lines(scene), ""]
+
+
+def _drilling_lines(scene: Scene) -> list[str]:
+    """Oil drillings with both their ends: journal, angle about its axis, distance from its middle."""
+    lines = []
+    for drilling in scene.throw.drilling:
+        rounding = f", outlets R{drilling.outlet_radius_mm:g}" if drilling.outlet_radius_mm else ", sharp"
+        lines.append(f"{'DRILLING':13}⌀{drilling.diameter_mm:g}{rounding}")
+        for word, end in (("from", drilling.start), ("to", drilling.end)):
+            place = f"{end.on.replace('_', ' ')} {end.angle_deg:g}°, {end.place_mm:g} off its middle"
+            lines.append(f"   {word:5}{place}")
+    return lines
+
+
+def _outline_lines(scene: Scene) -> list[str]:
+    web = scene.web
+    if not isinstance(web, ProfileWeb):
+        kept = web.model_dump(exclude={"bevel", "pocket", "outline"})
+        numbers = {key: value for key, value in kept.items() if isinstance(value, float)}
+        return [f"OUTLINE {web.outline}", *(f"   {key:24}{value:10.3f}" for key, value in numbers.items())]
+    ends = ", ".join(
+        f"{name} {'round' if closed else 'straight'}"
+        for name, closed in zip(("lower end", "upper end"), web.round_ends, strict=True)
+    )
+    rows = enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), start=1)
+    return [
+        "OUTLINE  cubic spline (degree 3, C2) through",
+        "         these points, over chord length;",
+        f"         {ends}:",
+        "         a round end crosses x = 0 at 90 deg",
+        "  no.         y    half-width x",
+        *(f"   {number:2d}  {y:9.3f}     {half:9.3f}" for number, (y, half) in rows),
+    ]
+
+
+def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, written: datetime) -> None:
+    """Fields of ISO 7200 in the lower right corner, the notes above them."""
+    scene = sheet.scene
+    left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
+    web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg
+    rows = (
+        ("Title", f"{scene.name}: crank throw, {_SHOWN[sheet.half]}"),
+        ("Material", scene.material.name),
+        ("Mass", f"throw {balance.mass_kg:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg"),
+        ("Scale", f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"),
+        ("Date", f"{written:%Y-%m-%d}"),
+        ("Units", "mm, degrees; A3, first-angle projection"),
+    )
+    step = (_TITLE_MM - 22) / len(rows)
+    frame(page, left, bottom, _TABLE_MM, _TITLE_MM, 1.0)
+    for number, (name, text) in enumerate(reversed(rows)):
+        y = bottom + number * step
+        frame(page, left, y, _TABLE_MM, step, 0.5)
+        page.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
+        page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
+    projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
+    symmetric = () if web_asymmetry(scene) else ("Web symmetric in x.",)
+    turned = (_TURNED,) if sheet.half == "second" else ()
+    notes = "\n".join((*_NOTES, *symmetric, *turned))
+    page.text(left + 2, bottom + _TITLE_MM - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
+    if sheet.body is not None:
+        page.plot([left + 2, left + 12], [bottom + _TITLE_MM + 4] * 2, color=GHOST, lw=1, ls="--")
+        page.text(
+            left + 14, bottom + _TITLE_MM + 4, "body that was re-modelled", fontsize=TEXT_SIZE, va="center"
+        )

@@ -1,0 +1,279 @@
+"""Views of a half throw: front, section through both axes, section across; no dimension over the body.
+
+Distances from the body to its dimension lines are millimetres of paper, so that they look alike at any scale.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.bodies.prisms import web_region
+from cranktopo.design.schema import Scene
+from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
+from cranktopo.throw.drilling import channels
+from cranktopo.throw.primitives import Circle, Dimension, FeatureDrawing, Polyline
+from cranktopo.throw.profile import ProfileWeb
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+Array = NDArray[np.float64]
+_POINTS = 400
+_GAP_MM, _LINE_MM = 8.0, 8.0
+"""Paper from the body to the first dimension line, and from one line to the next."""
+_TEXT_MM = 46.0
+"""Paper beside the front view for the stations of the outline."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """Extent of a view: of what is drawn, mm, and of the paper around it, mm: left, right, below, above."""
+
+    x_mm: tuple[float, float]
+    y_mm: tuple[float, float]
+    paper_mm: tuple[float, float, float, float]
+
+    def size_mm(self, scale: float) -> tuple[float, float]:
+        """Width and height on paper."""
+        left, right, below, above = self.paper_mm
+        (x0, x1), (y0, y1) = self.x_mm, self.y_mm
+        return scale * (x1 - x0) + left + right, scale * (y1 - y0) + below + above
+
+    def x_limits(self, scale: float) -> tuple[float, float]:
+        """What the width shows, mm of the body."""
+        return self.x_mm[0] - self.paper_mm[0] / scale, self.x_mm[1] + self.paper_mm[1] / scale
+
+    def y_limits(self, scale: float) -> tuple[float, float]:
+        """What the height shows, mm of the body."""
+        return self.y_mm[0] - self.paper_mm[2] / scale, self.y_mm[1] + self.paper_mm[3] / scale
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What is drawn.
+
+    Attributes:
+        solid: the exact half throw, triangulated.
+        body: another half throw, drawn as a ghost, or None.
+        half: which one of two that differ; None where they are alike.
+    """
+
+    scene: Scene
+    solid: Manifold
+    body: Manifold | None = None
+    half: Literal["first", "second"] | None = None
+
+    @cached_property
+    def features(self) -> list[FeatureDrawing]:
+        """How each feature of the web appears."""
+        return [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
+
+    @property
+    def y_range_mm(self) -> tuple[float, float]:
+        """Extent of web and journals along the throw."""
+        throw = self.scene.throw
+        low, high = self.scene.web.y_range_mm(throw.radius_mm)
+        low = min([low, *(y for feature in self.features for _, y in feature.added)])
+        reach = throw.radius_mm + throw.crankpin.radius_mm
+        return min(low, -throw.main_journal.radius_mm), max(high, reach)
+
+    @property
+    def half_width_mm(self) -> float:
+        """Largest half-width of the web with what features add to it."""
+        added = (x for feature in self.features for x, _ in feature.added)
+        return max([self.scene.web.largest_half_width_mm, *added])
+
+    @property
+    def front(self) -> Room:
+        """Room of the front view."""
+        half = self.half_width_mm
+        text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
+        return Room((-half, half), self.y_range_mm, (_GAP_MM + 2.5 * _LINE_MM, text, 2.2 * _GAP_MM, _GAP_MM))
+
+    @property
+    def lengthwise(self) -> Room:
+        """Room of the section through both axes."""
+        side = _GAP_MM + 3.5 * _LINE_MM
+        return Room(
+            (0.0, self.scene.pitch_mm / 2), self.y_range_mm, (side, side, 2.2 * _GAP_MM, 2.2 * _GAP_MM)
+        )
+
+    @property
+    def across(self) -> Room:
+        """Room of the section across the throw."""
+        half = self.scene.web.largest_half_width_mm
+        side = _GAP_MM + 1.5 * _LINE_MM
+        return Room((-half, half), self.scene.web_z_mm, (side, side, 2.2 * _GAP_MM, 2.5 * _GAP_MM))
+
+
+def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
+    """View along the crank axis from the crankpin side: outline with its stations, features."""
+    web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
+    gap, line = _GAP_MM / scale, _LINE_MM / scale
+    low, high = web.y_range_mm(radius)
+    y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, _POINTS))
+    half = web.half_width_mm(radius, y)
+    hatched(axes, _with_added(sheet, np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])), "")
+    if sheet.body is not None:
+        ghost(axes, sheet.body.project().to_polygons())
+    _journals(axes, sheet.scene)
+    for stroke in (stroke for feature in sheet.features for stroke in feature.front):
+        _edges(axes, stroke)
+    for stroke in _drilled_edges(sheet.scene):
+        _edges(axes, stroke)
+    widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
+    under, beside = sheet.y_range_mm[0], sheet.half_width_mm
+    dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
+    for number, (start, end) in enumerate(((low, 0.0), (low, high))):
+        dimension(axes, (0, start), (0, end), (-beside - gap - number * line, 0), f"{end - start:.2f}")
+    dimension(axes, (0, 0), (0, radius), (-beside - gap, 0), f"{radius:g}")
+    if isinstance(web, ProfileWeb):
+        for number, (station, width) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
+            axes.plot([width, widest + 4 / scale], [station, station], color=THIN, lw=0.4)
+            axes.plot(width, station, "o", ms=3.0, color=INK)
+            text = f"{number}:  y {station:.2f}, x {width:.2f}"
+            axes.text(widest + 5 / scale, station, text, fontsize=TEXT_SIZE, va="center")
+    finish(axes, "Front, from the crankpin side")
+
+
+def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
+    """Section through both axes: crank axis to the right, throw upward."""
+    scene = sheet.scene
+    throw, end, (start, stop) = scene.throw, scene.pitch_mm / 2, scene.web_z_mm
+    gap, line, (low, high) = _GAP_MM / scale, _LINE_MM / scale, sheet.y_range_mm
+    hatched(axes, _section_x(sheet.solid))
+    if sheet.body is not None:
+        ghost(axes, _section_x(sheet.body))
+    for centre in (0.0, throw.radius_mm):
+        axes.plot([-3 / scale, end + 3 / scale], [centre, centre], color=THIN, lw=0.6, ls="-.")
+    main, pin = throw.main_journal, throw.crankpin
+    for a, b, edge, text in (
+        (0.0, start, low, f"{main.length_mm / 2:g}"),
+        (start, stop, low, f"{scene.web.thickness_mm:g}"),
+        (stop, end, high, f"{pin.length_mm / 2:g}"),
+    ):
+        dimension(axes, (a, edge), (b, edge), (0, -gap if edge == low else gap), text)
+    for journal, y, z, side in ((main, 0.0, 0.0, -1), (pin, throw.radius_mm, end, 1)):
+        for number, diameter in enumerate(
+            filter(None, (journal.bore_diameter_mm, journal.outer_diameter_mm))
+        ):
+            ends = (z, y - diameter / 2), (z, y + diameter / 2)
+            dimension(axes, *ends, (side * (gap + number * line), 0), f"⌀{diameter:g}")
+        if journal.fillet_mm:
+            face = start if side < 0 else stop
+            corner = (
+                face + side * 0.3 * journal.fillet.axial_mm,
+                y + side * (journal.radius_mm + 0.3 * journal.fillet_mm),
+            )
+            place = (corner[0] + side * 0.4 * journal.length_mm / 2, corner[1] + side * 0.55 * gap)
+            axes.annotate(
+                str(journal.fillet),
+                corner,
+                place,
+                fontsize=TEXT_SIZE,
+                ha="center",
+                va="center",
+                arrowprops={"arrowstyle": "-", "lw": 0.5, "color": THIN},
+                bbox={"fc": "white", "ec": "none", "pad": 0.6},
+            )
+    for feature in sheet.features:
+        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line)
+    finish(axes, "Section x = 0")
+
+
+def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
+    """Section where a feature shows best, or half-way between the axes, looking toward the main journal.
+
+    x to the right, crank axis downward: what first-angle projection puts below the front view.
+    """
+    scene, web = sheet.scene, sheet.scene.web
+    start, end = scene.web_z_mm
+    gap = _GAP_MM / scale
+    shown = next((feature for feature in sheet.features if feature.section_y_mm is not None), None)
+    y = scene.throw.radius_mm / 2 if shown is None or shown.section_y_mm is None else shown.section_y_mm
+    half = float(web.half_width_mm(scene.throw.radius_mm, np.array([y]))[0])
+    hatched(axes, _section_y(web_region(sheet.solid, scene), y))
+    if sheet.body is not None:
+        ghost(axes, _section_y(web_region(sheet.body, scene), y))
+    dimension(axes, (-half, start), (half, start), (0, -gap), f"{2 * half:.2f}")
+    dimension(axes, (-half, start), (-half, end), (-gap, 0), f"{web.thickness_mm:g}")
+    if shown is not None:
+        for one in shown.across:
+            dimension(axes, one.start, one.end, one.shift, one.text)
+    axes.invert_yaxis()
+    finish(axes, f"Section y = {y:.2f}")
+
+
+def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
+    """The outline, (n, 2), and what features add to it, as polygons."""
+    added = [np.array(feature.added) for feature in sheet.features if feature.added]
+    if not added:
+        return [outline]
+    from manifold3d import CrossSection, FillRule
+
+    sections = [CrossSection([polygon], FillRule.NonZero) for polygon in (outline, *added)]
+    return [np.asarray(polygon) for polygon in sum(sections[1:], sections[0]).to_polygons()]
+
+
+def _section_x(solid: Manifold) -> list[Array]:
+    """Polygons (z, y) of the section x = 0."""
+    turned = solid.rotate((0.0, -90.0, 0.0)).slice(0.0)
+    return [np.asarray(polygon) * (-1.0, 1.0) for polygon in turned.to_polygons()]
+
+
+def _section_y(solid: Manifold, y_mm: float) -> list[Array]:
+    """Polygons (x, z) of a section across the throw."""
+    turned = solid.translate((0.0, -y_mm, 0.0)).rotate((-90.0, 0.0, 0.0)).slice(0.0)
+    return [np.asarray(polygon) for polygon in turned.to_polygons()]
+
+
+def _journals(axes: Any, scene: Scene) -> None:
+    throw = scene.throw
+    for journal, y, style in ((throw.main_journal, 0.0, "--"), (throw.crankpin, throw.radius_mm, "-")):
+        circle(axes, journal.radius_mm, y, style, 1.0)
+        if journal.bore_radius_mm:
+            circle(axes, journal.bore_radius_mm, y, "-", 1.4, "white")
+        reach = 1.15 * journal.radius_mm
+        for ends in (([-reach, reach], [y, y]), ([0, 0], [y - reach, y + reach])):
+            axes.plot(*ends, color=THIN, lw=0.5, ls="-.")
+
+
+def _edges(axes: Any, stroke: Circle | Polyline) -> None:
+    """An edge of a feature, dashed where it is hidden."""
+    style, width = ("--" if stroke.hidden else "-"), 1.0
+    if isinstance(stroke, Circle):
+        x, y = stroke.centre
+        circle(axes, stroke.radius, y, style, width, x=x)
+        axes.text(x, y, stroke.label, fontsize=TEXT_SIZE, ha="center", va="center")
+    else:
+        axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=width, ls=style)
+
+
+def _drilled_edges(scene: Scene) -> list[Polyline]:
+    """Hidden edges of the oil drillings along the crank axis, between the surfaces that they join."""
+    edges = []
+    for channel in channels(scene):
+        (x0, y0, _), (x1, y1, _) = (mouth.point_mm for mouth in channel.mouths)
+        level = math.hypot(x1 - x0, y1 - y0)
+        across = channel.radius_mm * (y0 - y1) / level, channel.radius_mm * (x1 - x0) / level
+        for side in (1, -1):
+            dx, dy = side * across[0], side * across[1]
+            edges.append(Polyline(((x0 + dx, y0 + dy), (x1 + dx, y1 + dy)), hidden=True))
+    return edges
+
+
+def _dimensions(axes: Any, found: tuple[Dimension, ...], span: tuple[float, float], away: float) -> None:
+    """Dimensions of a feature; upright ones are moved beyond the ends of the body."""
+    for one in found:
+        shift = one.shift
+        if shift[0] < 0:
+            shift = (span[0] - away - min(one.start[0], one.end[0]), 0.0)
+        elif shift[0] > 0:
+            shift = (span[1] + away - max(one.start[0], one.end[0]), 0.0)
+        dimension(axes, one.start, one.end, shift, one.text)

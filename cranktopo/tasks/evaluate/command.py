@@ -1,0 +1,101 @@
+"""`cranktopo evaluate`
+
+Evaluate designs, runs or STL files: mass, torsional and bending stiffness on tet10 solids.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from cranktopo.base.errors import ExitCode
+from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options, web_option
+from cranktopo.cli.verbosity import detail, info, verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.design.one_web import WebName
+    from cranktopo.tasks.evaluate.sensitivities import Sensitivities
+
+
+@click.command()
+@click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
+@mesh_options
+@click.option(
+    "--sensitivities",
+    is_flag=True,
+    help="Also print what a millimetre of each dimension of a parametric web is worth, and what holds it.",
+)
+@web_option
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
+def command(
+    targets: tuple[str, ...],
+    element_size_mm: float | None,
+    accuracy: float | None,
+    budget: float | None,
+    design: str | None,
+    align: bool,
+    sensitivities: bool,
+    web: WebName | None,
+    as_json: bool,
+) -> None:
+    """Evaluate each TARGET with quadratic finite elements on its exact solid.
+
+    A TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design). Both
+    stiffnesses are those of the full throw; each comes with a bound of its error.
+    With --sensitivities a TARGET is a design with a parametric web, or a run that has one; of a design with
+    two different webs --web names the one whose dimensions are meant.
+
+    Example: cranktopo evaluate mikron-iiic --accuracy 1%
+    """
+    from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
+    from cranktopo.tasks.fea.targets import resolve_targets
+
+    wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
+    if web and not sensitivities:
+        raise click.UsageError("--web names the web of --sensitivities; both webs are evaluated without it")
+    worth = _worth(texts, element_size_mm, web) if sensitivities else []
+    resolved = resolve_targets([w.file for w in worth] or texts, design, align=align, whole=True)
+    found = evaluate_targets(resolved, wanted, info)
+    for evaluation in found.evaluations:
+        fine = evaluation.fine
+        detail(
+            f"{evaluation.target}: {fine.nodes} nodes, {fine.mesh_seconds:.1f} s to mesh, "
+            f"{fine.solve_seconds:.1f} s to solve, error estimate {evaluation.error_percent:.2f} %"
+        )
+    if as_json:
+        from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
+
+        entries = [e.as_json() for e in found.evaluations]
+        for entry, told in zip(entries, worth, strict=False):
+            entry["sensitivities"] = told.as_json()
+        click.echo(json.dumps({"schema_version": SCHEMA_VERSION, "evaluations": entries}, indent=2))
+    else:
+        from cranktopo.report.result_table import terminal
+        from cranktopo.tasks.fea.table import evaluation_table, result_line
+        from cranktopo.tasks.shape.sensitivity_text import worth_lines
+
+        click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
+        for evaluation in found.evaluations:
+            click.echo(result_line(evaluation))
+        for told in worth:
+            click.echo("\n" + "\n".join(worth_lines(told.as_json(), told.scene.name)))
+    warn_missed(found.missed, accuracy)
+
+
+def _worth(targets: Sequence[str], element_size_mm: float | None, web: WebName | None) -> list[Sensitivities]:
+    """What a millimetre is worth in each target; the search that it needs is loaded only here."""
+    from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
+
+    return [evaluate_sensitivities(target, element_size_mm, info, web) for target in targets]
+
+
+def warn_missed(missed: Sequence[str], accuracy: float | None) -> None:
+    """End with exit code 6, after the results, when targets missed the accuracy (%) asked for."""
+    if missed:
+        click.echo(f"error: accuracy {accuracy:g}% not reached by {', '.join(missed)}.", err=True)
+        raise click.exceptions.Exit(ExitCode.CRITERION_NOT_MET)

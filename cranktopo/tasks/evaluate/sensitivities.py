@@ -1,0 +1,135 @@
+"""What a millimetre of each dimension of a parametric web is worth: exact gradients, and what holds it."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import read_json
+from cranktopo.bodies.mesh.memory import check_element_size
+from cranktopo.design.free_dimensions import own_dimension_mm
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.one_web import WebName
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.simulated import Feature
+from cranktopo.runs.kind import LOOP, SHAPE, kind_of
+from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
+from cranktopo.tasks.fatigue.safety_field import check_inputs
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.iterate.settings import Settings
+from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
+from cranktopo.tasks.refit.read_web import WebRead
+from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.active_constraints import held_by
+from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.rules import rules_at
+from cranktopo.tasks.shape.sensitivities import Dimension, dimensions, sensitivities_json
+from cranktopo.tasks.shape.start import scene_start
+
+_COARSER = 2.0
+"""Elements over the default size of an evaluation: relative changes differ by about 0.01 % per mm."""
+_FILLETS: tuple[Feature, ...] = ("fillets",)
+_FILLET_FRACTION = 1.0
+"""Element size on a fillet over its radius, enough for relative changes of the safety."""
+
+
+@dataclass(frozen=True)
+class Sensitivities:
+    """What a millimetre is worth.
+
+    Attributes:
+        file: the design, or the scene file of the run's web.
+        scene: the throw with its parametric web.
+        dimensions: with changes in percent of this web.
+        broken: names of manufacturing rules that it does not keep.
+    """
+
+    file: str
+    scene: Scene
+    dimensions: tuple[Dimension, ...]
+    broken: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The entry `sensitivities` of an evaluation."""
+        found = sensitivities_json(self.dimensions, self.scene.shape.tolerance_mm)
+        return {**found, "broken_rules": list(self.broken)}
+
+
+def evaluate_sensitivities(
+    target: str,
+    element_size_mm: float | None = None,
+    info: Info = lambda _: None,
+    web: WebName | None = None,
+) -> Sensitivities:
+    """What a millimetre of each dimension of a parametric web is worth, by exact gradients.
+
+    Args:
+        target: a design, a run with a parametric web, or the folder of a re-model.
+        element_size_mm: general element size; by default twice that of an evaluation.
+        web: of a design with two different webs the one that is meant, whose throw has it twice.
+
+    Raises:
+        CranktopoError: no such target, no parametric web, no valid mesh, or a failed solve.
+    """
+    found = web_target(target, web)
+    scene = parametric_scene(target, found)
+    limits = _limits(found, scene)
+    layout, values = _with_free(_read(target, scene, limits), scene)
+    planned = planned_scene(scene, _FILLETS)
+    size = element_size_mm or _COARSER * default_element_size_mm(planned)
+    check_element_size(planned, size)
+    info(f"{scene.name}: gradients of {len(values)} dimensions on elements of {size:.3g} mm")
+    webs = MeshedWebs(planned, limits, size, _fraction(planned, info))
+    parametric = webs.web(layout)
+    rules = rules_at(planned, parametric, values)
+    if rules.broken:
+        info(f"{scene.name}: keeps these rules not: {'; '.join(rules.broken)}")
+    responses = webs.responses(parametric, values)
+    holders = held_by(planned, parametric, values, rules)
+    worth = dimensions(parametric, values, responses, responses.values, holders)
+    return Sensitivities(str(found.file or target), scene, worth, rules.broken)
+
+
+def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:
+    found = scene_start(scene, limits)
+    if found.left_out:
+        raise CranktopoError(
+            f"target '{text}': its web is not parametric: {'; '.join(found.left_out)}. A parametric web has "
+            "an outline of stations, end bevels, a groove and pockets as the re-model writes them.",
+            hint=f"`{shlex.join(['cranktopo', 'shape', text])}` makes one, `cranktopo remodel RUN` fits one.",
+        )
+    return found
+
+
+def _with_free(found: WebRead, scene: Scene) -> tuple[Any, Any]:
+    """With the dimensions of the throw that the scene frees; a bore that is not there has none."""
+    names = tuple(name for name in free_dimensions(scene) if own_dimension_mm(scene, name))
+    return with_free(found.layout, found.values, scene, names)
+
+
+def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
+    """The rules that a web was made by, where its run tells them; else the usual ones."""
+    run, file = target.run, target.file
+    if run is None or file is None:
+        return usual_limits(scene)
+    if (file.parent / REMODEL).is_file():
+        return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
+    options = run.manifest()["options"]
+    if kind_of(run) == LOOP:
+        return Settings.from_json(options[LOOP]).limits
+    return ManufacturingLimits(**options[SHAPE]["limits"])
+
+
+def _fraction(scene: Scene, info: Info) -> float | None:
+    """Elements of the fillets where the fatigue safety can be told."""
+    try:
+        check_inputs(Target(scene.name, scene), "lsa", "extremes")
+    except CranktopoError as error:
+        info(f"{scene.name}: no fatigue safety in the table: {error}")
+        return None
+    return _FILLET_FRACTION

@@ -1,0 +1,213 @@
+"""The walls that an optimisation shaped, and what a workshop measures on them: draft, members and gaps.
+
+Web faces, envelope walls and bores are given, not shaped: they are machined in any case.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import Manifold
+from numpy.typing import NDArray
+
+from cranktopo.base.frames import Z
+from cranktopo.bodies.undercuts import Way, way_of
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.tasks.extraction.iso_distance import distances_mm
+
+Array = NDArray[np.float64]
+_ON_MM = 0.02
+_MOST_POINTS = 5_000
+_BALL_STEPS = 40
+_FEWER_POINTS = 16
+_TINY_MM = 1e-6
+_FACING = math.cos(math.radians(140.0))
+"""Walls face each other within 40 deg: a knife edge counts as a thin member, a corner of 90 deg does not."""
+_ALONG = math.sin(math.radians(1.0))
+_KEPT_SHARE = 0.9
+PARTING_CELLS = 1.5
+LEAST_SHARE = 0.01
+"""A least value is the one that all but this share of the shaped walls' area keeps: single triangles and the
+rounding of an edge do not decide."""
+
+
+@dataclass(frozen=True)
+class Walls:
+    """Points evenly spread over walls.
+
+    Attributes:
+        points_mm: (n, 3).
+        normals: unit normals, out of the solid (n, 3).
+        areas_mm2: area that each stands for (n,).
+    """
+
+    points_mm: Array
+    normals: Array
+    areas_mm2: Array
+
+    def where(self, chosen: NDArray[np.bool_] | slice) -> Walls:
+        """Some of the points."""
+        return Walls(self.points_mm[chosen], self.normals[chosen], self.areas_mm2[chosen])
+
+
+def measures_walls(scene: Scene) -> bool:
+    """Whether a process, a least member or a least gap limits the shape, so that it is worth measuring."""
+    lengths = scene.optimise.min_member_mm, scene.optimise.min_gap_mm
+    return _is_manufactured(scene) or any(lengths)
+
+
+def _is_manufactured(scene: Scene) -> bool:
+    return scene.effects.manufacturing_constraint == "on"
+
+
+def walls_of(mesh: SurfaceMesh, spacing_mm: float) -> Walls:
+    """All of a surface, by triangles with edges of at most a length."""
+    fine = solid_of(mesh).refine_to_length(spacing_mm).to_mesh64()
+    corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
+    doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(doubled, axis=1)
+    sound = size > 1e-9
+    return Walls(corners.mean(axis=1)[sound], doubled[sound] / size[sound, None], size[sound] / 2)
+
+
+def shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
+    """The walls between the web's faces that neither envelope nor bores nor journals bound."""
+    start, end = scene.web_z_mm
+    x, y, z = walls.points_mm.T
+    inside = (z > start + _ON_MM) & (z < end - _ON_MM)
+    for journal, centre in scene.throw.journals:
+        radius = np.hypot(x, y - centre)
+        for given in (journal.bore_radius_mm, journal.radius_mm):
+            inside &= ~((np.abs(radius - given) < _ON_MM) & (np.abs(walls.normals[:, Z]) < 0.01))
+    found = walls.where(inside)
+    found = found.where(slice(None, None, max(1, len(found.areas_mm2) // _MOST_POINTS)))
+    return found.where(distances_mm(found.points_mm, mesh_of(envelope)) > _ON_MM)
+
+
+def drafts_deg(walls: Walls, way: Way) -> Array:
+    """Angle between each wall and the way it is left; negative where a die half would be held, deg."""
+    along = walls.normals[:, way.axis or 0]
+    if way.parting_mm is None:
+        outward = np.abs(along)
+    else:
+        outward = np.sign(walls.points_mm[:, way.axis or 0] - way.parting_mm) * along
+    return np.asarray(np.degrees(np.arcsin(np.clip(outward, -1.0, 1.0))))
+
+
+def from_parting_mm(walls: Walls, way: Way) -> Array:
+    """Distance of each wall from where the halves part, (n,), mm.
+
+    A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill. What
+    is less than 1 deg off its way belongs to neither half and makes no edge.
+    """
+    if way.axis is None:
+        return np.full(len(walls.areas_mm2), np.inf)
+    if way.parting_mm is not None:
+        return np.asarray(np.abs(walls.points_mm[:, way.axis] - way.parting_mm))
+    along, found = walls.normals[:, way.axis], np.full(len(walls.areas_mm2), np.inf)
+    for side in (1.0, -1.0):
+        own, other = side * along > 0, -side * along > _ALONG
+        found[own] = _to_one_edge_mm(walls.where(own), walls.where(other))
+    return found
+
+
+def _to_one_edge_mm(walls: Walls, others: Walls) -> Array:
+    """Distance to the nearest of other walls; infinite where that lies on another side of a member."""
+    from scipy.spatial import KDTree
+
+    if not len(others.areas_mm2):
+        return np.full(len(walls.areas_mm2), np.inf)
+    distance, nearest = KDTree(others.points_mm).query(walls.points_mm)
+    beside = np.einsum("ij,ij->i", walls.normals, others.normals[nearest]) > 0
+    return np.asarray(np.where(beside, distance, np.inf))
+
+
+def least(values: Array, areas_mm2: Array, share: float = LEAST_SHARE) -> float:
+    """The value that all but a share of the area keeps; infinite without any area."""
+    if not len(values):
+        return math.inf
+    order = np.argsort(values)
+    covered = np.cumsum(areas_mm2[order])
+    return float(values[order][np.searchsorted(covered, share * covered[-1])])
+
+
+def measure(
+    half_throw: SurfaceMesh, envelope: Manifold, scene: Scene, cell_mm: float
+) -> dict[str, float | None]:
+    """Least draft (deg), member and gap (mm) of the walls that were shaped; None where there is none.
+
+    Draft is that of a die's or a mould's halves and leaves out the walls nearest to where they part, whose
+    edge is rounded; of a mill or of a free web there is none.
+    """
+    body = walls_of(half_throw, cell_mm)
+    walls = shaped(body, envelope, scene)
+    way = way_of(scene)
+    drafted = walls.where(from_parting_mm(walls, way) > PARTING_CELLS * cell_mm)
+    leaves = _is_manufactured(scene) and way.axis is not None
+    draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else None
+    found = {
+        "least_draft_deg": draft,
+        "least_member_mm": least(members_mm(walls, body), walls.areas_mm2),
+        "least_gap_mm": least(gaps_mm(walls, body), walls.areas_mm2),
+    }
+    return {
+        name: value if value is not None and math.isfinite(value) else None for name, value in found.items()
+    }
+
+
+def members_mm(walls: Walls, body: Walls) -> Array:
+    """Thickness of the member behind each wall: the diameter of the ball that fits inside it, mm.
+
+    Args:
+        body: the whole surface that bounds the ball.
+
+    Returns:
+        (n,), infinite where no wall lies opposite.
+
+    Source: J. Ma, S. W. Bae, S. Choi, 3D medial axis point approximation using nearest neighbors and the
+    normal field, The Visual Computer 28, 2012.
+    """
+    return _balls_mm(walls, -1.0, body)
+
+
+def gaps_mm(walls: Walls, body: Walls) -> Array:
+    """Width of the gap in front of each wall, in the same way, mm."""
+    return _balls_mm(walls, 1.0, body)
+
+
+def _balls_mm(walls: Walls, side: float, body: Walls) -> Array:
+    """Diameters of the largest empty balls that touch the walls from one side, 1 outside and -1 inside."""
+    largest = float(np.ptp(body.points_mm, axis=0).max())
+    radius, opposite = np.full((2, len(walls.points_mm)), [[largest], [np.inf]])
+    # Among few points first: of a large ball's centre far too many points are about as near.
+    for points in (body.where(slice(None, None, _FEWER_POINTS)), body):
+        _shrink(radius, opposite, walls, side, points)
+    # Neighbours on a curved wall shorten the last ball a little, a corner shortens it much.
+    return np.where(radius >= _KEPT_SHARE * opposite, 2 * opposite, np.inf)
+
+
+def _shrink(radius: Array, opposite: Array, walls: Walls, side: float, body: Walls) -> None:
+    """Shrink balls, in place, until they hold no point of a body.
+
+    Args:
+        opposite: radius with which each ball last touched a wall that faces its own.
+    """
+    from scipy.spatial import KDTree
+
+    tree, going = KDTree(body.points_mm), np.arange(len(radius))
+    for _ in range(_BALL_STEPS):
+        at, way = walls.points_mm[going], side * walls.normals[going]
+        distance, nearest = tree.query(at + way * radius[going, None])
+        hit = body.points_mm[nearest] - at
+        depth, square = np.einsum("ij,ij->i", hit, way), np.einsum("ij,ij->i", hit, hit)
+        shorter = np.divide(square, 2 * depth, out=np.full(len(going), np.inf), where=depth > _TINY_MM)
+        moved = (distance < radius[going] - _TINY_MM) & (shorter < radius[going] - _TINY_MM)
+        going, shorter, nearest = going[moved], shorter[moved], nearest[moved]
+        if not len(going):
+            break
+        radius[going] = shorter
+        facing = np.einsum("ij,ij->i", walls.normals[going], body.normals[nearest]) < _FACING
+        opposite[going[facing]] = shorter[facing]

@@ -1,0 +1,1 @@
+"""Fatigue safety of throws with true fillets, and the crankshaft rule IACS UR M53."""

@@ -1,0 +1,123 @@
+"""`cranktopo fatigue`
+
+Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS, body_options
+from cranktopo.cli.parameters import Choice, Number
+from cranktopo.cli.verbosity import info, verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.engine.histories import HistoryKind
+    from cranktopo.tasks.fatigue.stage import FatigueAssessment, FatigueMethod
+
+
+@click.command()
+@click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
+@click.option(
+    "--method",
+    type=Choice(FATIGUE_METHODS),
+    default="lsa",
+    show_default=True,
+    help="Local stress analysis, FKM guideline, or the rule IACS UR M53.",
+)
+@click.option(
+    "--loads",
+    type=Choice(["extremes", "cycle"]),
+    default="extremes",
+    show_default=True,
+    help="Extremes of radial force and torque joined (bounds the cycle), or every angle of the cycle.",
+)
+@click.option("--baseline", metavar="TARGET", help="The target that the others are compared with.")
+@click.option(
+    "--fillet-fraction",
+    type=Number(0.01, 0.5),
+    help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
+)
+@body_options
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for fatigue.json, and VTU and picture of each target; a run shows it.",
+)
+@click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="With --method m53 and one TARGET: the dossier for a classification society, .html or .md.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
+def command(
+    targets: tuple[str, ...],
+    method: FatigueMethod,
+    loads: HistoryKind,
+    baseline: str | None,
+    fillet_fraction: float | None,
+    design: str | None,
+    align: bool,
+    out: Path | None,
+    report: Path | None,
+    as_json: bool,
+) -> None:
+    """Fatigue safety of each TARGET on curved tet10 elements.
+
+    A TARGET is a design whose fillets have a radius, or a STEP file of the half throw (with --design), whose
+    fillets are found on the body.
+
+    The unit loads are solved once; every load state is a sum of them. The safety is that of the worst point
+    of the fillets, anywhere on the throw.
+
+    With --method m53 --report FILE the check is written as a dossier for a classification society, with its
+    assumptions to be signed.
+
+    Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
+    """
+    from cranktopo.tasks.fatigue.dossier import check_dossier, write_dossier
+    from cranktopo.tasks.fatigue.stage import assess_fatigue
+    from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+
+    names = targets or (baseline or DEFAULT_DESIGN,)
+    if baseline is not None and baseline not in names:
+        names = (baseline, *names)
+    index = None if baseline is None else names.index(baseline)
+    if report is not None:
+        check_dossier(method, len(names), report)
+    fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
+    found = assess_fatigue(names, method, loads, index, fraction, out, info, design, align)
+    if report is not None:
+        write_dossier(found, report, ["cranktopo", *sys.argv[1:]])
+        info(str(report))
+    click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
+
+
+def _text(found: FatigueAssessment) -> str:
+    from cranktopo.report.result_table import terminal
+    from cranktopo.tasks.fatigue import text as tables
+
+    baseline = found.baseline
+    if found.fields:
+        parts = [terminal(tables.field_table(found.fields, baseline))]
+    else:
+        outside = "".join(
+            f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."
+            for check in found.checks
+            if check.outside
+        )
+        parts = [
+            terminal(tables.rule_table(found.checks, baseline)),
+            terminal(tables.factor_table(found.checks)) + outside,
+        ]
+        if any(check.outlets for check in found.checks):
+            parts.append(terminal(tables.outlet_table(found.checks)))
+    verdicts = [] if baseline is None else tables.verdicts(found.results, baseline)
+    return "\n\n".join([*parts, *(["\n".join(verdicts)] if verdicts else [])])

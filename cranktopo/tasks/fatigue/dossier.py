@@ -1,0 +1,84 @@
+"""The dossier of a check against the crankshaft rule: gathers what the page shows and writes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.assumed import assumed_json
+from cranktopo.engine.analysis import analyse
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.cases import load_cases
+from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.plan.planning import plan
+from cranktopo.report.plot import Picture
+from cranktopo.report.report_file import check_report_path, write_report
+from cranktopo.runs.manifest import settings_hash, timestamp, versions
+from cranktopo.tasks.drawing.sheet import drawing_figure
+from cranktopo.tasks.drawing.stage import throw_sheets
+from cranktopo.tasks.fatigue.rule_page import RuleRecord, rule_page
+from cranktopo.tasks.fatigue.stage import FatigueAssessment, FatigueMethod
+from cranktopo.tasks.fea.targets import Target
+
+_HISTORY: dict[HistoryKind, str] = {
+    "extremes": "largest and smallest radial force joined with largest and smallest torque of the shaft",
+    "cycle": "every throw of the shaft followed over its cycle",
+}
+
+
+def check_dossier(method: FatigueMethod, targets: int, path: Path) -> None:
+    """Check, before the solves, that a dossier can be written.
+
+    Raises:
+        CranktopoError: another method than the rule, several targets, or a path that no report can go to.
+    """
+    if method != "m53":
+        raise CranktopoError(
+            f"--report: is the dossier of the rule IACS UR M53, but --method is '{method}'.",
+            hint="Take --method m53; 'cranktopo compare --fatigue lsa --report' shows the other methods.",
+            code=ExitCode.USAGE,
+        )
+    if targets > 1:
+        raise CranktopoError(
+            f"--report: a dossier is of one TARGET, here are {targets}.",
+            hint="Name one TARGET, without --baseline.",
+            code=ExitCode.USAGE,
+        )
+    check_report_path(path)
+
+
+def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] = ()) -> None:
+    """Write the dossier of one target as HTML or Markdown, by the ending of the path.
+
+    Args:
+        found: an assessment by the rule.
+
+    Raises:
+        CranktopoError: as `check_dossier`.
+    """
+    check_dossier(found.method, len({id(target) for target in found.targets}), path)
+    target, scene = found.targets[0], found.targets[0].scene
+    effects = plan(scene)
+    record = RuleRecord(
+        name=target.name,
+        checks=found.checks,
+        scene=scene,
+        effects=effects,
+        cases=load_cases(scene, effects.enabled),
+        loads=analyse(scene, effects.enabled),
+        history=_HISTORY[found.loads],
+        assumed=tuple(assumed_json(target.assumed)),
+        drawing=None if target.file else _drawing(target),
+        scene_sha256=settings_hash(scene.model_dump(mode="json"), {}),
+        command=" ".join(command),
+        written=timestamp(),
+        versions=versions(),
+    )
+    write_report(rule_page(record), path)
+
+
+def _drawing(target: Target) -> Picture:
+    scene = target.scene
+    figure = drawing_figure(throw_sheets(scene), throw_balance(scene))
+    return Picture("drawing", figure, f"Workshop drawing of {target.name} with its dimensions")

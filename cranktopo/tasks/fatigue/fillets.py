@@ -1,0 +1,85 @@
+"""Where a point of the surface lies: on which fillet, at which angles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.design.halves import halves
+from cranktopo.design.schema import Scene
+from cranktopo.throw.fillet import FilletSection
+
+Array = NDArray[np.float64]
+Fillet = Literal["journal", "pin"]
+_OFF_MM = 1e-4
+"""Largest distance from the fillet's surface of a node on it, for curved elements."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point of the throw in words and numbers.
+
+    Attributes:
+        fillet: "journal" or "pin", or "" off the fillets.
+        around_deg: angle about the journal's or the pin's axis from the throw direction +y toward +x, deg.
+        along_deg: angle along the fillet's arc, 0 at the cylinder, 90 at the web's face; of an ellipse, of
+            the circle that it is when stretched along the crank.
+        point_mm: (x, y, z) in the frame of `cranktopo.base.frames`.
+        web: "first" or "second" of a throw with two different halves, else "".
+    """
+
+    fillet: str
+    around_deg: float
+    along_deg: float
+    point_mm: tuple[float, float, float]
+    web: str = ""
+
+    def __str__(self) -> str:
+        x, y, z = self.point_mm
+        where = f"x {x:.1f}, y {y:.1f}, z {z:.1f} mm"
+        web = f" of the {self.web} web" if self.web else ""
+        if not self.fillet:
+            return where
+        return f"{self.fillet} fillet{web}, {self.around_deg:+.0f} deg around, {self.along_deg:.0f} deg along"
+
+
+def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
+    """Which points (3, n) of the near half throw lie on a fillet's surface, rims included, (n,)."""
+    across, height, section = _section(scene, fillet, points_mm)
+    on = np.abs(section.off_mm(across, height)) < _OFF_MM
+    return on & (across < _OFF_MM) & (height > -_OFF_MM)
+
+
+def place(scene: Scene, point_mm: Array) -> Place:
+    """The place of one surface point (3,) of the near or far half."""
+    x, y, z = (float(v) for v in point_mm)
+    near, far = halves(scene)
+    second = z > near.pitch_mm / 2
+    web = "" if near is far else "second" if second else "first"
+    half, at = (far, scene.pitch_mm - z) if second else (near, z)
+    point = np.array([[x], [y], [at]])
+    for fillet in ("journal", "pin"):
+        if fillet_nodes(half, fillet, point)[0]:
+            across, height, section = _section(half, fillet, point)
+            axis = scene.throw.radius_mm if fillet == "pin" else 0.0
+            around = math.degrees(math.atan2(x, y - axis))
+            along = math.degrees(math.atan2(section.flattening * float(height[0]), -float(across[0])))
+            return Place(fillet, around, along, (x, y, z), web)
+    return Place("", math.nan, math.nan, (x, y, z), web)
+
+
+def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:
+    """Position relative to the fillet's centre circle: outward from the axis, toward the web; its section."""
+    start, end = scene.web_z_mm
+    pin = fillet == "pin"
+    journal = scene.throw.crankpin if pin else scene.throw.main_journal
+    axis = scene.throw.radius_mm if pin else 0.0
+    across = np.hypot(points[0], points[1] - axis) - (journal.radius_mm + journal.fillet_mm)
+    along = journal.fillet.axial_mm
+    centre = end + along if pin else start - along
+    height = (centre - points[2]) if pin else (points[2] - centre)
+    return across, height, journal.fillet

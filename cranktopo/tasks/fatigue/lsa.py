@@ -1,0 +1,70 @@
+"""Fatigue safety by local stress analysis, in the form printed in crankshaft theses.
+
+Source: J. Voparil, Shape optimisation of aircraft engine crankshaft, Brno University of Technology, 2011,
+after G. Hueck, L. Thrainer, W. Schuetz (VDEh report ABF 11) and E. Siebel, M. Stieler (VDI-Z 97, 1955). The
+notch ratio beta/alpha is taken as printed: it exceeds 1 and multiplies the amplitude, against the support
+effect that it was made for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.tasks.fatigue.local_stress import LocalStress
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LsaStrength:
+    """Strength of material and component.
+
+    Attributes:
+        fatigue_tension_MPa, fatigue_bending_MPa: fully reversed strengths of the specimen.
+        specimen_diameter_mm: of the bending specimen.
+        treatment_factor: credit for a treated surface (1.3 for hardened fillets).
+    """
+
+    fatigue_tension_MPa: float
+    fatigue_bending_MPa: float
+    yield_MPa: float
+    ultimate_MPa: float
+    specimen_diameter_mm: float = 7.5
+    size_factor: float = 0.89
+    survival_factor: float = 0.75
+    treatment_factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class LsaResult:
+    """Safety and what makes it, each of shape (n,).
+
+    Attributes:
+        safety: 1 / (amplitude term + mean term).
+        amplitude_term, mean_term: shares of the strength that amplitude and mean stress use up.
+        support_factor: fG, from the stress gradient.
+        notch_ratio: beta/alpha.
+    """
+
+    safety: Array
+    amplitude_term: Array
+    mean_term: Array
+    support_factor: Array
+    notch_ratio: Array
+    strength_MPa: Array
+
+
+def lsa(stress: LocalStress, strength: LsaStrength) -> LsaResult:
+    """Safety by local stress analysis; a compressive mean stress adds no safety."""
+    s, gradient = strength, stress.gradient_per_mm
+    ratio = s.fatigue_bending_MPa / s.fatigue_tension_MPa
+    support = 1 + (ratio - 1) / (2 / s.specimen_diameter_mm) * gradient
+    notch = 1 + np.sqrt(gradient) * 10 ** -(0.35 + s.yield_MPa / 810)
+    reduced = s.fatigue_tension_MPa * s.size_factor * s.survival_factor * s.treatment_factor
+    point = reduced * support / notch
+    amplitude = stress.amplitude_MPa / point
+    mean = np.maximum(stress.mean_MPa, 0.0) / s.ultimate_MPa
+    return LsaResult(1 / np.maximum(amplitude + mean, 1e-12), amplitude, mean, support, notch, point)

@@ -1,0 +1,238 @@
+"""Crankshaft rule IACS UR M53: stress concentration factors, alternating stresses, acceptability.
+
+Source: IACS, Unified Requirement M53, Calculation of crankshafts for internal combustion engines (Rev. 5,
+2023), sections 1 to 6 and Appendix III for factors from finite elements.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from cranktopo.design.checks.free_dimensions import M53_FILLET
+
+LEAST_FACTOR = 1.15
+"""Least acceptability factor."""
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """A throw in the symbols of the rule, mm: attributes named after them.
+
+    Attributes:
+        pin, journal: diameters D, DG.
+        pin_bore, journal_bore: DBH, DBG.
+        pin_fillet, journal_fillet: RH, RG.
+        throw: E.
+        web_thickness, web_width: W, B.
+        pin_recess, journal_recess: TH, TG.
+    """
+
+    pin: float
+    journal: float
+    throw: float
+    web_thickness: float
+    web_width: float
+    pin_fillet: float
+    journal_fillet: float
+    pin_bore: float = 0.0
+    journal_bore: float = 0.0
+    pin_recess: float = 0.0
+    journal_recess: float = 0.0
+
+    @property
+    def overlap(self) -> float:
+        """Overlap s of pin and journal over the pin diameter."""
+        return ((self.pin + self.journal) / 2 - self.throw) / self.pin
+
+
+@dataclass(frozen=True)
+class Factors:
+    """Stress concentration factors: alpha in the pin fillet, beta in the journal fillet."""
+
+    alpha_bending: float
+    alpha_torsion: float
+    beta_bending: float
+    beta_shear: float
+    beta_torsion: float
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """Alternating nominal stresses, MPa.
+
+    Attributes:
+        bending_MPa: bending of the web.
+        shear_MPa: radial force over the web's section.
+    """
+
+    bending_MPa: float
+    shear_MPa: float
+    pin_torsion_MPa: float
+    journal_torsion_MPa: float
+
+
+@dataclass(frozen=True)
+class FilletCheck:
+    """One fillet against the rule."""
+
+    equivalent_MPa: float
+    strength_MPa: float
+
+    @property
+    def acceptability(self) -> float:
+        """Strength over equivalent stress; the rule asks for 1.15."""
+        return self.strength_MPa / self.equivalent_MPa
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the rule accepts it."""
+        return self.acceptability >= LEAST_FACTOR
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A ratio of a throw that the rule's polynomials depend on, and where they are valid."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+
+    @property
+    def valid(self) -> bool:
+        """Whether it lies in the range of the polynomials."""
+        return self.low - 1e-12 <= self.value <= self.high + 1e-12
+
+
+def ratios(d: Dimensions) -> tuple[Ratio, ...]:
+    """The ratios of a throw that the rule names, each with the range of its polynomials."""
+    return (
+        Ratio("pin fillet / pin diameter", d.pin_fillet / d.pin, *M53_FILLET),
+        Ratio("journal fillet / pin diameter", d.journal_fillet / d.pin, *M53_FILLET),
+        Ratio("overlap / pin diameter", d.overlap, -math.inf, 0.5),
+        Ratio("web thickness / pin diameter", d.web_thickness / d.pin, 0.2, 0.8),
+        Ratio("web width / pin diameter", d.web_width / d.pin, 1.1, 2.2),
+        Ratio("journal bore / pin diameter", d.journal_bore / d.pin, 0.0, 0.8),
+        Ratio("pin bore / pin diameter", d.pin_bore / d.pin, 0.0, 0.8),
+    )
+
+
+def outside_validity(d: Dimensions) -> tuple[str, ...]:
+    """The ratios that lie outside the range of the rule's polynomials, with their range."""
+    return tuple(
+        f"{ratio.name} = {ratio.value:.3g} (valid {ratio.low:g} to {ratio.high:g})"
+        for ratio in ratios(d)
+        if not ratio.valid
+    )
+
+
+def concentration_factors(d: Dimensions) -> Factors:
+    """The rule's polynomials; of little meaning outside their validity (`outside_validity`)."""
+    s, w, b = max(d.overlap, -0.5), d.web_thickness / d.pin, d.web_width / d.pin
+    bores = d.journal_bore / d.pin, d.pin_bore / d.pin
+    rec = max(1 + (d.pin_recess + d.journal_recess) / d.pin * (1.8 + 3.2 * d.overlap), 1.0)
+    pin, journal = d.pin_fillet / d.pin, d.journal_fillet / d.pin
+    return Factors(
+        _alpha_bending(s, w, b, pin, bores) * rec,
+        _torsion(s, w, b, pin),
+        _beta_bending(s, w, b, journal, bores) * rec,
+        _beta_shear(s, w, b, journal, d.pin_bore / d.pin) * rec,
+        _torsion(s, w, b, d.journal_fillet / d.journal),
+    )
+
+
+def fatigue_strength_MPa(diameter_mm: float, fillet_mm: float, ultimate_MPa: float, process: float) -> float:
+    """Fatigue strength of a fillet.
+
+    Args:
+        fillet_mm: its radius; less than 2 mm counts as 2 mm.
+        process: 1.05 drop forged, 1.0 free forged, 0.93 cast.
+    """
+    radius = max(fillet_mm, 2.0)
+    size = 0.264 + 1.073 * diameter_mm**-0.2
+    return (
+        process
+        * (0.42 * ultimate_MPa + 39.3)
+        * (size + (785 - ultimate_MPa) / 4900 + 196 / ultimate_MPa * math.sqrt(1 / radius))
+    )
+
+
+def nominal_stresses(d: Dimensions, moment_Nmm: float, force_N: float, torque_Nmm: float) -> Nominal:
+    """Nominal stresses of alternating section forces.
+
+    Args:
+        moment_Nmm: bending moment at the web's mid-plane.
+        force_N: radial force through the web.
+        torque_Nmm: torque through pin and journal.
+    """
+
+    def modulus(outer: float, bore: float) -> float:
+        return math.pi / 16 * (outer**4 - bore**4) / outer
+
+    return Nominal(
+        moment_Nmm / (d.web_width * d.web_thickness**2 / 6),
+        force_N / (d.web_width * d.web_thickness),
+        torque_Nmm / modulus(d.pin, d.pin_bore),
+        torque_Nmm / modulus(d.journal, d.journal_bore),
+    )
+
+
+def pin_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
+    """Equivalent alternating stress in the pin fillet.
+
+    Args:
+        additional_MPa: additional bending stress from misalignment and vibration.
+    """
+    bending = f.alpha_bending * n.bending_MPa + additional_MPa
+    return math.sqrt(bending**2 + 3 * (f.alpha_torsion * n.pin_torsion_MPa) ** 2)
+
+
+def journal_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
+    """Equivalent alternating stress in the journal fillet.
+
+    Args:
+        additional_MPa: additional bending stress from misalignment and vibration.
+    """
+    bending = f.beta_bending * n.bending_MPa + f.beta_shear * n.shear_MPa + additional_MPa
+    return math.sqrt(bending**2 + 3 * (f.beta_torsion * n.journal_torsion_MPa) ** 2)
+
+
+def _poly(x: float, *coefficients: float) -> float:
+    return sum(c * x**i for i, c in enumerate(coefficients))
+
+
+def _alpha_bending(s: float, w: float, b: float, r: float, bores: tuple[float, float]) -> float:
+    sw = _poly(
+        1 - s,
+        _poly(w, -4.1883, 29.2004, -77.5925, 91.9454, -40.0416),
+        _poly(w, 9.5440, -58.3480, 159.3415, -192.5846, 85.2916),
+        _poly(w, -3.8399, 25.0444, -70.5571, 87.0328, -39.1832),
+    )
+    breadth = _poly(b, 0.6840, -0.0077, 0.1473)
+    journal_bore = _poly(bores[0], 0.9993, 0.27, -1.0211, 0.5306)
+    pin_bore = _poly(bores[1], 0.9978, 0.3145, -1.5241, 2.4147)
+    return 2.6914 * sw * 2.1790 * w**0.7171 * breadth * 0.2081 * r**-0.5231 * journal_bore * pin_bore
+
+
+def _torsion(s: float, w: float, b: float, r: float) -> float:
+    return 0.8 * r ** (-0.322 + 0.1015 * (1 - s)) * _poly(b, 7.8955, -10.654, 5.3482, -0.857) * w**-0.145
+
+
+def _beta_bending(s: float, w: float, b: float, r: float, bores: tuple[float, float]) -> float:
+    sw = _poly(
+        1 - s,
+        _poly(w, -1.7625, 2.9821, -1.5276),
+        _poly(w, 5.1169, -5.8089, 3.1391),
+        _poly(w, -2.1567, 2.3297, -1.2952),
+    )
+    breadth = _poly(b, 0.5616, 0.1197, 0.1176)
+    journal_bore = _poly(bores[0], 1.0012, -0.6441, 1.2265)
+    pin_bore = _poly(bores[1], 1.0022, -0.1903, 0.0073)
+    return 2.7146 * sw * 2.2422 * w**0.7548 * breadth * 0.1908 * r**-0.5568 * journal_bore * pin_bore
+
+
+def _beta_shear(s: float, w: float, b: float, r: float, pin_bore: float) -> float:
+    overlap = _poly(1 - s, 0.4368, 2.1630, -1.5212)
+    hollow = _poly(pin_bore, 0.9937, -1.1949, 1.7373)
+    return 3.0128 * overlap * w / (0.0637 + 0.9369 * w) * (b - 0.5) * 0.5331 * r**-0.2038 * hollow

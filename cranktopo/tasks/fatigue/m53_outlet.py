@@ -1,0 +1,155 @@
+"""Outlets of oil bores in the crankpin by the crankshaft rule IACS UR M53: the third place that it checks.
+
+Source: IACS, Unified Requirement M53: moments at the outlet M53.2.1.1.2 and 2.1.2.2, stresses 2.1.4 and
+2.2.3, factors M53.3.4, equivalent stress M53.5.2, strength M53.6. The factors are those of a radial bore.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
+from cranktopo.throw.drilling import Channel, Mouth, channels
+
+LARGEST_BORE = 0.2
+"""Largest bore over the pin's diameter for which the factors are given."""
+RADIAL_DEG = 1.0
+"""Lean from the normal up to which a bore counts as radial."""
+
+
+@dataclass(frozen=True)
+class OutletCheck:
+    """One outlet of an oil bore in the crankpin against the rule.
+
+    Attributes:
+        key: of the drilling in the scene.
+        angle_deg: about the pin's axis from the throw direction.
+        gamma_bending, gamma_torsion: concentration factors.
+        bending_MPa, torsion_MPa: nominal alternating stresses.
+        check: equivalent alternating stress and fatigue strength.
+        outside: what lies outside the validity of the factors, in words.
+    """
+
+    key: str
+    angle_deg: float
+    gamma_bending: float
+    gamma_torsion: float
+    bending_MPa: float
+    torsion_MPa: float
+    check: FilletCheck
+    outside: tuple[str, ...]
+
+    @property
+    def place(self) -> str:
+        """What it is called in a table."""
+        return f"outlet at {self.angle_deg:.0f} deg ({self.key})"
+
+    def as_json(self) -> dict[str, Any]:
+        """The check with units in the names."""
+        own = {name: value for name, value in vars(self).items() if name not in ("check", "outside")}
+        found = {**vars(self.check), "acceptability": self.check.acceptability}
+        return {**own, **found, "outside_validity": list(self.outside)}
+
+
+def outlet_factors(bore_mm: float, pin_mm: float) -> tuple[float, float]:
+    """Concentration factors of a radial bore's outlet in bending and in torsion, UR M53.3.4."""
+    d = bore_mm / pin_mm
+    return 3 - 5.88 * d + 34.6 * d**2, 4 - 6 * d + 30 * d**2
+
+
+def outlet_equivalent_MPa(bending_MPa: float, torsion_MPa: float) -> float:
+    """Equivalent alternating stress of an outlet from both stresses with their factors, UR M53.5.2.
+
+    The rule's form divides by the bending stress; this one is the same and holds where that is 0.
+    """
+    return (bending_MPa + 2 * math.sqrt(bending_MPa**2 + 9 / 4 * torsion_MPa**2)) / 3
+
+
+def check_outlets(
+    scene: Scene,
+    kind: HistoryKind,
+    enabled: frozenset[str],
+    torque_Nmm: float,
+    half: Scene | None = None,
+    share: float = 0.5,
+) -> tuple[OutletCheck, ...]:
+    """Every outlet of an oil drilling on the crankpin; none where the scene has no drilling.
+
+    Args:
+        kind: the whole cycle, or its extremes joined, which bounds it.
+        enabled: effects that are on; the tangential force always bends the pin here.
+        torque_Nmm: alternating torque.
+        half: the throw of two webs as on this side, where they differ; its drillings are checked.
+        share: of the force on the pin that the bearing on this side takes.
+
+    Raises:
+        CranktopoError: the scene does not tell the loads.
+    """
+    half = half or scene
+    outlets = [
+        (channel, mouth)
+        for channel in channels(half)
+        for mouth in channel.mouths
+        if mouth.journal == "crankpin" and not mouth.in_bore
+    ]
+    if not outlets:
+        return ()
+    history = load_history(scene, kind, enabled | {"tangential"})
+    return tuple(_check(half, share, channel, mouth, kind, history, torque_Nmm) for channel, mouth in outlets)
+
+
+def _check(
+    scene: Scene,
+    share: float,
+    channel: Channel,
+    mouth: Mouth,
+    kind: HistoryKind,
+    history: LoadHistory,
+    torque_Nmm: float,
+) -> OutletCheck:
+    pin, bore = scene.throw.crankpin, 2 * channel.radius_mm
+    size = pin.outer_diameter_mm
+    gamma = outlet_factors(bore, size)
+    modulus = math.pi / 32 * (size**4 - pin.bore_diameter_mm**4) / size
+    bending = _alternating_moment_Nmm(scene, share, mouth, kind, history) / modulus
+    torsion = torque_Nmm / (2 * modulus)
+    settings = scene.fatigue
+    # Factors of the process above 1, and treatments of the fillets, count in the fillets alone.
+    strength = fatigue_strength_MPa(
+        size, bore / 2, scene.material.ultimate_MPa or 0.0, min(settings.process_factor, 1.0)
+    )
+    stress = outlet_equivalent_MPa(gamma[0] * bending, gamma[1] * torsion)
+    check = FilletCheck(stress, strength)
+    angle = math.degrees(math.atan2(mouth.normal[0], mouth.normal[1]))
+    return OutletCheck(channel.key, angle, *gamma, bending, torsion, check, _outside(bore / size, mouth))
+
+
+def _alternating_moment_Nmm(
+    scene: Scene, share: float, mouth: Mouth, kind: HistoryKind, history: LoadHistory
+) -> float:
+    """Alternating moment at the outlet: triangular diagrams of radial and tangential force."""
+    aside, along, _ = mouth.normal
+    # Largest at the pin's middle: an outlet beyond it counts as there.
+    lever = share * min(mouth.point_mm[2], scene.pitch_mm / 2)
+    if kind == "cycle":
+        at = history.tangential_N * aside - history.radial_N * along
+        return lever * float(np.ptp(at)) / 2
+    tangential = float(np.ptp(history.torque_Nm)) * NMM_PER_NM / scene.throw.radius_mm
+    radial = float(np.ptp(history.radial_N))
+    return float(lever * (radial * abs(along) + tangential * abs(aside)) / 2)
+
+
+def _outside(bore: float, mouth: Mouth) -> tuple[str, ...]:
+    found = []
+    if bore > LARGEST_BORE:
+        found.append(f"oil bore / pin diameter = {bore:.3g} (valid 0 to {LARGEST_BORE:g})")
+    if mouth.obliquity_deg > RADIAL_DEG:
+        found.append(f"leans {mouth.obliquity_deg:.0f} deg (valid for a radial bore)")
+    return tuple(found)

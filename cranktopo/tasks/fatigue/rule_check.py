@@ -1,0 +1,251 @@
+"""A throw against the crankshaft rule: concentration factors in closed form and from finite elements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.design.halves import drilled_alike, halves
+from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.engine.torsional_stiffness import web_lever_mm
+from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, von_mises
+from cranktopo.tasks.fatigue.m53 import (
+    LEAST_FACTOR,
+    Dimensions,
+    Factors,
+    FilletCheck,
+    Nominal,
+    concentration_factors,
+    fatigue_strength_MPa,
+    journal_equivalent_MPa,
+    nominal_stresses,
+    outside_validity,
+    pin_equivalent_MPa,
+)
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets
+from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.targets import Target
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AlternatingLoads:
+    """Half the range of the loads over the working cycle.
+
+    Attributes:
+        radial_N: on the pin, toward the crank axis.
+        moment_Nm: bending moment at the web's mid-plane.
+        torque_Nm: that the throw passes on.
+    """
+
+    radial_N: float
+    moment_Nm: float
+    torque_Nm: float
+
+
+@dataclass(frozen=True)
+class RuleCheck:
+    """A throw against IACS UR M53.
+
+    Attributes:
+        size: the throw in the symbols of the rule, mm.
+        outside: dimensions outside the validity of the rule's polynomials.
+        closed, elements: concentration factors by polynomial and by finite elements.
+        web: which one of two that differ; empty where they are alike.
+        closed_checks, element_checks: pin and journal fillet with either set of factors.
+    """
+
+    name: str
+    throw_kg: float
+    size: Dimensions
+    loads: AlternatingLoads
+    outside: tuple[str, ...]
+    closed: Factors
+    elements: Factors
+    nominal: Nominal
+    closed_checks: dict[str, FilletCheck]
+    element_checks: dict[str, FilletCheck]
+    quality: Quality
+    outlets: tuple[OutletCheck, ...] = ()
+    web: str = ""
+
+    @property
+    def places(self) -> dict[str, FilletCheck]:
+        """Every place that is checked: fillets with factors from elements, outlets with those of the rule."""
+        return self.element_checks | {outlet.place: outlet.check for outlet in self.outlets}
+
+    @property
+    def safety(self) -> float:
+        """Least acceptability factor of all places."""
+        return min(check.acceptability for check in self.places.values())
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the rule accepts both fillets and every outlet of an oil bore."""
+        return self.safety >= LEAST_FACTOR
+
+    def as_json(self) -> dict[str, Any]:
+        """The check as `fatigue --method m53 --json` prints it."""
+
+        def checks(found: dict[str, FilletCheck]) -> dict[str, Any]:
+            return {name: {**vars(c), "acceptability": c.acceptability} for name, c in found.items()}
+
+        return {
+            "target": self.name,
+            "throw_kg": self.throw_kg,
+            "safety": self.safety,
+            "accepted": self.accepted,
+            "least_acceptability": LEAST_FACTOR,
+            "alternating": vars(self.loads),
+            "outside_validity": list(self.outside),
+            "factors": {"closed_form": vars(self.closed), "finite_elements": vars(self.elements)},
+            "nominal": vars(self.nominal),
+            "fillets": {
+                "closed_form": checks(self.closed_checks),
+                "finite_elements": checks(self.element_checks),
+            },
+            "outlets": [outlet.as_json() for outlet in self.outlets],
+            "quality": vars(self.quality),
+        }
+
+
+def check_rule(
+    target: Target,
+    kind: HistoryKind = "extremes",
+    fillet_fraction: float = RULE_FRACTION,
+    progress: Info = lambda _: None,
+) -> tuple[RuleCheck, ...]:
+    """Check a throw against the rule: once, or each of two different webs.
+
+    Such a web is judged in a throw that has it twice, as Appendix III models one web, under the share of the
+    radial force that its bearing takes.
+
+    Raises:
+        CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.
+    """
+    near, far = halves(target.scene)
+    share = far.pitch_mm / (near.pitch_mm + far.pitch_mm)
+    sides = [("first web", near, share), ("second web", far, 1 - share)]
+    if near is far:
+        sides = [("", near, 0.5)]
+    found = [_check(target, *side, kind, fillet_fraction, progress) for side in sides]
+    throw_kg = sum(check.throw_kg for check in found) / len(found)
+    return tuple(replace(check, throw_kg=throw_kg) for check in found)
+
+
+def _check(
+    target: Target,
+    web: str,
+    half: Scene,
+    share: float,
+    kind: HistoryKind,
+    fillet_fraction: float,
+    progress: Info,
+) -> RuleCheck:
+    """Check one web, under the loads of the target's throw.
+
+    Args:
+        half: the throw of two such webs, with every drilling of this half.
+        share: of the radial force that the bearing beside this web takes.
+    """
+    throw, scene = target.scene, drilled_alike(half)
+    name = f"{target.name}, {web}" if web else target.name
+    target = replace(target, name=name, scene=scene)
+    check_method(scene, "m53")
+    enabled = load_kinds(throw, kind)[0]
+    history = load_history(throw, kind, enabled)
+    force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
+    size = dimensions(scene)
+    moment = force * share * web_lever_mm(scene)
+    nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
+    progress(f"{target.name}: four-point bending, three-point bending and torsion")
+    model = solve_stresses(_held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction)
+    closed, elements = concentration_factors(size), element_factors(model)
+    return RuleCheck(
+        target.name,
+        model.throw_kg,
+        size,
+        AlternatingLoads(force, moment / NMM_PER_NM, torque),
+        outside_validity(size),
+        closed,
+        elements,
+        nominal,
+        _checks(scene, size, closed, nominal),
+        _checks(scene, size, elements, nominal),
+        model.quality,
+        check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
+        web,
+    )
+
+
+def _held_by_rule(target: Target) -> Target:
+    """The target on the bearings of Appendix III, which let the journals tilt, whatever the scene has."""
+    supports = target.scene.supports.model_copy(update={"bending": "pinned", "torsion": "free"})
+    return replace(target, scene=target.scene.model_copy(update={"supports": supports}))
+
+
+def dimensions(scene: Scene) -> Dimensions:
+    """A scene in the symbols of the rule; the web is as wide as half-way between its axes."""
+    throw = scene.throw
+    main, pin, radius = throw.main_journal, throw.crankpin, throw.radius_mm
+    return Dimensions(
+        pin=pin.outer_diameter_mm,
+        journal=main.outer_diameter_mm,
+        throw=radius,
+        web_thickness=scene.web.thickness_mm,
+        web_width=2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0]),
+        pin_fillet=pin.fillet_mm,
+        journal_fillet=main.fillet_mm,
+        pin_bore=pin.bore_diameter_mm,
+        journal_bore=main.bore_diameter_mm,
+    )
+
+
+def element_factors(model: StressModel) -> Factors:
+    """Concentration factors from unit stresses, as Appendix III of the rule defines them.
+
+    Bending: largest von Mises stress in a fillet under a pure moment; torsion: half the largest difference of
+    principal stresses; shear: what three-point bending adds to the journal fillet over its moment.
+
+    Args:
+        model: fields "moment", "bending", "torsion" in this order.
+    """
+    size = dimensions(model.scene)
+    moment, radial, twist = model.stress.stress_MPa
+    lever = web_lever_mm(model.scene)
+    pure, three = nominal_stresses(size, 1.0, 0.0, 1.0), nominal_stresses(size, lever / 2, 0.5, 0.0)
+    principal = principal_stresses(twist)
+    shear = (principal[:, 0] - principal[:, 2]) / 2
+    beta = float(von_mises(moment[model.on_journal]).max() / pure.bending_MPa)
+    remainder = float(von_mises(radial[model.on_journal]).max()) - beta * three.bending_MPa
+    return Factors(
+        alpha_bending=float(von_mises(moment[model.on_pin]).max() / pure.bending_MPa),
+        alpha_torsion=float(shear[model.on_pin].max() / pure.pin_torsion_MPa),
+        beta_bending=beta,
+        beta_shear=remainder / three.shear_MPa,
+        beta_torsion=float(shear[model.on_journal].max() / pure.journal_torsion_MPa),
+    )
+
+
+def _checks(scene: Scene, size: Dimensions, factors: Factors, nominal: Nominal) -> dict[str, FilletCheck]:
+    settings, ultimate = scene.fatigue, scene.material.ultimate_MPa or 0.0
+    process = settings.process_factor * settings.surface_treatment_factor
+    added = settings.additional_stress_MPa
+    return {
+        "pin": FilletCheck(
+            pin_equivalent_MPa(factors, nominal, added),
+            fatigue_strength_MPa(size.pin, size.pin_fillet, ultimate, process),
+        ),
+        "journal": FilletCheck(
+            journal_equivalent_MPa(factors, nominal, added),
+            fatigue_strength_MPa(size.journal, size.journal_fillet, ultimate, process),
+        ),
+    }

@@ -1,0 +1,242 @@
+"""The dossier of a check against the crankshaft rule IACS UR M53: what a reviewer asks, in that order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import LoadAnalysis
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.report.plot import Picture
+from cranktopo.report.result_table import ResultTable
+from cranktopo.report.sections import pairs, versions_section
+from cranktopo.tasks.fatigue import rule_tables as tables
+from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
+from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.text import factor_table, outlet_table
+from cranktopo.tasks.loads.section import loads_section
+from cranktopo.tasks.plan.section import effects_section
+
+_BLANK = "." * 24
+"""Room for a name by hand."""
+
+
+@dataclass(frozen=True)
+class RuleRecord:
+    """A finished check with everything that its dossier shows.
+
+    Attributes:
+        checks: of the throw, or of each of its two different webs.
+        effects: which of them the loads hold, torsional vibration among them.
+        cases: load cases of the plan.
+        loads: None without gas and inertia forces over the cycle.
+        history: how the alternating loads follow from the cycle, in words.
+        assumed: what the design does not say, as `assumed` of the JSON.
+        drawing: of the half throw; None for a body from CAD.
+        scene_sha256: of the resolved scene.
+        written: when, ISO 8601.
+    """
+
+    name: str
+    checks: tuple[RuleCheck, ...]
+    scene: Scene
+    effects: EffectPlan
+    cases: tuple[LoadCase, ...]
+    loads: LoadAnalysis | None
+    history: str
+    assumed: tuple[Mapping[str, Any], ...]
+    drawing: Picture | None
+    scene_sha256: str
+    command: str
+    written: str
+    versions: Mapping[str, str | None]
+
+
+def rule_page(record: RuleRecord) -> Page:
+    """The dossier as a page."""
+    checks = record.checks
+    return Page(
+        title=f"Crankshaft {record.name} against IACS UR M53",
+        subtitle=f"Calculation of the crank throw, {record.written[:10]}",
+        headline=_headline(checks),
+        facts=tuple(fact for check in checks for fact in _facts(check)),
+        sections=(
+            *_each(checks, _acceptability),
+            _input(record),
+            *_each(checks, _size),
+            loads_section(record.loads, [case.as_json() for case in record.cases]),
+            effects_section(record.effects.as_json()),
+            *_each(checks, lambda check: _nominal(check, record.history)),
+            *_each(checks, _factors),
+            *_each(checks, _mesh),
+            _assumptions(record),
+            versions_section(record.versions),
+        ),
+    )
+
+
+def _each(checks: Sequence[RuleCheck], section: Callable[[RuleCheck], Section]) -> Iterator[Section]:
+    """A section of each check, named after its web where there are two."""
+    for number, check in enumerate(checks):
+        found = section(check)
+        if number:
+            found = replace(found, anchor=f"{found.anchor}-{number + 1}")
+        yield replace(found, title=found.title + _of_web(check))
+
+
+def _of_web(check: RuleCheck) -> str:
+    return f", {check.web}" if check.web else ""
+
+
+def _headline(checks: Sequence[RuleCheck]) -> str:
+    worst = min(checks, key=lambda check: check.safety)
+    answer = "is accepted" if worst.accepted else "is NOT accepted"
+    place = min(worst.places, key=lambda name: worst.places[name].acceptability)
+    return (
+        f"The throw {answer}: least acceptability factor Q = {worst.safety:.3f} at the "
+        f"{place}{_of_web(worst)}, {LEAST_FACTOR:g} asked, with concentration factors from finite "
+        "elements."
+    )
+
+
+def _facts(check: RuleCheck) -> tuple[Fact, ...]:
+    asked, of_web = f"at least {LEAST_FACTOR:g}", _of_web(check)
+    facts = [
+        Fact(
+            f"Q at the {place}{of_web}",
+            f"{found.acceptability:.3f}",
+            asked,
+            "good" if found.accepted else "bad",
+        )
+        for place, found in check.places.items()
+    ]
+    outside, within = len(check.outside), check.quality.within_rule
+    facts.append(
+        Fact(
+            f"Ratios in the range of the polynomials{of_web}",
+            f"{len(ratios(check.size)) - outside} of {len(ratios(check.size))}",
+            "; ".join(check.outside) or "closed forms are valid",
+            "bad" if outside else "good",
+        )
+    )
+    mesh = "kept" if within else check.quality.shortfall
+    return (
+        *facts,
+        Fact(f"Mesh checks of Appendix III{of_web}", "kept" if within else "missed", mesh, _status(within)),
+    )
+
+
+def _status(good: bool) -> FactStatus:
+    return "good" if good else "bad"
+
+
+def _acceptability(check: RuleCheck) -> Section:
+    return Section(
+        "acceptability",
+        "Acceptability",
+        "Q is the fatigue strength over the equivalent alternating stress (sections 5 and 6 of the rule). "
+        "The verdict takes the factors from finite elements; those by polynomials stand beside them. Plus "
+        "or minus: what the stress at the peak differs between neighbouring elements, an estimate and no "
+        "bound.",
+        (("Equivalent alternating stress, strength and acceptability", tables.acceptability_table(check)),),
+    )
+
+
+def _input(record: RuleRecord) -> Section:
+    drawings = () if record.drawing is None else (record.drawing,)
+    return Section(
+        "input",
+        "Input data",
+        f"Design {record.name}, SHA-256 of the resolved scene {record.scene_sha256}.",
+        (("Material and factors", pairs(_material(record.scene))),),
+        drawings,
+    )
+
+
+def _size(check: RuleCheck) -> Section:
+    return Section(
+        "size",
+        "Dimensions by the rule",
+        "",
+        (
+            ("Throw in the symbols of the rule", tables.size_table(check.size)),
+            ("Ratios, and where the polynomials are valid", tables.ratio_table(check.size)),
+        ),
+    )
+
+
+def _material(scene: Scene) -> list[tuple[str, str]]:
+    material, fatigue = scene.material, scene.fatigue
+    return [
+        ("material", f"{material.name} {material.source}".strip()),
+        ("tensile strength", f"{material.ultimate_MPa:g} MPa"),
+        ("Young's modulus, Poisson's ratio", f"{material.E_GPa:g} GPa, {material.poisson:g}"),
+        ("factor K of the forging process", f"{fatigue.process_factor:g}"),
+        ("surface treatment", fatigue.treatment or "none counted"),
+        ("additional bending stress", f"{fatigue.additional_stress_MPa:g} MPa"),
+    ]
+
+
+def _nominal(check: RuleCheck, history: str) -> Section:
+    return Section(
+        "nominal",
+        "Alternating loads and nominal stresses",
+        f"Half the range over the working cycle; {history}. Section 2 of the rule: bending and shear of the "
+        "web's section B x W, torsion of the hollow pin and journal.",
+        (("Amplitudes", tables.alternating_table(check)),),
+    )
+
+
+def _factors(check: RuleCheck) -> Section:
+    outside = (
+        f" Outside: {'; '.join(check.outside)}: the factors by elements decide." if check.outside else ""
+    )
+    outlets = (("Outlets of oil bores", outlet_table([check])),) if check.outlets else ()
+    return Section(
+        "factors",
+        "Stress concentration factors",
+        "By the polynomials of section 3 and from ten-node tetrahedra by Appendix III: pure bending, "
+        "three-point bending and torsion of one throw whose journals may tilt. The shear factor is what "
+        "three-point bending adds to the stress of its moment; below zero the radial force relieves the "
+        f"fillet.{outside}",
+        (("Factors", factor_table([check])), *outlets),
+    )
+
+
+def _mesh(check: RuleCheck) -> Section:
+    quality = check.quality
+    return Section(
+        "mesh",
+        "Quality of the elements",
+        f"{quality.nodes} nodes, {quality.fillet_size_mm:.2f} mm in the finer fillet; checked where each "
+        "unit load stresses each fillet most.",
+        (("Checks of Appendix III", tables.quality_table(check)),),
+    )
+
+
+def _assumptions(record: RuleRecord) -> Section:
+    rows = [
+        {"assumption": entry["key"], "value": f"{entry['value']} {entry['meaning']}".strip()}
+        for entry in record.assumed
+    ] + [
+        {"assumption": "loads", "value": record.history},
+        {"assumption": "bearings", "value": "rigid, journals free to tilt (Appendix III)"},
+    ]
+    signed = tuple({**row, "agreed_by": _BLANK} for row in rows)
+    people = tuple(
+        {"role": role, "name": _BLANK, "date": _BLANK, "signature": _BLANK}
+        for role in ("calculated by", "checked by", "approved by")
+    )
+    return Section(
+        "assumptions",
+        "Assumptions and signatures",
+        f"Written by `{record.command}` on {record.written}." if record.command else "",
+        (
+            ("Assumptions", ResultTable({"assumption": 0, "value": 0, "agreed_by": 0}, signed)),
+            ("Signatures", ResultTable({"role": 0, "name": 0, "date": 0, "signature": 0}, people)),
+        ),
+    )

@@ -1,0 +1,119 @@
+"""Tables of a check against the crankshaft rule IACS UR M53, in the order of a reviewer's questions."""
+
+from __future__ import annotations
+
+import math
+
+from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
+from cranktopo.tasks.fatigue.m53 import Dimensions, Ratio, ratios
+from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.stress_model import JUMP_LIMIT_PERCENT, NORMAL_LIMIT_PERCENT
+
+_SYMBOLS = (
+    ("D", "crankpin diameter", "pin"),
+    ("DG", "main journal diameter", "journal"),
+    ("DBH", "bore of the crankpin", "pin_bore"),
+    ("DBG", "bore of the main journal", "journal_bore"),
+    ("RH", "fillet radius at the crankpin", "pin_fillet"),
+    ("RG", "fillet radius at the main journal", "journal_fillet"),
+    ("TH", "recess at the crankpin", "pin_recess"),
+    ("TG", "recess at the main journal", "journal_recess"),
+    ("E", "throw radius", "throw"),
+    ("W", "thickness of the web", "web_thickness"),
+    ("B", "width of the web half-way between its axes", "web_width"),
+)
+_RATIO_COLUMNS: tuple[Column[Ratio], ...] = (
+    Column("ratio", 0, lambda r: r.name),
+    Column("value", 3, lambda r: r.value),
+    Column("valid_from", 0, lambda r: f"{r.low:g}" if math.isfinite(r.low) else "any"),
+    Column("valid_to", 0, lambda r: f"{r.high:g}"),
+    Column("polynomials_valid", 0, lambda r: _yes(r.valid)),
+)
+
+
+def size_table(size: Dimensions) -> ResultTable:
+    """The throw in the symbols of the rule."""
+    rows = tuple(
+        {"symbol": s, "dimension": name, "value_mm": getattr(size, key)} for s, name, key in _SYMBOLS
+    )
+    return ResultTable({"symbol": 0, "dimension": 0, "value_mm": 2}, rows)
+
+
+def ratio_table(size: Dimensions) -> ResultTable:
+    """The ratios that the polynomials depend on, with the range in which they are valid."""
+    return tabulate(_RATIO_COLUMNS, ratios(size))
+
+
+def alternating_table(check: RuleCheck) -> ResultTable:
+    """Alternating loads and the nominal stresses that follow."""
+    loads, nominal = check.loads, check.nominal
+    rows: tuple[tuple[str, float, str], ...] = (
+        ("radial force on the crankpin", loads.radial_N, "N"),
+        ("bending moment at the web's mid-plane", loads.moment_Nm, "N m"),
+        ("torque", loads.torque_Nm, "N m"),
+        ("nominal bending stress of the web", nominal.bending_MPa, "MPa"),
+        ("nominal shear stress of the web", nominal.shear_MPa, "MPa"),
+        ("nominal torsional stress of the crankpin", nominal.pin_torsion_MPa, "MPa"),
+        ("nominal torsional stress of the main journal", nominal.journal_torsion_MPa, "MPa"),
+    )
+    cells: tuple[dict[str, Cell], ...] = tuple(
+        {"amplitude": name, "value": value, "unit": unit} for name, value, unit in rows
+    )
+    return ResultTable({"amplitude": 0, "value": 1, "unit": 0}, cells)
+
+
+def acceptability_table(check: RuleCheck) -> ResultTable:
+    """Equivalent stress, strength and acceptability factor of each place, of fillets by both sets of factors.
+
+    The band of an element factor is what the stress jumps between the elements at the peak.
+    """
+    rows: list[dict[str, Cell]] = []
+    for by, checks in (("elements", check.element_checks), ("polynomials", check.closed_checks)):
+        for place, found in checks.items():
+            band = found.acceptability * check.quality.jump_percent / 100 if by == "elements" else None
+            valid = by == "elements" or not check.outside
+            rows.append(
+                {
+                    "fillet": place,
+                    "factors_by": by if valid else f"{by} (not valid here)",
+                    "equivalent_MPa": found.equivalent_MPa,
+                    "strength_MPa": found.strength_MPa,
+                    "Q": found.acceptability,
+                    "plus_or_minus": band,
+                    "accepted": _yes(found.accepted) if valid else "-",
+                }
+            )
+    for outlet in check.outlets:
+        found = outlet.check
+        rows.append(
+            {
+                "fillet": outlet.place,
+                "factors_by": "polynomials (not valid here)" if outlet.outside else "polynomials",
+                "equivalent_MPa": found.equivalent_MPa,
+                "strength_MPa": found.strength_MPa,
+                "Q": found.acceptability,
+                "plus_or_minus": None,
+                "accepted": "-" if outlet.outside else _yes(found.accepted),
+            }
+        )
+    columns = {"fillet": 0, "factors_by": 0, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3}
+    return ResultTable(columns | {"plus_or_minus": 3, "accepted": 0}, tuple(rows))
+
+
+def quality_table(check: RuleCheck) -> ResultTable:
+    """The mesh checks of Appendix III beside their limits."""
+    quality = check.quality
+    rows: tuple[tuple[str, float, float, str], ...] = (
+        ("longest edge in a fillet over its radius", quality.longest_edge, 0.25, "-"),
+        ("surface-normal stress at the peak", quality.normal_percent, NORMAL_LIMIT_PERCENT, "%"),
+        ("jump between elements at the peak", quality.jump_percent, JUMP_LIMIT_PERCENT, "%"),
+    )
+    cells: tuple[dict[str, Cell], ...] = tuple(
+        {"check": name, "value": value, "at_most": limit, "unit": unit, "kept": _yes(value <= limit)}
+        for name, value, limit, unit in rows
+    )
+    return ResultTable({"check": 0, "value": 2, "at_most": 2, "unit": 0, "kept": 0}, cells)
+
+
+def _yes(answer: bool) -> str:
+    return "yes" if answer else "no"

@@ -1,0 +1,278 @@
+"""Fatigue safety over the whole surface of a throw: unit stresses, load states, a method, the worst place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.engine.load_case import LoadKind
+from cranktopo.engine.plan.planning import plan
+from cranktopo.tasks.fatigue.fillets import Place, place
+from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
+from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
+from cranktopo.tasks.fatigue.superposition import Extremes, extremes
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import FieldKind
+
+Array = NDArray[np.float64]
+FieldMethod = Literal["lsa", "fkm"]
+PointSafety = tuple[Array, Array, Array, dict[str, Array]]
+"""Safety, fully reversed strength, share of the amplitude, and factors by name, each of shape (n,)."""
+
+_UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
+    "bending": lambda h: h.radial_N,
+    "tangential": lambda h: h.tangential_N,
+    "torsion": lambda h: -h.torque_Nm * NMM_PER_NM,
+    "centrifugal": lambda h: h.angular_speed_rad_s**2,
+}
+"""Factor of each unit field; a force along +x on the pin turns the shaft about -z, and so does its torque."""
+
+
+@dataclass(frozen=True)
+class Critical:
+    """The point of least safety.
+
+    Attributes:
+        strength_MPa: fully reversed strength of the point.
+        amplitude_share: fraction of the used strength that the amplitude uses, 0 to 1.
+        states: the two extreme load states.
+    """
+
+    place: Place
+    safety: float
+    amplitude_MPa: float
+    mean_MPa: float
+    gradient_per_mm: float
+    strength_MPa: float
+    amplitude_share: float
+    factors: dict[str, float]
+    states: tuple[str, str]
+
+    @property
+    def decided_by(self) -> str:
+        """Which stress uses up more of the strength."""
+        return "amplitude" if self.amplitude_share >= 0.5 else "mean stress"
+
+    def as_json(self) -> dict[str, Any]:
+        """The point as `fatigue --json` prints it."""
+        at = self.place
+        return {
+            "place": str(at),
+            "fillet": at.fillet or None,
+            "around_deg": at.around_deg if at.fillet else None,
+            "along_deg": at.along_deg if at.fillet else None,
+            "web": at.web or None,
+            "point_mm": list(at.point_mm),
+            "safety": self.safety,
+            "amplitude_MPa": self.amplitude_MPa,
+            "mean_MPa": self.mean_MPa,
+            "gradient_per_mm": self.gradient_per_mm,
+            "strength_MPa": self.strength_MPa,
+            "amplitude_share": self.amplitude_share,
+            "decided_by": self.decided_by,
+            "factors": self.factors,
+            "states": list(self.states),
+        }
+
+
+@dataclass(frozen=True)
+class FatigueField:
+    """Safety over the surface of a whole throw.
+
+    Attributes:
+        safety, amplitude_MPa, mean_MPa: at each node of each image, shape (images, n).
+        elsewhere: point of least safety off them, on edges and pockets that the mesh does not resolve.
+        fillet_safety: least safety of the journals' and of the pin's fillets.
+        web_safety: least safety of the fillets of the first and of the second web where the halves differ.
+    """
+
+    model: StressModel
+    method: FieldMethod
+    history: LoadHistory
+    safety: Array
+    amplitude_MPa: Array
+    mean_MPa: Array
+    critical: Critical
+    elsewhere: Critical
+    fillet_safety: dict[str, float]
+    web_safety: dict[str, float]
+
+
+def check_method(scene: Scene, method: str) -> None:
+    """Check that material and fillets are what a method needs.
+
+    Raises:
+        CranktopoError: a strength is missing, or an elliptical fillet, of which the rule has no strength.
+    """
+    needed = {"lsa": ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa", "ultimate_MPa")}
+    for key in needed.get(method, ("ultimate_MPa",)):
+        if getattr(scene.material, key) is None:
+            raise CranktopoError(
+                f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
+                f"(material '{scene.material.name}').",
+                hint=f"Give material.{key}, or name a material of the library.",
+            )
+    for key in ("main_journal", "crankpin") if method == "m53" else ():
+        fillet = getattr(scene.throw, key).fillet
+        if not fillet.round:
+            raise invalid(
+                f"{scene.name}: throw.{key}.fillet_axial_mm",
+                fillet.axial_mm,
+                "method 'm53' takes factors and strength from the radius of a round fillet",
+                "Take --method lsa or fkm, or leave the key out.",
+            )
+
+
+def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
+    """Check everything that a user can get wrong, before the first solve.
+
+    Raises:
+        CranktopoError: missing material data or loads, sharp fillets, or for the rule a body from CAD.
+    """
+    if method == "m53" and target.file is not None:
+        raise CranktopoError(
+            f"target '{target.name}': method 'm53' needs the width and the outline of the web, which a file "
+            "does not name.",
+            hint="Take --method lsa or fkm, or give a design.",
+            code=ExitCode.USAGE,
+        )
+    check_method(target.scene, method)
+    check_fillets(target)
+    load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
+
+
+def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[LoadKind, ...]]:
+    """Effects that the plan of a scene switches on, and the loads to be solved.
+
+    The extreme states hold radial force and torque; the tangential force only acts in the cycle.
+    """
+    enabled = plan(scene).enabled
+    possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
+    if kind == "cycle":
+        possible = ("bending", "tangential", "torsion", "centrifugal")
+    return enabled, tuple(k for k in possible if k in enabled)
+
+
+def fatigue_field(
+    target: Target,
+    method: FieldMethod,
+    kind: HistoryKind = "extremes",
+    fillet_fraction: float = RULE_FRACTION,
+    progress: Info = lambda _: None,
+) -> FatigueField:
+    """Fatigue safety of a throw by a method of local stresses.
+
+    Raises:
+        CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
+    """
+    check_method(target.scene, method)
+    enabled, kinds = load_kinds(target.scene, kind)
+    history = load_history(target.scene, kind, enabled)
+    progress(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
+    return safety_field(solve_stresses(target, kinds, fillet_fraction), method, history)
+
+
+def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) -> FatigueField:
+    """Safety at every surface node of every image of the model."""
+    loads = unit_loads(history, model.kinds)
+    found = [extremes(model.stress, loads * image.signs) for image in model.images]
+    safety = np.stack([_point_safety(model.scene, method, e.local)[0] for e in found])
+    fillet = {
+        "journal": float(safety[:, model.on_journal].min()),
+        "pin": float(safety[:, model.on_pin].min()),
+    }
+    sides = {"first": ~model.on_second, "second": model.on_second} if model.whole else {}
+    webs = {web: float(safety[:, model.on_fillet & side].min()) for web, side in sides.items()}
+    return FatigueField(
+        model,
+        method,
+        history,
+        safety,
+        np.stack([e.local.amplitude_MPa for e in found]),
+        np.stack([e.local.mean_MPa for e in found]),
+        _critical(model, method, history, found, safety, model.on_fillet),
+        _critical(model, method, history, found, safety, ~model.on_fillet),
+        fillet,
+        webs,
+    )
+
+
+def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:
+    """Factor of each unit field in each load state, shape (states, fields)."""
+    return np.stack([_UNIT_OF[kind](history) for kind in kinds], axis=1)
+
+
+def _point_safety(scene: Scene, method: FieldMethod, stress: LocalStress) -> PointSafety:
+    if method == "lsa":
+        by_lsa = lsa(stress, lsa_strength(scene))
+        factors = {"fG": by_lsa.support_factor, "beta_over_alpha": by_lsa.notch_ratio}
+        return by_lsa.safety, by_lsa.strength_MPa, by_lsa.amplitude_term * by_lsa.safety, factors
+    by_fkm = fkm(stress, fkm_strength(scene))
+    factors = {"n": by_fkm.support_factor, "K_WK": by_fkm.design_factor, "K_AK": by_fkm.mean_factor}
+    strength, share = by_fkm.reversed_MPa / by_fkm.design_factor, np.minimum(by_fkm.mean_factor, 1.0)
+    return by_fkm.safety, strength, share, factors
+
+
+def lsa_strength(scene: Scene) -> LsaStrength:
+    """Strength for method "lsa" of a scene whose material is checked."""
+    material, settings = scene.material, scene.fatigue
+    return LsaStrength(
+        material.fatigue_tension_MPa or 0.0,
+        material.fatigue_bending_MPa or 0.0,
+        material.yield_MPa or 0.0,
+        material.ultimate_MPa or 0.0,
+        settings.specimen_diameter_mm,
+        settings.size_factor,
+        settings.survival_factor,
+        settings.surface_treatment_factor,
+    )
+
+
+def fkm_strength(scene: Scene) -> FkmStrength:
+    """Strength for method "fkm" of a scene whose material is checked."""
+    material, settings = scene.material, scene.fatigue
+    return FkmStrength(
+        material.ultimate_MPa or 0.0,
+        material.fkm_group,
+        settings.roughness_um,
+        settings.surface_treatment_factor,
+    )
+
+
+def _critical(
+    model: StressModel,
+    method: FieldMethod,
+    history: LoadHistory,
+    found: list[Extremes],
+    safety: Array,
+    among: NDArray[np.bool_],
+) -> Critical:
+    """The point of least safety among some nodes."""
+    image, node = np.unravel_index(int(np.where(among, safety, np.inf).argmin()), safety.shape)
+    e = found[image]
+    local = e.local
+    one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
+    _, strength, share, factors = _point_safety(model.scene, method, one)
+    point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
+    return Critical(
+        place(model.scene, point),
+        float(safety[image, node]),
+        float(one.amplitude_MPa[0]),
+        float(one.mean_MPa[0]),
+        float(one.gradient_per_mm[0]),
+        float(strength[0]),
+        float(share[0]),
+        {name: float(value[0]) for name, value in factors.items()},
+        (history.labels[e.highest[node]], history.labels[e.lowest[node]]),
+    )

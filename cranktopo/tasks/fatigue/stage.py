@@ -1,0 +1,200 @@
+"""Fatigue safety of several targets by one method, and the files that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import write_json
+from cranktopo.design.assumed import Assumption, among, assumed_json
+from cranktopo.engine.histories import HistoryKind
+from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.fatigue.picture import save_fatigue_picture
+from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
+from cranktopo.tasks.fatigue.safety_field import FatigueField, FieldMethod, check_inputs, fatigue_field
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, fatigue_json
+from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.stage import print_assumed
+from cranktopo.tasks.fea.targets import USED, Target, resolve_targets
+from cranktopo.tasks.shaft.stage import with_throw_stiffness
+
+FatigueMethod = Literal["lsa", "fkm", "m53"]
+"""Local stress analysis, the FKM guideline, or the rule IACS UR M53."""
+
+
+@dataclass(frozen=True)
+class FatigueAssessment:
+    """Fatigue of targets by one method.
+
+    Attributes:
+        loads: extremes of the loads joined, or every angle of the cycle.
+        fields: fields of safety; empty for M53.
+        checks: checks by the rule, of two different webs one each; empty for the other methods.
+        baseline: position of the result that counts as 100 %, if any.
+        assumed: what the target of each result does not say and its safety depends on.
+        targets: what was assessed, for each result.
+    """
+
+    method: FatigueMethod
+    loads: HistoryKind
+    fields: tuple[FatigueField, ...]
+    checks: tuple[RuleCheck, ...]
+    baseline: int | None = None
+    assumed: tuple[tuple[Assumption, ...], ...] = ()
+    targets: tuple[Target, ...] = ()
+
+    @property
+    def results(self) -> Sequence[FatigueField | RuleCheck]:
+        """Whichever there are, in the order of the targets."""
+        return self.fields or self.checks
+
+    def as_json(self) -> dict[str, Any]:
+        """The object that `fatigue --json` prints."""
+        data = fatigue_json(self.results, self.loads, self.baseline)
+        for entry, assumed, target in zip(data["fatigue"], self.assumed, self.targets, strict=True):
+            entry["assumed"] = assumed_json(assumed)
+            settings = target.scene.fatigue
+            entry["surface_treatment"] = {
+                "factor": settings.surface_treatment_factor,
+                "source": settings.surface_treatment_source or None,
+            }
+        return data
+
+    def compared(self) -> FatigueComparison:
+        """What a comparison shows of it, of two different webs the worse one; there must be a baseline."""
+        assert self.baseline is not None
+        if self.fields:
+            return compare_fatigue(self.fields, self.baseline, self.as_json())
+        worse, base = self._worse_webs, self.checks[self.baseline]
+        index = next(number for number, check in enumerate(worse) if check is base)
+        return compare_fatigue(worse, index, self.as_json())
+
+    @property
+    def _worse_webs(self) -> tuple[RuleCheck, ...]:
+        worse: dict[int, RuleCheck] = {}
+        for target, check in zip(map(id, self.targets), self.checks, strict=True):
+            worse[target] = min(worse.get(target, check), check, key=lambda one: one.safety)
+        return tuple(worse.values())
+
+
+def assess_fatigue(
+    targets: Sequence[str] | Sequence[Target],
+    method: FatigueMethod = "lsa",
+    loads: HistoryKind = "extremes",
+    baseline: int | None = None,
+    fillet_fraction: float = RULE_FRACTION,
+    out: Path | None = None,
+    info: Info = lambda _: None,
+    design: str | None = None,
+    align: bool = False,
+) -> FatigueAssessment:
+    """Fatigue safety of targets whose fillets have a radius.
+
+    Args:
+        targets: as the user types them, or resolved with their fillets.
+        loads: extremes of the loads joined, which bounds the cycle, or every angle of the cycle.
+        baseline: position of the target that counts as 100 %.
+        fillet_fraction: element size in a fillet over its radius.
+        out: folder for fatigue.json, and VTU and picture of each target.
+        info: called with lines of progress, and with notes about the mesh.
+        design: design for the journals, loads and material of STEP targets.
+        align: move STEP bodies that lie elsewhere to where the journals are.
+
+    Raises:
+        CranktopoError: a target without fillets or strength, a failed solve, or files asked of M53.
+    """
+    if out is not None:
+        _check_files(method, out)
+    typed = [target for target in targets if isinstance(target, str)]
+    given = [target for target in targets if isinstance(target, Target)]
+    resolved = given or resolve_targets(typed, design, fillets=True, align=align, whole=True)
+    for target in resolved:
+        check_inputs(target, method, loads)
+    print_assumed(resolved, USED, info)
+    for target in resolved:
+        if target.scene.fatigue.treatment:
+            info(f"{target.name}: {target.scene.fatigue.treatment}")
+    resolved = [with_throw_stiffness(target, info) for target in resolved]
+    assumed = tuple(among(target.assumed, USED) for target in resolved)
+    if method == "m53":
+        return _by_rule(resolved, loads, baseline, fillet_fraction, assumed, info)
+    chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
+    fields = []
+    for target in resolved:
+        field = fatigue_field(target, chosen, loads, fillet_fraction, info)
+        fields.append(field)
+        _note_quality(field, info)
+        if field.web_safety:
+            told = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
+            info(f"{target.name}: least safety of the fillets: {told}")
+        if out is not None:
+            _write_field(out, field, info)
+    found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed, tuple(resolved))
+    if out is not None:
+        write_json(out / "fatigue.json", found.as_json())
+    return found
+
+
+def _by_rule(
+    targets: Sequence[Target],
+    loads: HistoryKind,
+    baseline: int | None,
+    fillet_fraction: float,
+    assumed: Sequence[tuple[Assumption, ...]],
+    info: Info,
+) -> FatigueAssessment:
+    """Checks of all targets; one with two different webs has two, and as the baseline it is its worse web."""
+    found = [check_rule(target, loads, fillet_fraction, info) for target in targets]
+    if baseline is not None:
+        before, own = sum(map(len, found[:baseline])), found[baseline]
+        baseline = before + min(range(len(own)), key=lambda web: own[web].safety)
+    each = [
+        (told, target) for told, target, checks in zip(assumed, targets, found, strict=True) for _ in checks
+    ]
+    return FatigueAssessment(
+        "m53",
+        loads,
+        (),
+        tuple(check for checks in found for check in checks),
+        baseline,
+        tuple(told for told, _ in each),
+        tuple(target for _, target in each),
+    )
+
+
+def _check_files(method: FatigueMethod, out: Path) -> None:
+    if method == "m53":
+        raise CranktopoError(
+            "--out: method 'm53' gives two numbers per throw and no field.",
+            hint="Leave --out, or take lsa or fkm.",
+            code=ExitCode.USAGE,
+        )
+    check_folder(out)
+
+
+def _note_quality(field: FatigueField, info: Info) -> None:
+    quality = field.model.quality
+    if not quality.within_rule:
+        info(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
+    if field.elsewhere.safety < field.critical.safety:
+        info(
+            f"note: {field.model.name}: {field.elsewhere.safety:.3f} off the fillets at "
+            f"{field.elsewhere.place}; sharp edges there make it depend on the mesh."
+        )
+
+
+def _write_field(out: Path, field: FatigueField, info: Info) -> None:
+    out.mkdir(parents=True, exist_ok=True)
+    writers: tuple[tuple[str, Callable[[Path, FatigueField], None]], ...] = (
+        (".vtu", write_fatigue_vtu),
+        (".png", save_fatigue_picture),
+    )
+    for suffix, write in writers:
+        path = out / f"fatigue-{field.method}-{field.model.name}{suffix}"
+        write(path, field)
+        info(str(path))

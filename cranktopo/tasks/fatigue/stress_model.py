@@ -1,0 +1,305 @@
+"""Unit stresses on the surface of a throw, solved once: for fatigue, concentration factors and pictures."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
+from cranktopo.design.halves import halves
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, von_mises
+from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.stressed_surface import (
+    Surface,
+    SurfaceStress,
+    outer_surface,
+    surface_stress,
+)
+from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes
+from cranktopo.tasks.fea.evaluation import meshed_throw_kg
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, unit_fields
+
+Array = NDArray[np.float64]
+
+RULE_FRACTION = 0.17
+"""Element size in a fillet over its radius that keeps edges below a quarter (IACS UR M53, Appendix III)."""
+_ACROSS_WEB = 6
+"""Elements through the web: the same rule."""
+_NEAR_PEAK = 0.98
+"""Fraction of the largest stress from which a node counts as the place where the rule checks the mesh."""
+NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
+"""Quality limits of the same rule for surface-normal stress and jump between elements."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Mesh and the rule's quality checks where each unit load stresses each fillet most.
+
+    Attributes:
+        fillet_size_mm: element size asked for in the finer fillet.
+        longest_edge: longest element edge in the fillets over the fillet's (least) radius.
+        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
+        jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
+            worst.
+    """
+
+    fillet_size_mm: float
+    longest_edge: float
+    nodes: int
+    normal_percent: float
+    jump_percent: float
+    mesh_seconds: float
+    solve_seconds: float
+
+    @property
+    def within_rule(self) -> bool:
+        """Whether both checks are within their limits."""
+        return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
+
+    @property
+    def shortfall(self) -> str:
+        """Both checks beside their limits in words, for a mesh that misses one."""
+        return (
+            "the mesh misses the rule's checks: surface-normal stress "
+            f"{self.normal_percent:.1f} % (at most {NORMAL_LIMIT_PERCENT:g} %), "
+            f"jump between elements {self.jump_percent:.1f} % (at most {JUMP_LIMIT_PERCENT:g} %)"
+        )
+
+
+@dataclass(frozen=True)
+class Image:
+    """One mirror image of the model that makes up the throw.
+
+    Attributes:
+        flip_x, flip_z: whether it is mirrored in x = 0, and in the mid-pin plane.
+        signs: of each field, shape (fields,).
+    """
+
+    flip_x: bool
+    flip_z: bool
+    signs: Array
+
+    def points_mm(self, points_mm: Array, pitch_mm: float) -> Array:
+        """Points of the model moved into the image, (3, n).
+
+        Args:
+            points_mm: points (3, n) of the model.
+        """
+        x, y, z = points_mm
+        return np.stack([-x if self.flip_x else x, y, pitch_mm - z if self.flip_z else z])
+
+
+@dataclass(frozen=True)
+class StressModel:
+    """Stresses of unit loads on the surface of the half throw, or of its half x >= 0.
+
+    Of a throw whose halves differ it is the whole one, with the fillets of both webs.
+
+    Attributes:
+        stress: of each field per unit load.
+        on_journal, on_pin: which surface nodes lie on the fillets, shape (n,).
+        whole: the model is the whole throw.
+    """
+
+    name: str
+    scene: Scene
+    throw_kg: float
+    kinds: tuple[FieldKind, ...]
+    surface: Surface
+    stress: SurfaceStress
+    images: tuple[Image, ...]
+    on_journal: NDArray[np.bool_]
+    on_pin: NDArray[np.bool_]
+    quality: Quality
+    whole: bool = False
+
+    @property
+    def on_second(self) -> NDArray[np.bool_]:
+        """Which surface nodes are beyond the middle of the crankpin."""
+        return self.surface.points_mm[2] > halves(self.scene)[0].pitch_mm / 2
+
+    @property
+    def on_fillet(self) -> NDArray[np.bool_]:
+        """Which surface nodes lie on either fillet."""
+        return self.on_journal | self.on_pin
+
+
+def solve_stresses(
+    target: Target, kinds: Collection[FieldKind], fillet_fraction: float = RULE_FRACTION
+) -> StressModel:
+    """Mesh a throw for stresses and solve the unit loads that are asked for.
+
+    Args:
+        fillet_fraction: element size in the fillets over their radius.
+
+    Raises:
+        CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
+    """
+    start = time.perf_counter()
+    meshed, scene = _meshed(target, fillet_fraction)
+    material = scene.material
+    began_solving = time.perf_counter()
+    youngs = material.E_GPa * MPA_PER_GPA
+    model = assemble(meshed.mesh, youngs, material.poisson)
+    fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds, whole=meshed.whole)
+    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, material.poisson)
+    end = scene.pitch_mm if meshed.whole else scene.pitch_mm / 2
+    planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
+    surface = outer_surface(model, found.elements, tuple(planes))
+    stress = surface_stress(model, surface, found)
+    journal, pin = (_on_fillet(scene, meshed.whole, name, surface.points_mm) for name in ("journal", "pin"))
+    seconds = (began_solving - start, time.perf_counter() - began_solving)
+    return StressModel(
+        target.name,
+        scene,
+        meshed_throw_kg(meshed, scene),
+        tuple(f.kind for f in fields),
+        surface,
+        stress,
+        images_of(fields, meshed.mesh.mirrored, whole=meshed.whole),
+        journal,
+        pin,
+        _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1], seconds),
+        meshed.whole,
+    )
+
+
+def _on_fillet(scene: Scene, whole: bool, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
+    """Which points (3, n) lie on a fillet of the half throw, or on either of the whole one."""
+    near, far = halves(scene)
+    found = fillet_nodes(near, fillet, points_mm)
+    if whole:
+        x, y, z = points_mm
+        found |= fillet_nodes(far, fillet, np.stack([x, y, scene.pitch_mm - z]))
+    return found
+
+
+def check_fillets(target: Target) -> None:
+    """Check that both fillets of a target have a radius.
+
+    Raises:
+        CranktopoError: a surface file, a STEP body without round fillets at its journals, fillets switched
+            off, or a fillet of radius 0.
+    """
+    if target.file is not None:
+        from cranktopo.tasks.importing.imported_body import fillets_of_step
+
+        fillets_of_step(_step_of(target), target.scene, target.align)
+        return
+    if target.scene.effects.fillets == "off":
+        raise invalid(
+            f"{target.name}: effects.fillets",
+            "off",
+            "the stress at the sharp edges that this leaves is singular",
+            "Set it to 'auto' or 'on'.",
+        )
+    for key in ("main_journal", "crankpin"):
+        if getattr(target.scene.throw, key).fillet_mm == 0:
+            raise CranktopoError(
+                f"{target.name}: throw.{key}.fillet_mm = 0: the stress at a sharp edge is singular, so "
+                "that any value of it follows from the mesh alone.",
+                hint="Give the fillet a radius.",
+            )
+
+
+def _step_of(target: Target) -> Path:
+    """The STEP file of a target.
+
+    Raises:
+        CranktopoError: it is a surface of triangles.
+    """
+    if target.file is None or target.triangles:
+        raise CranktopoError(
+            f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
+            "singular.",
+            hint="Assess a STEP body, or a design whose fillets have a radius; 'cranktopo remodel' makes one "
+            "of a run.",
+        )
+    return target.file
+
+
+def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]:
+    """Mesh of a target for stresses, and its scene with the fillets that the mesh has."""
+    scene = target.scene
+    thinner = min(half.web.thickness_mm for half in halves(scene))
+    size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
+    if target.file is None:
+        check_fillets(target)
+        return mesh_throw(scene, size, fillet_fraction=fillet_fraction), scene
+    from cranktopo.tasks.importing.imported_body import mesh_step_for_stress
+
+    return mesh_step_for_stress(_step_of(target), scene, size, fillet_fraction, target.align)
+
+
+def images_of(fields: Sequence[UnitField], mirrored: bool, *, whole: bool = False) -> tuple[Image, ...]:
+    """The mirror images of the model that make up the throw; a whole one has none along the shaft."""
+    sign_x = np.array([f.sign_x for f in fields], dtype=float)
+    sign_z = np.array([f.sign_z for f in fields], dtype=float)
+    one = np.ones(len(fields))
+    return tuple(
+        Image(x, z, (sign_x if x else one) * (sign_z if z else one))
+        for z in ((False,) if whole else (False, True))
+        for x in ((False, True) if mirrored else (False,))
+    )
+
+
+def _quality(
+    scene: Scene,
+    surface: Surface,
+    stress: SurfaceStress,
+    fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]],
+    fraction: float,
+    nodes: int,
+    seconds: tuple[float, float],
+) -> Quality:
+    on = fillets[0] | fillets[1]
+    if not on.any():
+        raise CranktopoError(
+            "mesh: no nodes on the fillets.", hint="Report this design.", code=ExitCode.INTERNAL
+        )
+    normal = np.abs(_normal_stress(stress.stress_MPa, surface.normals))
+    largest = np.abs(principal_stresses(stress.stress_MPa)).max(axis=-1)
+    equivalent = von_mises(stress.stress_MPa)
+    where = _examined(equivalent, fillets)
+    radii = tuple(journal.fillet.least_radius_mm for journal, _ in scene.throw.journals)
+    return Quality(
+        fraction * min(radii),
+        max(_longest_edge(surface, nodes_on) / r for nodes_on, r in zip(fillets, radii, strict=True)),
+        nodes,
+        float(100 * (normal / largest)[where].max()),
+        float(100 * (stress.jump_MPa / equivalent)[where].max()),
+        *seconds,
+    )
+
+
+def _examined(stress: Array, fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    """Nodes near the peak of each field in each fillet, shape (fields, n)."""
+    where = np.zeros(stress.shape, dtype=bool)
+    for on in fillets:
+        inside = np.where(on, stress, 0.0)
+        where |= inside >= _NEAR_PEAK * inside.max(axis=1, keepdims=True)
+    return where
+
+
+def _normal_stress(stress: Array, normals: Array) -> Array:
+    """Stress on the surface's own plane, normal to it, shape (fields, n)."""
+    x, y, z = normals.T
+    weights = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=1)
+    return np.asarray((stress * weights).sum(axis=-1))
+
+
+def _longest_edge(surface: Surface, on: NDArray[np.bool_]) -> float:
+    inside = on[surface.faces].all(axis=0)
+    corners = surface.points_mm[:, surface.faces[:3, inside]]
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max())

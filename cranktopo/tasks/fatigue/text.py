@@ -1,0 +1,214 @@
+"""Tables, verdicts and JSON of the fatigue command.
+
+`loads` is "extremes" or "cycle"; `baseline` the position of the target that counts as 100 %, if any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
+from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
+from cranktopo.tasks.fea.quantities import MASS, SAFETY
+
+SAME = 0.02
+"""Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
+FatigueResult = FatigueField | RuleCheck
+_FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
+    Column("target", 0, lambda f: f.model.name),
+    Column("throw_kg", MASS.digits, lambda f: f.model.throw_kg),
+    Column(SAFETY.column, SAFETY.digits, lambda f: f.critical.safety),
+    Column("amplitude_MPa", 1, lambda f: f.critical.amplitude_MPa),
+    Column("mean_MPa", 1, lambda f: f.critical.mean_MPa),
+    Column("gradient_per_mm", 3, lambda f: f.critical.gradient_per_mm),
+    Column("strength_MPa", 1, lambda f: f.critical.strength_MPa),
+    Column("pin_safety", SAFETY.digits, lambda f: f.fillet_safety["pin"]),
+    Column("journal_safety", SAFETY.digits, lambda f: f.fillet_safety["journal"]),
+    Column("decided_by", 0, lambda f: f.critical.decided_by),
+    Column("critical_place", 0, lambda f: str(f.critical.place)),
+)
+_RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
+    Column("target", 0, lambda c: c.name),
+    Column("throw_kg", MASS.digits, lambda c: c.throw_kg),
+    Column("least_Q", SAFETY.digits, lambda c: c.safety),
+    Column("pin_Q_rule", 3, lambda c: _by_rule(c, "pin")),
+    Column("pin_Q_FE", 3, lambda c: c.element_checks["pin"].acceptability),
+    Column("journal_Q_rule", 3, lambda c: _by_rule(c, "journal")),
+    Column("journal_Q_FE", 3, lambda c: c.element_checks["journal"].acceptability),
+    Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.element_checks.values())),
+    Column("accepted", 0, lambda c: "yes" if c.accepted else "no"),
+)
+_SAFETY_COLUMNS = (SAFETY.column, "least_Q")
+"""Mass and safety in percent stand behind the safety, whichever it is."""
+
+
+@dataclass(frozen=True)
+class FatigueComparison:
+    """Fatigue of several targets beside a baseline.
+
+    Attributes:
+        verdicts: one line for each target but the baseline.
+        json: the object that `fatigue --json` prints.
+    """
+
+    safeties: tuple[float, ...]
+    verdicts: tuple[str, ...]
+    json: dict[str, Any]
+
+
+def compare_fatigue(
+    results: Sequence[FatigueResult], baseline: int, data: dict[str, Any]
+) -> FatigueComparison:
+    """What a comparison shows of the fatigue of its targets; `data` from `fatigue_json`."""
+    safeties = tuple(_summary(result).safety for result in results)
+    return FatigueComparison(safeties, tuple(verdicts(results, baseline)), data)
+
+
+def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
+    """One row per target: mass, safety, cyclic stress, gradient and place of the critical point."""
+    return _with_percent(tabulate(_FIELD_COLUMNS, fields), fields, baseline)
+
+
+def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable:
+    """One row per target: acceptability of both fillets by closed form and by finite elements."""
+    return _with_percent(tabulate(_RULE_COLUMNS, checks), checks, baseline)
+
+
+def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
+    """Outlets of oil bores by the rule, one row each; no rows where there are none."""
+    rows: tuple[dict[str, Cell], ...] = tuple(
+        {
+            "target": check.name,
+            "outlet": outlet.key,
+            "angle_deg": outlet.angle_deg,
+            "gamma_B": outlet.gamma_bending,
+            "gamma_T": outlet.gamma_torsion,
+            "bending_MPa": outlet.bending_MPa,
+            "torsion_MPa": outlet.torsion_MPa,
+            "equivalent_MPa": outlet.check.equivalent_MPa,
+            "strength_MPa": outlet.check.strength_MPa,
+            "Q": outlet.check.acceptability,
+            "not_valid": "; ".join(outlet.outside) or "-",
+        }
+        for check in checks
+        for outlet in check.outlets
+    )
+    stresses = dict.fromkeys(("bending_MPa", "torsion_MPa", "equivalent_MPa", "strength_MPa"), 1)
+    factors = {"gamma_B": 3, "gamma_T": 3}
+    columns = {"target": 0, "outlet": 0, "angle_deg": 0, **factors, **stresses, "Q": 3, "not_valid": 0}
+    return ResultTable(columns, rows)
+
+
+def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
+    """Concentration factors by closed form and by finite elements."""
+    rows = tuple(
+        {
+            "target": check.name,
+            "factor": name,
+            "rule": getattr(check.closed, name),
+            "FE": value,
+            "FE_over_rule_percent": 100 * (value / getattr(check.closed, name) - 1),
+        }
+        for check in checks
+        for name, value in vars(check.elements).items()
+    )
+    return ResultTable({"target": 0, "factor": 0, "rule": 3, "FE": 3, "FE_over_rule_percent": 1}, rows)
+
+
+def verdicts(results: Sequence[FatigueResult], baseline: int) -> list[str]:
+    """For each target but the baseline its change of mass and safety, and whether it is as safe."""
+    found = [_summary(result) for result in results]
+    base = found[baseline]
+    lines = []
+    for index, one in enumerate(found):
+        if index == baseline:
+            continue
+        ratio = one.safety / base.safety
+        safe = "as safe as" if abs(ratio - 1) <= SAME else "safer than" if ratio > 1 else "less safe than"
+        lines.append(
+            f"{one.name}: {100 * (one.mass_kg / base.mass_kg - 1):+.1f} % mass, "
+            f"{100 * (ratio - 1):+.1f} % safety: {safe} {base.name}."
+        )
+    return lines
+
+
+def fatigue_json(results: Sequence[FatigueResult], loads: str, baseline: int | None) -> dict[str, Any]:
+    """The object that `fatigue --json` prints; at least one result, all by one method."""
+    found = [_summary(result) for result in results]
+    comparison = None
+    if baseline is not None:
+        base = found[baseline]
+        comparison = [
+            {
+                "target": one.name,
+                "safety_percent": 100 * one.safety / base.safety,
+                "mass_percent": 100 * one.mass_kg / base.mass_kg,
+            }
+            for one in found
+        ]
+    first = results[0]
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "method": first.method if isinstance(first, FatigueField) else "m53",
+        "loads": loads,
+        "baseline": None if baseline is None else found[baseline].name,
+        "fatigue": [r.as_json() if isinstance(r, RuleCheck) else _field_json(r) for r in results],
+        "percent_of_baseline": comparison,
+    }
+
+
+@dataclass(frozen=True)
+class _Summary:
+    name: str
+    mass_kg: float
+    safety: float
+
+
+def _summary(result: FatigueResult) -> _Summary:
+    if isinstance(result, FatigueField):
+        return _Summary(result.model.name, result.model.throw_kg, result.critical.safety)
+    return _Summary(result.name, result.throw_kg, result.safety)
+
+
+def _field_json(field: FatigueField) -> dict[str, Any]:
+    return {
+        "target": field.model.name,
+        "throw_kg": field.model.throw_kg,
+        "safety": field.critical.safety,
+        "fillet_safety": field.fillet_safety,
+        **({"web_safety": field.web_safety} if field.web_safety else {}),
+        "critical": field.critical.as_json(),
+        "off_the_fillets": field.elsewhere.as_json(),
+        "load_states": len(field.history.labels),
+        "unit_loads": list(field.model.kinds),
+        "quality": {**vars(field.model.quality), "within_rule": field.model.quality.within_rule},
+    }
+
+
+def _by_rule(check: RuleCheck, fillet: str) -> float | None:
+    return None if check.outside else check.closed_checks[fillet].acceptability
+
+
+def _with_percent(table: ResultTable, results: Sequence[FatigueResult], baseline: int | None) -> ResultTable:
+    """The table with mass and safety in percent of the baseline."""
+    if baseline is None:
+        return table
+    found = [_summary(result) for result in results]
+    base = found[baseline]
+    added = {MASS.percent_column: 1, SAFETY.percent_column: 1}
+    rows = tuple(
+        {
+            **row,
+            MASS.percent_column: 100 * one.mass_kg / base.mass_kg,
+            SAFETY.percent_column: 100 * one.safety / base.safety,
+        }
+        for row, one in zip(table.rows, found, strict=True)
+    )
+    columns: dict[str, int] = {}
+    for name, digits in table.columns.items():
+        columns |= {name: digits} | (added if name in _SAFETY_COLUMNS else {})
+    return ResultTable(columns, rows)

@@ -1,0 +1,351 @@
+"""Evaluation of one throw: mass properties, stiffness for every support, and bounds of their errors."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, TypeVar
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.side_by_side import side_by_side
+from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
+from cranktopo.bodies.mesh.memory import check_element_size
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.bodies.web_moments import Moments, bolted_mass
+from cranktopo.design.assumed import EVALUATED, Assumption, among, assumed_json
+from cranktopo.design.halves import halves, of_halves
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.schema import Scene
+from cranktopo.engine.bearings import bearing_spring_N_per_mm
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
+from cranktopo.tasks.fea.condense import Condensed, condense
+from cranktopo.tasks.fea.discretisation_error import missed_energies, volume_error
+from cranktopo.tasks.fea.error_bound import bending_bound_percent, change_bound_percent, torsion_bound_percent
+from cranktopo.tasks.fea.support_stiffness import (
+    BendingSupport,
+    TorsionSupport,
+    bending_stiffness_N_per_mm,
+    torsional_stiffness_Nm_per_rad,
+)
+from cranktopo.tasks.fea.targets import Target
+
+SCHEMA_VERSION = 1
+RATIO = 1.5
+"""Element size of the coarse mesh over that of the fine one where two are compared."""
+_VOLUME_TOLERANCE = 0.02
+"""Mesh against solid: sound meshes of 15 mm elements are within 1 %, of the default size within 0.01 %."""
+
+_TORSION: tuple[TorsionSupport, ...] = ("free", "held", "spring")
+_BENDING: tuple[BendingSupport, ...] = ("pinned", "clamped", "spring")
+
+Info = Callable[[str], None]
+ByName = dict[str, float | None]
+Support = TypeVar("Support", bound=str)
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """Stiffnesses of the full throw on one mesh; spring values are None without a bearing spring.
+
+    Attributes:
+        torsion: N m/rad by support "free", "held", "spring".
+        bending: N/mm by support "pinned", "clamped", "spring".
+        torsion_error_percent, bending_error_percent: bound of the error on this mesh, by support; empty with
+            linear elements.
+    """
+
+    torsion: dict[str, float | None]
+    bending: dict[str, float | None]
+    nodes: int
+    element_size_mm: float
+    mesh_seconds: float
+    solve_seconds: float
+    torsion_error_percent: Mapping[str, float | None] = field(default_factory=dict)
+    bending_error_percent: Mapping[str, float | None] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All that is reported about one target; units in the field names.
+
+    Attributes:
+        throw_kg, web_kg: mass of the throw, and of one web between its faces.
+        second_web_kg: mass of the second web where the halves of the throw differ, else None.
+        unbalance_kg_mm: mass times y of the centre of mass.
+        torsion_support, bending_support: the supports that the scene asks for.
+        torsion_error_percent, bending_error_percent: bound of the discretisation error with these supports.
+        assumed: what the design does not say and the stiffnesses depend on.
+        triangles: the body is a surface of triangles, which the mesh replaces.
+    """
+
+    target: str
+    throw_kg: float
+    web_kg: float
+    inertia_kg_mm2: float
+    unbalance_kg_mm: float
+    fine: Stiffness
+    torsion_support: str
+    bending_support: str
+    torsion_error_percent: float
+    bending_error_percent: float
+    total_seconds: float
+    assumed: tuple[Assumption, ...] = ()
+    triangles: bool = False
+    second_web_kg: float | None = None
+
+    @property
+    def torsion_Nm_per_rad(self) -> float:
+        """Torsional stiffness with the scene's support."""
+        return _known(self.fine.torsion[self.torsion_support])
+
+    @property
+    def bending_N_per_mm(self) -> float:
+        """Bending stiffness with the scene's support."""
+        return _known(self.fine.bending[self.bending_support])
+
+    @property
+    def error_percent(self) -> float:
+        """The larger of the two error estimates."""
+        return max(self.torsion_error_percent, self.bending_error_percent)
+
+    def as_json(self) -> dict[str, Any]:
+        """The evaluation as one entry of `evaluate --json`."""
+        fine = self.fine
+        return {
+            "target": self.target,
+            "mass_kg": {"throw": self.throw_kg, "web": self.web_kg, **self._second_web()},
+            "inertia_kg_mm2": self.inertia_kg_mm2,
+            "unbalance_kg_mm": self.unbalance_kg_mm,
+            "torsion": {f"{name}_Nm_per_rad": value for name, value in fine.torsion.items()},
+            "bending": {f"{name}_N_per_mm": value for name, value in fine.bending.items()},
+            "supports": {"torsion": self.torsion_support, "bending": self.bending_support},
+            "stiffness_per_mass": {
+                "torsion_Nm_per_rad_kg": self.torsion_Nm_per_rad / self.throw_kg,
+                "bending_N_per_mm_kg": self.bending_N_per_mm / self.throw_kg,
+            },
+            "mesh": {
+                "element_size_mm": fine.element_size_mm,
+                "nodes": fine.nodes,
+                "order": 2,
+                "triangles": self.triangles,
+            },
+            "error_estimate_percent": {
+                "torsion": self.torsion_error_percent,
+                "bending": self.bending_error_percent,
+            },
+            "error_by_support_percent": {
+                "torsion": dict(fine.torsion_error_percent),
+                "bending": dict(fine.bending_error_percent),
+            },
+            "seconds": {
+                "mesh": fine.mesh_seconds,
+                "solve": fine.solve_seconds,
+                "total": self.total_seconds,
+            },
+            "assumed": assumed_json(self.assumed),
+        }
+
+    def _second_web(self) -> dict[str, float]:
+        return {} if self.second_web_kg is None else {"second_web": self.second_web_kg}
+
+
+@dataclass(frozen=True)
+class MeshResult:
+    """A target on one mesh."""
+
+    target: Target
+    meshed: MeshedThrow
+    stiffness: Stiffness
+    graded: bool = True
+
+    @property
+    def seconds(self) -> float:
+        """Wall time of mesh and solve."""
+        return self.stiffness.mesh_seconds + self.stiffness.solve_seconds
+
+
+def evaluate(
+    target: Target, element_size_mm: float | None = None, progress: Info = lambda _: None
+) -> Evaluation:
+    """Evaluate a target on a mesh of the given size.
+
+    Triangles are remeshed, which moves their surface: a mesh 1.5 times coarser tells how much that matters.
+
+    Raises:
+        CranktopoError: impossible geometry or a failed solve.
+    """
+    size = element_size_mm or default_element_size_mm(target.scene)
+    check_element_size(target.scene, size)
+    coarse = evaluate_on_mesh(target, size * RATIO, progress=progress) if target.triangles else None
+    fine = evaluate_on_mesh(target, size, progress=progress)
+    return evaluation(fine, coarse, fine.seconds + (coarse.seconds if coarse else 0.0))
+
+
+def evaluate_on_mesh(
+    target: Target,
+    element_size_mm: float,
+    *,
+    graded: bool = True,
+    order: Order = 2,
+    progress: Info = lambda _: None,
+) -> MeshResult:
+    """A target on one mesh.
+
+    Args:
+        graded: refine at fillets and sharp rings; surface files are always graded.
+
+    Raises:
+        CranktopoError: impossible geometry or a failed solve.
+    """
+    check_element_size(target.scene, element_size_mm)
+    progress(f"{target.name}: element size {element_size_mm:.3g} mm")
+    start = time.perf_counter()
+    meshed = mesh_target(target, element_size_mm, graded)
+    if meshed.note:
+        progress(f"{target.name}: {meshed.note}")
+    seconds = time.perf_counter() - start
+    return MeshResult(
+        target, meshed, condensed_stiffness(meshed, target.scene, element_size_mm, seconds, order), graded
+    )
+
+
+def condensed_stiffness(
+    meshed: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
+) -> Stiffness:
+    """Stiffnesses of a meshed half or whole throw for every support: two condensations, or one.
+
+    Raises:
+        CranktopoError: a mesh that does not fill the solid, or a failed solve.
+    """
+    start = time.perf_counter()
+    youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    model = assemble(meshed.mesh, youngs, poisson, order)
+    _check_volume(meshed, volume_error(model, meshed))
+    twist, bend = _blocks(model, meshed, scene)
+    torsion = _by_support(partial(torsional_stiffness_Nm_per_rad, twist), _TORSION, scene)
+    bending = _by_support(partial(bending_stiffness_N_per_mm, bend), _BENDING, scene)
+    nodes = model.nodes_mm.shape[1]
+    errors: tuple[ByName, ByName] = ({}, {})
+    if order == 2:
+        twisted, bent = missed_energies(model, meshed, (twist, bend), scene)
+        errors = (
+            _by_support(partial(torsion_bound_percent, twist, twisted), _TORSION, scene),
+            _by_support(partial(bending_bound_percent, bend, bent), _BENDING, scene),
+        )
+    seconds = time.perf_counter() - start
+    return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds, *errors)
+
+
+def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Condensed, Condensed]:
+    """What torsion and what bending is read off."""
+    mirrored = meshed.mesh.mirrored
+    if meshed.whole and not mirrored:
+        both = condense(model, scene, "whole", "none")
+        return both, both
+    return side_by_side(
+        lambda: condense(model, scene, meshed.span("antisymmetric"), "odd" if mirrored else "none"),
+        lambda: condense(model, scene, meshed.span("symmetric"), "even" if mirrored else "none"),
+    )
+
+
+def _by_support(
+    found: Callable[[Support, float], float], supports: Sequence[Support], scene: Scene
+) -> ByName:
+    """What is found for each support and the bearing's spring; None for springs that nobody knows."""
+    spring = bearing_spring_N_per_mm(scene)
+    return {
+        name: None if name == "spring" and not spring else found(name, spring or 0.0) for name in supports
+    }
+
+
+def _check_volume(meshed: MeshedThrow, error: float) -> None:
+    volume = meshed.body.volume_mm3
+    if abs(error) > _VOLUME_TOLERANCE:
+        raise CranktopoError(
+            f"mesh: holds {(1 + error) * volume:.1f} mm3, the body {volume:.1f} mm3.",
+            hint="Choose another element size.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> MeshedThrow:
+    """Mesh of a target's half throw, or of its whole one where the halves differ.
+
+    Raises:
+        CranktopoError: impossible geometry, or no valid mesh.
+    """
+    if target.file is None:
+        return mesh_throw(target.scene, element_size_mm, graded=graded)
+    from cranktopo.tasks.importing.imported_body import mesh_file
+
+    return mesh_file(target.file, target.scene, element_size_mm, target.align)
+
+
+def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> Evaluation:
+    """All that is reported, with bounds of the error by what the mesh itself tells.
+
+    Args:
+        coarse: for triangles, the target on a mesh 1.5 times coarser.
+    """
+    target, meshed = fine.target, fine.meshed
+    scene = target.scene
+    (near, far), supports = halves(scene), scene.supports
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    torsion, bending = _error_percent(fine.stiffness, coarse.stiffness if coarse else None, scene)
+    return Evaluation(
+        target=target.name,
+        throw_kg=meshed_throw_kg(meshed, scene),
+        web_kg=density * meshed.web_volume_mm3 + bolted_mass(near).volume,
+        second_web_kg=None if far is near else density * web_volume_mm3(far) + bolted_mass(far).volume,
+        inertia_kg_mm2=throw_inertia_kg_mm2(meshed, scene),
+        unbalance_kg_mm=meshed.copies * density * meshed.body.volume_mm3 * meshed.body.centre_mm[1]
+        + _bolted(scene).first_y,
+        fine=fine.stiffness,
+        torsion_support=supports.torsion,
+        bending_support=supports.bending,
+        torsion_error_percent=torsion,
+        bending_error_percent=bending,
+        total_seconds=seconds,
+        assumed=among(target.assumed, EVALUATED),
+        triangles=target.triangles,
+    )
+
+
+def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> tuple[float, float]:
+    """Bounds of the error in torsion and in bending with the supports of the scene."""
+    torsion = _known(fine.torsion_error_percent[scene.supports.torsion])
+    bending = _known(fine.bending_error_percent[scene.supports.bending])
+    if coarse is None:
+        return torsion, bending
+    return (
+        max(torsion, change_bound_percent(coarse.torsion, fine.torsion)),
+        max(bending, change_bound_percent(coarse.bending, fine.bending)),
+    )
+
+
+def meshed_throw_kg(meshed: MeshedThrow, scene: Scene) -> float:
+    """Mass of the whole throw, from the exact volume of what is meshed, bolted counterweights counted."""
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    return meshed.copies * density * meshed.body.volume_mm3 + _bolted(scene).volume
+
+
+def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
+    """Inertia of the whole throw about the crank axis."""
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    return meshed.copies * density * meshed.body.inertia_z_mm5 + _bolted(scene).polar
+
+
+def _bolted(scene: Scene) -> Moments:
+    one, other = of_halves(scene, bolted_mass)
+    return one + other
+
+
+def _known(value: float | None) -> float:
+    if value is None:
+        raise CranktopoError(
+            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm.", code=ExitCode.INTERNAL
+        )
+    return value

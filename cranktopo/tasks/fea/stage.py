@@ -1,0 +1,95 @@
+"""Body-fitted evaluation of several targets: by element size, or as accurate and as fast as asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.assumed import EVALUATED, among, assumed_text
+from cranktopo.tasks.fea.error_target import ErrorTarget, evaluate_to
+from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
+from cranktopo.tasks.fea.level import EVALUATION
+from cranktopo.tasks.fea.stored_studies import key_of, load_study
+from cranktopo.tasks.fea.targets import Target, resolve_target
+
+
+@dataclass(frozen=True)
+class MeshRequest:
+    """How exactly to evaluate: by the size of the elements, or by accuracy and time; nothing: the default.
+
+    Attributes:
+        accuracy_percent: error that the estimates are to stay below.
+
+    Raises:
+        CranktopoError: a size beside accuracy or time.
+    """
+
+    element_size_mm: float | None = None
+    accuracy_percent: float | None = None
+    budget_s: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.element_size_mm and (self.accuracy_percent or self.budget_s):
+            raise CranktopoError(
+                "--element-size-mm excludes --accuracy and --budget.",
+                hint="Give the size, or what it should do.",
+                code=ExitCode.USAGE,
+            )
+
+
+@dataclass(frozen=True)
+class Evaluations:
+    """Evaluations in the order of their targets, and the names of those that miss the accuracy asked for."""
+
+    evaluations: tuple[Evaluation, ...]
+    missed: tuple[str, ...] = ()
+
+
+def evaluate_target(
+    target: Target | str, wanted: MeshRequest | None = None, info: Info = lambda _: None
+) -> Evaluation:
+    """Evaluation of one target, given as such or as the user types it (a design, a run).
+
+    Raises:
+        CranktopoError: no such target, no valid mesh, or a failed solve.
+    """
+    resolved = resolve_target(target) if isinstance(target, str) else target
+    return evaluate_targets([resolved], wanted, info).evaluations[0]
+
+
+def evaluate_targets(
+    targets: Sequence[Target], wanted: MeshRequest | None = None, info: Info = lambda _: None
+) -> Evaluations:
+    """Evaluate targets one after the other; `info` is called with lines of progress.
+
+    Raises:
+        CranktopoError: no valid mesh, or a failed solve.
+    """
+    evaluations, missed = [], []
+    print_assumed(targets, EVALUATED, info)
+    for target in targets:
+        evaluation, reached = _evaluate(target, wanted or MeshRequest(), info)
+        evaluations.append(evaluation)
+        missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
+    return Evaluations(tuple(evaluations), tuple(missed))
+
+
+def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Info) -> None:
+    """One line per target of what it does not say and a command uses of these tables of its scene."""
+    for target in targets:
+        found = among(target.assumed, tables)
+        if found:
+            info(f"{target.name}: {assumed_text(found)}")
+
+
+def _evaluate(target: Target, wanted: MeshRequest, info: Info) -> tuple[Evaluation, bool]:
+    if wanted.accuracy_percent is None and wanted.budget_s is None:
+        return evaluate(target, wanted.element_size_mm, info), True
+    measured = load_study(key_of(target), EVALUATION)
+    found, reached = evaluate_to(
+        target, ErrorTarget(wanted.accuracy_percent, wanted.budget_s), measured, info
+    )
+    if wanted.budget_s is not None and found.total_seconds > wanted.budget_s:
+        info(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
+    return found, reached

@@ -1,0 +1,133 @@
+"""What can be evaluated: a design, a run directory, or an STL or STEP file with a design for its journals."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.assumed import (
+    FATIGUE,
+    LOADS,
+    SUPPORTS,
+    THROW,
+    VIBRATION,
+    Assumption,
+    assumptions,
+    stored_assumptions,
+)
+from cranktopo.design.loading import builtin_designs, load_scene
+from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.simulated import Feature
+from cranktopo.runs.directories import RunStore, open_run, runs_named
+from cranktopo.runs.kind import require_kind
+
+_GEOMETRY = (".stl", ".step", ".stp")
+_TRIANGLES = ".stl"
+_RUN_SURFACE = "web.stl"
+USED = (THROW, LOADS, VIBRATION, SUPPORTS, FATIGUE)
+"""What evaluations may use of a scene; `among` takes what one of them does."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """Something to evaluate.
+
+    Attributes:
+        scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
+            where `file` is None.
+        file: STL or STEP of the half throw, mm, or None.
+        align: whether a body from CAD that lies elsewhere is moved to where the scene's journals are.
+        assumed: what the design does not say of throw, engine, supports and fatigue.
+    """
+
+    name: str
+    scene: Scene
+    file: Path | None = None
+    run: Path | None = None
+    align: bool = False
+    assumed: tuple[Assumption, ...] = ()
+
+    @property
+    def triangles(self) -> bool:
+        """Whether the body is a surface of triangles, which meshes replace, and no exact solid."""
+        return self.file is not None and self.file.suffix.lower() == _TRIANGLES
+
+
+def resolve_targets(
+    texts: Sequence[str],
+    design: str | None = None,
+    fillets: bool = False,
+    align: bool = False,
+    *,
+    whole: bool = False,
+) -> list[Target]:
+    """Targets from what the user typed, each with a name of its own.
+
+    Raises:
+        CranktopoError: as `resolve_target`.
+    """
+    found = [resolve_target(text, design, fillets, align, whole=whole) for text in texts]
+    for name in (lambda text: Path(text).stem, str):
+        taken = Counter(target.name for target in found)
+        found = [
+            replace(target, name=name(text)) if taken[target.name] > 1 else target
+            for target, text in zip(found, texts, strict=True)
+        ]
+    return found
+
+
+def resolve_target(
+    text: str, design: str | None = None, fillets: bool = False, align: bool = False, *, whole: bool = False
+) -> Target:
+    """A target from what the user typed.
+
+    Args:
+        text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
+        align: moves a body from CAD that lies elsewhere to where the journals are.
+        whole: the halves of a design's throw may differ.
+
+    Raises:
+        CranktopoError: nothing of that name, no finished run of `optimise`, or a geometry file without a
+            design.
+    """
+    path = Path(text)
+    named = not path.exists() and text not in builtin_designs() and runs_named(text)
+    if path.is_dir() or named:
+        return _run(open_run(text))
+    if path.suffix.lower() not in _GEOMETRY:
+        scene = load_scene(text, whole=whole)
+        return Target(scene.name, simulated(scene, fillets), assumed=assumptions(scene, USED))
+    if not path.is_file():
+        raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
+    if design is None:
+        raise CranktopoError(
+            f"target '{text}': needs a design for its journals and material.",
+            hint="Add --design NAME.",
+            code=ExitCode.USAGE,
+        )
+    scene = load_scene(design)
+    body = planned_scene(scene, ("bores", "fillets"))
+    return Target(path.name, body, path, align=align, assumed=assumptions(scene, USED))
+
+
+def _run(run: RunStore) -> Target:
+    require_kind(run, "optimise")
+    surface = run.path / _RUN_SURFACE
+    if not surface.is_file():
+        raise CranktopoError(
+            f"target '{run.path}': {_RUN_SURFACE} is missing, so this is no finished run.",
+            hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
+        )
+    assumed = stored_assumptions(run.manifest().get("assumed", ()))
+    return Target(run.name, planned_scene(scene_of_run(run)), surface, run.path, assumed=assumed)
+
+
+def simulated(scene: Scene, fillets: bool = False) -> Scene:
+    """The scene without what its effects plan leaves out; `fillets` keeps these."""
+    kept: tuple[Feature, ...] = ("fillets",) if fillets else ()
+    return planned_scene(scene, kept)

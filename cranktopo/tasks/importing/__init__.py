@@ -1,0 +1,1 @@
+"""Bodies from CAD as half throws: found, placed, meshed."""

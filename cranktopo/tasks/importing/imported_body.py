@@ -1,0 +1,248 @@
+"""Half throws that come as a file: a STEP solid, or a watertight STL remeshed as a body-fitted solid."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.frames import Z
+from cranktopo.base.units import MM_PER_INCH
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
+from cranktopo.bodies.prisms import is_mirror_image, web_region
+from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, kernel_surface, step_solid
+from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
+from cranktopo.bodies.solid.web import DimTags
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
+from cranktopo.tasks.importing.found_fillets import with_found_fillets
+from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
+
+Array = NDArray[np.float64]
+_ALIKE = 1e-6
+"""Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
+_SNAP_MM = 0.05
+"""Largest distance of an end section from its plane; closer vertices are moved onto it."""
+_UNIT_SHARE = 0.01
+_ROUNDING = 1e-6
+"""How far single precision and the mesher may move an end section, over the pitch."""
+
+
+def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = False) -> MeshedThrow:
+    """Mesh of the half throw in an STL or STEP file.
+
+    Args:
+        path: STL or STEP, mm, frame of `cranktopo.base.frames`, z from 0 to half the pitch. A STEP file may
+            also hold the full throw (z to the full pitch).
+        align: move a body that lies elsewhere to where the journals are.
+
+    Raises:
+        CranktopoError: not watertight, several bodies, not where the journals are, or no valid mesh.
+    """
+    if path.suffix.lower() == ".stl":
+        return _mesh_stl(path, scene, element_size_mm, align)
+    with cad_session(f"solid of {path}") as gmsh:
+        body, half, web_volume, note = _solid(gmsh, path, scene, align)
+        mirrored = _halved(gmsh.model.occ, body, scene)
+        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored)
+    return MeshedThrow(mesh, half, web_volume, note)
+
+
+def mesh_step_for_stress(
+    path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool = False
+) -> tuple[MeshedThrow, Scene]:
+    """Mesh of the half throw in a STEP file, fine in the fillets found on it, and the scene with their radii.
+
+    Args:
+        path: as `mesh_file` takes it.
+        scene: design of its journals.
+        fillet_fraction: element size in a fillet over its radius.
+        align: move a body that lies elsewhere to where the journals are.
+
+    Raises:
+        CranktopoError: as `mesh_file`, or a journal without a fillet.
+    """
+    with cad_session(f"solid of {path}") as gmsh:
+        body, half, web_volume, note = _solid(gmsh, path, scene, align)
+        gmsh.model.occ.synchronize()
+        scene = with_found_fillets(gmsh, scene, str(path))
+        mirrored = _halved(gmsh.model.occ, body, scene)
+        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored, fillet_fraction=fillet_fraction)
+    return MeshedThrow(mesh, half, web_volume, note), scene
+
+
+def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
+    """The scene with the fillet radii of the half throw in a STEP file.
+
+    Raises:
+        CranktopoError: as `mesh_step_for_stress`.
+    """
+    with cad_session(f"solid of {path}") as gmsh:
+        _solid(gmsh, path, scene, align)
+        gmsh.model.occ.synchronize()
+        return with_found_fillets(gmsh, scene, str(path))
+
+
+def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float, str]:
+    """Half throw of a STEP file in the open session, in its place; volume in the web; what was done."""
+    occ = gmsh.model.occ
+    body = [step_solid(gmsh, path, f"'{path}'")]
+    low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
+    _check_unit(path, scene, low, high)
+    if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
+        body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
+    occ.synchronize()
+    surface = solid_of(kernel_surface(gmsh), str(path))
+    scene, lacking = without_bores_left_out(surface, scene)
+    motion = placed(surface, scene, str(path), align)
+    if motion is not None:
+        occ.affineTransform(body, motion.affine)
+    web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
+    web_volume = float(sum(occ.getMass(*pair) for pair in web))
+    occ.remove(web, recursive=True)
+    return body, solid_properties(occ, body), web_volume, _note(motion, lacking)
+
+
+def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
+    """Leave the half x >= 0 of a body that is its own mirror image; whether that was done."""
+    if scene.effects.lateral_symmetry == "off" or not _sides_alike(occ, body, scene):
+        return False
+    positive_x(occ, body, scene.pitch_mm)
+    return True
+
+
+def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
+    """Whether both sides of x = 0 have the same volume, centre of mass and moments of inertia."""
+    size = 20 * scene.pitch_mm
+    properties = []
+    for start, sign in ((0.0, 1.0), (-size, -1.0)):
+        box = occ.addBox(start, -size, -size, size, 2 * size, 2 * size)
+        side, _ = occ.intersect(occ.copy(body), [(3, box)])
+        if len(side) != 1:
+            return False
+        volume, centre = occ.getMass(*side[0]), np.array(occ.getCenterOfMass(*side[0]))
+        flip = np.array([sign, 1.0, 1.0])
+        inertia = np.array(occ.getMatrixOfInertia(*side[0])).reshape(3, 3) * np.outer(flip, flip)
+        length = volume ** (1 / 3)
+        properties.append([*centre * flip / length, *(inertia / (volume * length**2)).ravel(), volume])
+        occ.remove(side, recursive=True)
+    right, left = (np.array(values) for values in properties)
+    right[-1], left[-1] = right[-1] / left[-1], 1.0
+    return bool(np.abs(right - left).max() < _ALIKE)
+
+
+def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) -> DimTags:
+    size = 20 * scene.pitch_mm
+    box = occ.addBox(-size, -size, start, 2 * size, 2 * size, end - start)
+    kept, _ = occ.intersect(body, [(3, box)])
+    return list(kept)
+
+
+def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
+    surface, note = _half_throw(path, scene, align)
+    body = solid_of(surface, str(path))
+    half = _properties(surface)
+    mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
+    if mirrored:
+        cut = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
+        surface = SurfaceMesh(_on_planes(cut.vertices_mm, scene, _ROUNDING), cut.faces)
+    points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
+    points = np.ascontiguousarray(_on_planes(points.T, scene, _ROUNDING).T)
+    web_volume = float(web_region(body, scene).volume())
+    return MeshedThrow(TetMesh(points, cells, mirrored), half, web_volume, note)
+
+
+def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
+    """The closed surface of the half throw in an STL file, its ends snapped onto their planes.
+
+    Args:
+        align: move a body that lies elsewhere to where the journals are.
+
+    Raises:
+        CranktopoError: unreadable, not watertight, several bodies, or not where the journals are.
+    """
+    return _half_throw(path, scene, align)[0]
+
+
+def _half_throw(path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, str]:
+    """The surface where the scene's journals are, and what was done or is to be known."""
+    surface = read_stl(path, str(path))
+    if len(surface.faces) == 0:
+        raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
+    if not surface.as_trimesh().is_watertight:
+        raise CranktopoError(f"{path}: the surface is not watertight.", hint="Repair it, then try again.")
+    faces = surface.faces if surface.volume_mm3 > 0 else surface.faces[:, ::-1]
+    bodies = int((shell_volumes_mm3(SurfaceMesh(surface.vertices_mm, faces)) > 0).sum())
+    if bodies != 1:
+        raise CranktopoError(f"{path}: holds {bodies} separate bodies.", hint="Remove the loose parts.")
+    vertices = surface.vertices_mm
+    _check_unit(path, scene, float(vertices[:, Z].min()), float(vertices[:, Z].max()))
+    body = solid_of(SurfaceMesh(vertices, faces), str(path))
+    scene, lacking = without_bores_left_out(body, scene)
+    motion = placed(body, scene, str(path), align)
+    if motion is not None:
+        vertices = motion.moved(vertices)
+    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), _note(
+        motion, lacking
+    )
+
+
+def _note(motion: Placement | None, lacking: str) -> str:
+    return f"moved to where the journals are: it {motion.words}" if motion else lacking
+
+
+def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
+    """The closed surface of the half throw in an STL or STEP file, its ends on their planes.
+
+    Raises:
+        CranktopoError: as `mesh_file`.
+    """
+    if path.suffix.lower() not in STEP_SUFFIXES:
+        return read_half_throw(path, scene, align)
+    with cad_session(f"solid of {path}") as gmsh:
+        _solid(gmsh, path, scene, align)
+        gmsh.model.occ.synchronize()
+        surface = kernel_surface(gmsh)
+    return SurfaceMesh(_on_planes(surface.vertices_mm, scene, _ROUNDING), surface.faces)
+
+
+def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:
+    """Points (n, 3) with those near an end plane exactly on it.
+
+    Single precision, in which surfaces are kept, holds few of the planes' heights: what is not put back on
+    its plane would lie beside it by the rounding, and carry no support.
+
+    Args:
+        share: what counts as near, over the pitch.
+    """
+    moved = points_mm.copy()
+    z = moved[:, Z]
+    for plane in (0.0, scene.pitch_mm / 2):
+        z[np.abs(z - plane) < share * scene.pitch_mm] = plane
+    return moved
+
+
+def _check_unit(path: Path, scene: Scene, low: float, high: float) -> None:
+    end = scene.pitch_mm / 2
+    for name, factor in (("metres", 1000.0), ("inches", MM_PER_INCH)):
+        if abs(factor * (high - low) / end - 1) < _UNIT_SHARE:
+            raise CranktopoError(
+                f"{path}: is {high - low:.4g} long along the crank axis, the half throw {end:g} mm.",
+                hint=f"It is in {name}: export it in mm.",
+            )
+
+
+def _properties(surface: SurfaceMesh) -> SolidProperties:
+    body = surface.as_trimesh()
+    x, y, z = (float(c) for c in body.center_mass)
+    volume = float(body.volume)
+    return SolidProperties(volume, (x, y, z), float(body.moment_inertia[2, 2] + volume * (x**2 + y**2)))

@@ -1,0 +1,316 @@
+"""Does a body from CAD lie where the scene's journals are, and if not, how does it have to be moved?
+
+Cross-sections tell: at the ends of both journals a body must show a round ring of the journal's diameter and
+bore, centred on its axis. A body that does not fit is tried in the 24 attitudes of a cube; in each one the
+centres of its end sections give the shift and the angle that are left.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.simulated import Feature
+from cranktopo.throw.geometry import Journal
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+Array = NDArray[np.float64]
+_PLACE = 0.005
+"""Allowed distance of a section's centre from its axis over the journal's diameter: 0.2 mm at 42 mm."""
+_SIZE = 0.015
+"""Allowed error of a diameter over the journal's: a circle of 32 facets has 0.3 % less."""
+_ROUND = 0.03
+"""Allowed error of the polar moment against that of a circle of the same area; a square has 4.7 %."""
+_ENDS = (0.03, 0.95)
+"""Heights of the sections between a journal's middle and its fillet."""
+_EXTENT_MM = 0.05
+_ZONE = 0.2
+"""Allowed error of a journal's volume over it: drillings and collars err less, a millimetre of web more."""
+_SQUARE_ANGLES = (0, 90, 180, 270)
+_ROUNDS = 4
+_KEPT: tuple[Feature, ...] = ("fillets",)
+_NEAR = (0.4, 0.9)
+"""Sections of the main journal that tell its direction: above the end face even where that is tilted."""
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A cross-section of one journal: centre, diameter of its largest contour and of the hole in that, mm."""
+
+    x_mm: float
+    y_mm: float
+    outer_mm: float
+    bore_mm: float
+    polar_ratio: float
+
+    @property
+    def centre_mm(self) -> Array:
+        """(x, y), mm."""
+        return np.array([self.x_mm, self.y_mm])
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A rigid motion that puts a body where the scene's journals are: p -> matrix p + shift.
+
+    Attributes:
+        matrix: (3, 3) rotation.
+        shift_mm: (3,).
+        words: what is wrong with the body as it lies, in the words of a message.
+    """
+
+    matrix: Array
+    shift_mm: Array
+    words: str
+
+    def moved(self, points_mm: Array) -> Array:
+        """Points (n, 3) after the motion."""
+        return np.asarray(points_mm @ self.matrix.T + self.shift_mm)
+
+    @property
+    def affine(self) -> list[float]:
+        """The motion as the sixteen numbers of a 4 x 4 matrix, row by row."""
+        return [*np.column_stack([self.matrix, self.shift_mm]).ravel().tolist(), 0.0, 0.0, 0.0, 1.0]
+
+
+def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | None:
+    """Check that a half throw lies where the scene says; the motion that puts it there where `align` asks.
+
+    Returns:
+        None for a body that lies right.
+
+    Raises:
+        CranktopoError: it does not: what was found and, where another attitude fits, which one.
+    """
+    found = misfits(body, scene)
+    if not found:
+        return None
+    where = find_placement(body, scene)
+    if where is not None and align:
+        return where
+    fits = f" It {where.words}." if where else ""
+    hint = (
+        "Add --align to move it there." if where else f"Is '{scene.name}' the design that it was made from?"
+    )
+    raise CranktopoError(f"{name}: does not lie where the throw is: {found[0]}.{fits}", hint=hint)
+
+
+def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
+    """The scene as the body has it, and a note, where it lacks the bores that the effects plan leaves out.
+
+    Surfaces of runs are such bodies: what is not simulated is not in them.
+    """
+    if not misfits(body, scene):
+        return scene, ""
+    # The throw alone: bodies that the scene names are not read while this one is.
+    throw = planned_scene(scene.model_copy(update={"original": None, "envelope": None}), kept=_KEPT).throw
+    plain = scene.model_copy(update={"throw": throw})
+    if throw == scene.throw or misfits(body, plain):
+        return scene, ""
+    return plain, "without the bores of the journals: the effects plan leaves them out"
+
+
+def misfits(body: Manifold, scene: Scene) -> list[str]:
+    """What does not fit the scene's journals, the plainest first; empty for a body that lies right."""
+    body = _undrilled(body, scene)
+    low, high = (float(value) for value in np.array(body.bounding_box())[[2, 5]])
+    end = scene.pitch_mm / 2
+    if abs(low) > _EXTENT_MM or abs(high - end) > _EXTENT_MM:
+        return [f"reaches from z = {low:.3f} to {high:.3f} mm, the half throw from 0 to {end:g} mm"]
+    found = [line for name, journal, y, z in _places(scene) for line in _misfit(body, name, journal, y, z)]
+    return found or list(_zones(body, scene))
+
+
+def find_placement(body: Manifold, scene: Scene) -> Placement | None:
+    """The simplest rigid motion after which a body fits; None where there is none."""
+    for matrix in _attitudes():
+        motion = _settled(body, scene, matrix)
+        if motion is not None:
+            return motion
+    return None
+
+
+def _undrilled(body: Manifold, scene: Scene) -> Manifold:
+    """The body with the scene's oil drillings closed in both journals: they are no fault of its rings."""
+    if not scene.throw.drilling:
+        return body
+    from cranktopo.bodies.prisms import drillings, journal_halves
+
+    plain = scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": ()})})
+    main, pin = journal_halves(plain)
+    return body + ((main + pin) ^ drillings(scene))
+
+
+def _places(scene: Scene) -> Iterator[tuple[str, Journal, float, float]]:
+    """Name, journal, place of its axis along the throw and height of every section that is looked at."""
+    for (journal, y), name in zip(scene.throw.journals, ("main journal", "crankpin"), strict=True):
+        reach = journal.length_mm / 2 - journal.fillet.axial_mm
+        for share in _ENDS:
+            height = share * reach
+            yield name, journal, y, height if name == "main journal" else scene.pitch_mm / 2 - height
+
+
+def _misfit(body: Manifold, name: str, journal: Journal, y: float, z: float) -> Iterator[str]:
+    ring = ring_at(body, z)
+    place, size = (share * journal.outer_diameter_mm for share in (_PLACE, _SIZE))
+    at = f"{name} at z = {z:.2f} mm"
+    if ring is None:
+        yield f"{at}: no material"
+        return
+    if np.hypot(ring.x_mm, ring.y_mm - y) > place:
+        yield f"{at}: centre at ({ring.x_mm:.2f}, {ring.y_mm:.2f}) mm instead of (0, {y:g})"
+    if abs(ring.outer_mm - journal.outer_diameter_mm) > size:
+        yield f"{at}: diameter {ring.outer_mm:.2f} mm instead of {journal.outer_diameter_mm:g}"
+    elif abs(ring.bore_mm - journal.bore_diameter_mm) > size:
+        yield f"{at}: bore {ring.bore_mm:.2f} mm instead of {journal.bore_diameter_mm:g}"
+    elif abs(ring.polar_ratio - 1) > _ROUND:
+        yield f"{at}: not round (polar moment {100 * (ring.polar_ratio - 1):+.0f} % off a circle's)"
+
+
+def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
+    """Journals with more or less material than they have between their middle and the web."""
+    first, last = scene.web_z_mm
+    main, pin = (journal for journal, _ in scene.throw.journals)
+    parts = (
+        ("main journal", main, body.trim_by_plane((0.0, 0.0, -1.0), -first), f"z = 0 to {first:g}"),
+        (
+            "crankpin",
+            pin,
+            body.trim_by_plane((0.0, 0.0, 1.0), last),
+            f"z = {last:g} to {scene.pitch_mm / 2:g}",
+        ),
+    )
+    for name, journal, part, where in parts:
+        area = math.pi / 4 * (journal.outer_diameter_mm**2 - journal.bore_diameter_mm**2)
+        share = part.volume() / (area * journal.length_mm / 2) - 1
+        if abs(share) > _ZONE:
+            yield f"{name}, {where} mm: {100 * share:+.0f} % of its material; the web lies elsewhere"
+
+
+def ring_at(body: Manifold, z_mm: float) -> Ring | None:
+    """The largest contour of a cross-section and the largest hole in it; None where there is no material."""
+    contours = [np.asarray(contour) for contour in body.slice(z_mm).to_polygons()]
+    measured = sorted((_moments(contour) for contour in contours), key=lambda m: -m[0])
+    if not measured or measured[0][0] <= 0:
+        return None
+    area, centre, polar = measured[0]
+    hole = max(
+        (-a for a, c, _ in measured if a < 0 and np.hypot(*(c - centre)) < math.sqrt(area)), default=0.0
+    )
+    return Ring(
+        float(centre[0]),
+        float(centre[1]),
+        2 * math.sqrt(area / math.pi),
+        2 * math.sqrt(hole / math.pi),
+        polar / (area**2 / (2 * math.pi)),
+    )
+
+
+def _moments(contour: Array) -> tuple[float, Array, float]:
+    """Area (negative for a hole), centroid and polar moment about it, of a polygon."""
+    a, b = contour, np.roll(contour, -1, axis=0)
+    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    area = float(cross.sum() / 2)
+    if area == 0:
+        return 0.0, np.zeros(2), 0.0
+    centre = ((a + b) * cross[:, None]).sum(axis=0) / (6 * area)
+    second = float(((a**2 + a * b + b**2).sum(axis=1) * cross).sum() / 12)
+    return area, centre, second - area * float(centre @ centre)
+
+
+def _attitudes() -> list[Array]:
+    """The 24 rotations of a cube, those about z first, then end for end, then the others."""
+    found: list[Array] = []
+    for tilt_y, tilt_x, turn in product((0, 180, 90, 270), (0, 90, 270), _SQUARE_ANGLES):
+        matrix = np.rint(_about("z", turn) @ _about("y", tilt_y) @ _about("x", tilt_x))
+        if not any(np.array_equal(matrix, other) for other in found):
+            found.append(matrix)
+    return found
+
+
+def _about(axis: str, deg: float) -> Array:
+    c, s = math.cos(math.radians(deg)), math.sin(math.radians(deg))
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    matrix = np.eye(3)
+    matrix[i, i] = matrix[j, j] = c
+    matrix[i, j], matrix[j, i] = -s, s
+    return matrix
+
+
+def _settled(body: Manifold, scene: Scene, matrix: Array) -> Placement | None:
+    """The motion with this attitude once shift, angle about z and tilt are taken from the sections."""
+    rotation, shift = matrix, np.zeros(3)
+    for _ in range(_ROUNDS):
+        moved = body.transform(np.column_stack([rotation, shift]))
+        step = _correction(moved, scene)
+        if step is None:
+            return None
+        turn, move = step
+        rotation, shift = turn @ rotation, turn @ shift + move
+    moved = body.transform(np.column_stack([rotation, shift]))
+    if misfits(moved, scene):
+        return None
+    return Placement(rotation, shift, _words(matrix, rotation, shift))
+
+
+def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
+    """Small rotation and shift that bring the end sections of a body closer to where they should be."""
+    box = np.array(body.bounding_box())
+    low, high = float(box[2]), float(box[5])
+    main, pin = scene.throw.main_journal, scene.throw.crankpin
+    near = [ring_at(body, low + share * (main.length_mm / 2 - main.fillet.axial_mm)) for share in _NEAR]
+    far = ring_at(body, high - 0.5 * (pin.length_mm / 2 - pin.fillet.axial_mm))
+    if near[0] is None or near[1] is None or far is None:
+        return None
+    rise = (near[1].centre_mm - near[0].centre_mm) / (
+        (_NEAR[1] - _NEAR[0]) * (main.length_mm / 2 - main.fillet.axial_mm)
+    )
+    throw = far.centre_mm - near[1].centre_mm
+    if np.hypot(*throw) < 0.5 * scene.throw.radius_mm or np.hypot(*rise) > 0.5:
+        return None
+    tilt = _about("x", math.degrees(math.atan(rise[1]))) @ _about("y", -math.degrees(math.atan(rise[0])))
+    turn = _about("z", 90 - math.degrees(math.atan2(throw[1], throw[0]))) @ tilt
+    turned = body.transform(np.column_stack([turn, np.zeros(3)]))
+    bottom = float(np.array(turned.bounding_box())[2])
+    ring = ring_at(turned, bottom + 0.5 * (main.length_mm / 2 - main.fillet.axial_mm))
+    if ring is None:
+        return None
+    return turn, np.array([-ring.x_mm, -ring.y_mm, -bottom])
+
+
+def _words(attitude: Array, rotation: Array, shift: Array) -> str:
+    """How the body lies now, seen from where it should be."""
+    back = rotation.T  # of the body as it lies, against the body as it should lie
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, (np.trace(back) - 1) / 2))))
+    place = -back @ shift
+    words = []
+    if angle > 0.05:
+        axis = np.array([back[2, 1] - back[1, 2], back[0, 2] - back[2, 0], back[1, 0] - back[0, 1]])
+        words.append(f"looks turned {_axis_words(attitude, axis, angle)}")
+    if np.abs(place).max() > 0.005 and attitude[2, 2] > 0.5:
+        amount = ", ".join(f"{round(value, 2) + 0.0:.2f}" for value in place)
+        words.append(("and " if words else "looks ") + f"shifted by ({amount}) mm")
+    return " ".join(words) or "fits as it is"
+
+
+def _axis_words(attitude: Array, axis: Array, angle: float) -> str:
+    if attitude[2, 2] < -0.5:
+        return "end for end"
+    if abs(angle - 180) < 0.05:
+        return "by 180 deg about z" if attitude[2, 2] > 0.5 else "by 180 deg"
+    axis = axis / np.linalg.norm(axis)
+    main = int(np.abs(axis).argmax())
+    if abs(axis[main]) > 0.999:
+        return f"by {math.copysign(angle, axis[main]):.4g} deg about {'xyz'[main]}"
+    return f"by {angle:.4g} deg about ({axis[0]:.2f}, {axis[1]:.2f}, {axis[2]:.2f})"

@@ -1,0 +1,168 @@
+"""The loop's last step: the shape optimiser goes on with the web of the best step, for the design's goal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import read_json
+from cranktopo.base.near_ties import clearly_more
+from cranktopo.base.progress import Json
+from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
+from cranktopo.design.goal.changing import with_goal
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.outcome import limit_outcomes
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.runs.directories import RunStore, open_run
+from cranktopo.runs.kind import RESULT_FILES, SHAPE
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.iterate.settings import Settings
+from cranktopo.tasks.iterate.step import LoopStep
+from cranktopo.tasks.iterate.transition import transition_mm
+from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
+from cranktopo.tasks.shape.search import HELD
+
+
+@dataclass(frozen=True)
+class ShapeStep:
+    """What became of the shape optimisation.
+
+    Attributes:
+        row: its web; None where no web that keeps the limits was found.
+        reason: why it ended.
+        goal: as shape.json has it, or what was asked for.
+        better: whether its web is better for the goal than the loop's best step.
+        step_percent: the goal's quantity of the best step, % of the original; None where the loop has none.
+        not_judged: limits of the goal that the loop does not know of its steps.
+    """
+
+    row: LoopStep | None
+    reason: str
+    goal: Json
+    better: bool = False
+    step_percent: float | None = None
+    not_judged: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """The entry `shape` of iterate.json."""
+        return {
+            "folder": SHAPE,
+            "found": self.row is not None,
+            "reason": self.reason,
+            "goal": self.goal,
+            "better_than_best_step": self.better,
+            "best_step_percent": self.step_percent,
+            "not_judged_of_steps": list(self.not_judged),
+        }
+
+
+def shape_scene(scene: Scene) -> Scene:
+    """The design with the goal of its last step: its own, else the most torsional stiffness per mass."""
+    return scene if scene.goal is not None else with_goal(scene, maximise="torsion_per_mass")
+
+
+def shape_step(
+    run: RunStore,
+    scene: Scene,
+    best: LoopStep | None,
+    number: int,
+    begun: Scene | None,
+    settings: Settings,
+    info: Info,
+) -> ShapeStep:
+    """Optimise the dimensions of the best web in `shape/`, or read what was done; the loop stands anyway.
+
+    Args:
+        scene: the design of the loop.
+        number: of the row in the table of steps.
+        begun: scene of the best step's web; None to begin with the design's own.
+
+    Raises:
+        CranktopoError: interruption (exit code 130).
+    """
+    wanted_scene = shape_scene(scene)
+    goal = _goal(wanted_scene)
+    asked: Json = {goal.sense: goal.quantity}
+    try:
+        data = _shaped(run.path / SHAPE, wanted_scene, begun, settings, info)
+    except CranktopoError as error:
+        if error.code == ExitCode.INTERRUPTED:
+            raise
+        return ShapeStep(None, str(error), asked)
+    if not all(limit["holds"] for limit in data["goal"]["limits"]):
+        return ShapeStep(None, data["stop_reason"], data["goal"])
+    row = _row(number, data, load_scene(str(run.path / SHAPE / data["files"]["design"])))
+    return _compared(row, best, goal, data)
+
+
+def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings, info: Info) -> Json:
+    """shape.json of the optimisation: begun, continued, or read where it is done."""
+
+    def indented(text: str) -> None:
+        info(f"  {text}")
+
+    if not (folder / "manifest.json").is_file():
+        own = replace(shape_settings(scene, settings.limits), element_size_mm=settings.element_size_mm)
+        command = ["cranktopo", "iterate"]
+        return shape_design(scene, own, folder, None, command, indented, begun).data
+    if open_run(str(folder)).manifest()["status"] == "done":
+        return read_json(folder / RESULT_FILES[SHAPE])
+    return resume_shape(str(folder), indented).data
+
+
+def _row(number: int, data: Mapping[str, Any], web: Scene) -> LoopStep:
+    """The result of a shape optimisation as a row of the table of steps."""
+    found, supports = data["result"], data["result"]["supports"]
+    return LoopStep(
+        number=number,
+        throw_kg=found["mass_kg"]["throw"],
+        web_kg=found["mass_kg"]["web"],
+        torsion_Nm_per_rad=found["torsion"][f"{supports['torsion']}_Nm_per_rad"],
+        bending_N_per_mm=found["bending"][f"{supports['bending']}_N_per_mm"],
+        torsion_error_percent=found["error_estimate_percent"]["torsion"],
+        bending_error_percent=found["error_estimate_percent"]["bending"],
+        transition_mm=transition_mm(surface_of(web, "web", coarse_facet_mm(web)), web),
+        overlap_percent=None,
+        removed_percent=None,
+        seconds=data["seconds"]["total"],
+    )
+
+
+def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: Mapping[str, Any]) -> ShapeStep:
+    """The step is better only where it keeps the limits and is so clearly, for a near-tie is no loss."""
+    if best is None:
+        return ShapeStep(row, data["stop_reason"], data["goal"], better=True)
+    original, shaped, own = data["values"]["original"], data["values"]["result"], _values(best)
+    told = limit_outcomes(goal, own, original, HELD)
+    unknown = tuple(dict.fromkeys(o.limit.quantity for o in told if o.holds is None))
+    broken = any(outcome.holds is False for outcome in told)
+    name = goal.quantity
+    percent = 100 * own[name] / original[name] if name in own else None
+    step_wins = not broken and name in own and _clearly_better(own[name], shaped[name], goal)
+    return ShapeStep(row, data["stop_reason"], data["goal"], not step_wins, percent, unknown)
+
+
+def _clearly_better(value: float, other: float, goal: Goal) -> bool:
+    return clearly_more(other, value) if goal.sense == "minimise" else clearly_more(value, other)
+
+
+def _values(step: LoopStep) -> dict[str, float]:
+    """What the loop knows of a step, in the units of the goal's limits."""
+    return {
+        "mass": step.throw_kg,
+        "torsion": step.torsion_Nm_per_rad,
+        "bending": step.bending_N_per_mm,
+        "torsion_per_mass": step.torsion_per_kg,
+        "bending_per_mass": step.bending_per_kg,
+    }
+
+
+def _goal(scene: Scene) -> Goal:
+    goal = wanted(scene)
+    assert goal is not None
+    return goal

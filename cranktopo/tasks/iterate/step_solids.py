@@ -1,0 +1,80 @@
+"""The solids of a step: half throw as STEP and STL, web as the next step's envelope."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+
+from manifold3d import Manifold
+
+from cranktopo.bodies.prisms import snapped_to_mirror_plane, web_region
+from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.checks import manifold_fault
+from cranktopo.numerics.surfaces.files import read_stl, write_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.tasks.importing.imported_body import half_throw_surface
+
+WEB = "web_only.stl"
+HALF = "web"
+_X_AXIS = (1.0, 0.0, 0.0)
+_SIMPLIFY_MM = (2e-3, 4e-3, 1e-3, 8e-3)
+"""How far simplification may move the surface, from attempt to attempt."""
+
+
+def write_solids(scene: Scene, folder: Path, started: datetime | None = None) -> None:
+    """Write web.step and web.stl (half throw, exact solid) and the web alone.
+
+    `started` dates the STEP file, so that a loop that is resumed writes the same bytes; by default it is now.
+
+    Raises:
+        CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
+    """
+    facet = coarse_facet_mm(scene)
+    export_solid(scene, "half", folder / f"{HALF}.step", started=started)
+    export_solid(scene, "half", folder / f"{HALF}.stl", facet)
+    export_solid(scene, "web", folder / WEB, facet)
+
+
+def write_original(path: Path, scene: Scene, folder: Path) -> None:
+    """Write the half throw of a body from CAD and its web as the solids of a step.
+
+    Raises:
+        CranktopoError: it is no half throw where the journals are, or a file cannot be written.
+    """
+    surface = half_throw_surface(path, scene)
+    write_stl(folder / f"{HALF}.stl", surface)
+    write_stl(folder / WEB, mesh_of(web_region(solid_of(surface, str(path)), scene)))
+
+
+def read_web(folder: Path) -> SurfaceMesh:
+    """Surface of the web alone."""
+    return read_stl(folder / WEB)
+
+
+def write_envelope(folder: Path) -> Path:
+    """Write the web of a step as an envelope that is exactly its own mirror image, once; return its path."""
+    path = folder / "envelope.stl"
+    if path.is_file():
+        return path
+    web = read_web(folder)
+    write_stl(path, _symmetric(solid_of(web, f"web of {folder.name}")))
+    return path
+
+
+def _symmetric(body: Manifold) -> SurfaceMesh:
+    """Surface of the side x >= 0 and its mirror image, simplified before it is mirrored, else it is lopsided.
+
+    Points that are put on x = 0 may leave a crack without width there: then it is simplified otherwise.
+    """
+    for tolerance_mm in _SIMPLIFY_MM:
+        half = (
+            body.trim_by_plane(_X_AXIS, 0.0)
+            .warp_batch(snapped_to_mirror_plane)
+            .simplify(tolerance_mm)
+            .warp_batch(snapped_to_mirror_plane)
+        )
+        mesh = mesh_of(half + half.mirror(_X_AXIS))
+        if not manifold_fault(mesh):
+            break
+    return mesh

@@ -1,0 +1,1 @@
+"""Loads over the working cycle: curves, extremes, load cases."""

@@ -1,0 +1,52 @@
+"""`cranktopo loads`
+
+Forces over the working cycle, their extremes, and the load cases.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.parameters import Speeds
+
+
+@click.command(name="loads")
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
+@click.option("--speed", "speeds", type=Speeds(), help="Speed or sweep of speeds instead of the scene's.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@click.option("--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write all curves.")
+@click.option("--plot", "plot_path", type=click.Path(dir_okay=False, path_type=Path), help="Write a plot.")
+def command(
+    design: str, speeds: list[float] | None, as_json: bool, csv_path: Path | None, plot_path: Path | None
+) -> None:
+    """Forces of one throw over the working cycle, their extremes and the load cases.
+
+    DESIGN is a TOML file or the name of a built-in design. A sweep repeats the analysis with the same gas
+    pressures; the plot shows its last speed.
+
+    Example: cranktopo loads mikron-iiic --speed 1000:2800:200 --plot loads.png
+    """
+    from cranktopo.design.loading import load_scene
+    from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
+
+    scene = load_scene(design, whole=True)
+    results = loads_at_speeds(scene, speeds)
+    if plot_path is not None:
+        plot_load_curves(scene, plot_path, None if speeds is None else speeds[-1])
+    if csv_path is not None:
+        write_load_curves(scene, csv_path, speeds)
+    if as_json:
+        click.echo(json.dumps(results[0] | ({"sweep": results} if len(results) > 1 else {}), indent=2))
+        return
+    from cranktopo.design.assumed import LOADS, THROW, VIBRATION, assumed_text, assumptions
+    from cranktopo.tasks.loads.text import loads_text, sweep_text
+
+    click.echo(loads_text(results[0]) if len(results) == 1 else sweep_text(results))
+    assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
+    if assumed:
+        click.echo(assumed_text(assumed), err=True)

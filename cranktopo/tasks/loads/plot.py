@@ -1,0 +1,84 @@
+"""Plot of the loads over the cycle: gas and inertia; tangential and radial; torque of throw and engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import invalid
+from cranktopo.base.files import replacing
+from cranktopo.base.formats import PLOTS
+from cranktopo.engine.analysis import Cycle, LoadAnalysis
+from cranktopo.runs.destination import check_file
+
+
+def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
+    """Write the plot; the file's ending (png, svg, pdf) gives its format.
+
+    Args:
+        path: file to write, replaced only when the plot is complete.
+
+    Raises:
+        CranktopoError: no cycle to plot, an ending that is no plot format, or it cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    _cycle(analysis)
+    check_file(path, "--plot", PLOTS)
+    figure = Figure(figsize=(9, 10), layout="constrained")
+    for axes, panel in zip(figure.subplots(3, 1, sharex=True), PANELS, strict=True):
+        panel(axes, analysis)
+        axes.label_outer()
+    figure.suptitle(title)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=120)
+
+
+def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
+    """Gas, inertia and their sum on the piston pin."""
+    forces = _cycle(analysis).forces
+    angle = forces.angle_deg
+    axes.plot(angle, forces.gas_force_N / 1000, label="gas")
+    axes.plot(angle, forces.inertia_force_N / 1000, label="inertia of the piston")
+    axes.plot(angle, forces.small_end_force_N / 1000, "k", lw=1, label="total on the piston pin")
+    _frame(axes, analysis, "force [kN]")
+
+
+def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
+    """Radial and tangential force on the crankpin."""
+    forces = _cycle(analysis).forces
+    axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label="radial")
+    axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label="tangential")
+    _frame(axes, analysis, "force on the crankpin [kN]")
+
+
+def draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
+    """Torque of one throw and of the engine."""
+    cycle = _cycle(analysis)
+    angle = cycle.forces.angle_deg
+    axes.plot(angle, cycle.forces.torque_Nm, label="one throw")
+    axes.plot(angle, cycle.torque.engine_Nm, label=f"engine, {analysis.engine.cylinders} cylinders")
+    axes.axhline(cycle.engine_torque()[0], color="0.5", lw=0.8, ls="--", label="engine, mean")
+    _frame(axes, analysis, "torque [N m]")
+
+
+PANELS: tuple[Callable[[Any, LoadAnalysis], None], ...] = (
+    draw_piston_forces,
+    draw_crankpin_forces,
+    draw_torque,
+)
+
+
+def _cycle(analysis: LoadAnalysis) -> Cycle:
+    if analysis.cycle is None:
+        raise invalid("engine.gas", None, "must be given for a plot over the cycle")
+    return analysis.cycle
+
+
+def _frame(axes: Any, analysis: LoadAnalysis, label: str) -> None:
+    axes.set_ylabel(label)
+    axes.set_xlabel("crank angle from firing top dead centre [deg]")
+    axes.grid(alpha=0.3)
+    axes.legend()
+    axes.set_xlim(0, analysis.engine.cycle_deg)

@@ -1,0 +1,42 @@
+"""Load cases and the curves over the cycle, as a section of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from cranktopo.engine.analysis import LoadAnalysis
+from cranktopo.report.page import Section
+from cranktopo.report.plot import Picture, picture
+from cranktopo.report.result_table import Column, tabulate
+from cranktopo.tasks.loads.plot import PANELS
+
+_Entry = Mapping[str, Any]
+_LOAD_COLUMNS: tuple[Column[_Entry], ...] = (
+    Column("load_case", 0, lambda case: case["name"]),
+    Column("radial_N", 0, lambda case: case["radial_N"] or None),
+    Column("tangential_N", 0, lambda case: case["tangential_N"] or None),
+    Column("torque_Nm", 1, lambda case: case["torque_Nm"] or None),
+    Column("from", 0, lambda case: case["from"]),
+)
+_LOAD_ALT = (
+    "Gas force, inertia force of the piston and their sum over the crank angle",
+    "Radial and tangential force on the crankpin over the crank angle",
+    "Torque of one throw and of the engine over the crank angle",
+)
+
+
+def loads_section(analysis: LoadAnalysis | None, cases: Sequence[Mapping[str, Any]]) -> Section:
+    """Load cases as `loads --json` holds them, and the curves over the cycle of an engine with gas data."""
+    table = tabulate(_LOAD_COLUMNS, cases)
+    pictures: tuple[Picture, ...] = ()
+    text = "The scene names no engine: unit loads, so that stiffnesses are what counts."
+    if analysis is not None:
+        count = analysis.engine.cylinders
+        text = f"{count} cylinder{'s' * (count > 1)} at {analysis.engine.speed_rpm:g} rpm."
+        if analysis.cycle is not None:
+            pictures = tuple(
+                picture(f"loads-{number}", alt, panel, analysis)
+                for number, (panel, alt) in enumerate(zip(PANELS, _LOAD_ALT, strict=True), start=1)
+            )
+    return Section("loads", "Loads", text, (("Load cases", table),), pictures)

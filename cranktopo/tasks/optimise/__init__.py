@@ -1,0 +1,1 @@
+"""The optimise run: the stages in order, their files and their page."""

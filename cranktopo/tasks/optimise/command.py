@@ -1,0 +1,201 @@
+"""`cranktopo optimise`
+
+Optimise the web's density under bending and torsion; write a run with STL.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cranktopo.base.errors import ExitCode
+from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
+from cranktopo.cli.options import (
+    DEFAULT_DESIGN,
+    bound_option,
+    percent,
+    refuse_beside_resume,
+    seconds,
+    web_option,
+    with_bound_option,
+)
+from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice, Number
+from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.design.one_web import WebName
+    from cranktopo.design.schema import Scene
+    from cranktopo.tasks.density.problem import DensityProblem
+    from cranktopo.tasks.density.state import State
+
+
+@click.command("optimise")
+@click.argument("design", required=False, shell_complete=designs)
+@web_option
+@goal_options
+@click.option(
+    "--volume-fraction",
+    type=VOLUME_FRACTION,
+    help="Share of the design space that becomes solid, 0 to 1; default: the design's. "
+    "With a goal the limits decide, and it is refused.",
+)
+@click.option(
+    "--resolution-mm",
+    type=CELL_MM,
+    help="Largest cell edge, mm; default: the design's.",
+)
+@click.option(
+    "--process",
+    type=Choice(["free", "forged", "cast", "milled"]),
+    help="How the web is made: by a die, in a mould, by a mill, or anyhow; default: the design's.",
+)
+@click.option(
+    "--draft-deg",
+    type=Number(0, 20),
+    help="Draft of forged and cast walls, degrees; default: the design's.",
+)
+@click.option(
+    "--min-member-mm",
+    type=Number(0.05, 1000),
+    help="Least thickness of a member, mm; at least 2 cells; default: the design's.",
+)
+@click.option(
+    "--min-gap-mm",
+    type=Number(0.05, 1000),
+    help="Least width of a gap, mm; at least 2 cells; default: the design's.",
+)
+@click.option(
+    "--accuracy", metavar="PERCENT", callback=percent, help="Wanted error of the stiffnesses, such as 5%."
+)
+@click.option("--budget", metavar="TIME", callback=seconds, help="Time for the run, such as 30s or 2min.")
+@click.option(
+    "--no-evaluation",
+    is_flag=True,
+    help="With a goal: let the limits hold in the cells, without an evaluation of the surface.",
+)
+@bound_option
+@click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
+@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
+@click.option(
+    "--resume", metavar="RUN", shell_complete=runs, help="Continue an interrupted, stopped or killed run."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the metrics as one JSON object.")
+@verbosity_options
+def command(design: str | None, out: Path | None, resume: str | None, as_json: bool, **options: Any) -> int:
+    """Optimise the web of DESIGN under its load cases and write a run.
+
+    Without a goal it is the stiffest web at a volume fraction. Quantities of a goal and its limits are mass,
+    inertia, unbalance, torsion, bending, torsion_per_mass, bending_per_mass, pin_displacement, twist and
+    fatigue_safety.
+
+    Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
+    """
+    began = time.perf_counter()
+    if resume:
+        refuse_beside_resume("max_iterations")
+    from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
+    from cranktopo.tasks.optimise.text import run_summary
+
+    with _Bar() as bar:
+        if resume:
+            run = resume_optimisation(resume, options["max_iterations"], bar.info, bar, began)
+        else:
+            from cranktopo.design.loading import design_text
+
+            name = design or DEFAULT_DESIGN
+            scene = _scene(name, **options)
+            command_line = ["cranktopo", *sys.argv[1:]]
+            run = optimise_design(scene, out, design_text(name), command_line, bar.info, bar, began)
+    click.echo(json.dumps(run.metrics) if as_json else run_summary(run.metrics, run.folder))
+    return _exit_code(run.metrics)
+
+
+def _scene(
+    name: str,
+    web: WebName | None,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
+    accuracy: float | None,
+    budget: float | None,
+    no_evaluation: bool,
+    no_bound: bool,
+    **settings: Any,
+) -> Scene:
+    """The design with what the options change; `settings` are named as in `[optimise]`."""
+    if settings["resolution_mm"] and (accuracy or budget):
+        raise click.UsageError(
+            "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
+        )
+    from cranktopo.design.loading import load_scene
+    from cranktopo.design.one_web import one_web
+    from cranktopo.tasks.optimise.stage import with_cells_for
+
+    evaluated = False if no_evaluation else None
+    scene = one_web(load_scene(name, whole=True), web)
+    scene = scene.with_optimise(**settings, limits_by_evaluation=evaluated)
+    scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
+    if settings["volume_fraction"] is not None and scene.goal is not None:
+        raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
+    if no_evaluation and scene.goal is None:
+        raise click.UsageError("--no-evaluation needs a goal: only its limits are evaluated")
+    return with_cells_for(scene, accuracy, budget, info) if accuracy or budget else scene
+
+
+def _exit_code(metrics: dict[str, Any]) -> ExitCode:
+    if metrics["status"] == "infeasible":
+        return ExitCode.CRITERION_NOT_MET
+    if metrics["status"] != "converged":
+        return ExitCode.NOT_CONVERGED
+    goal = metrics.get("goal", {})
+    broken = any(limit["holds"] is False for limit in goal.get("limits", ()))
+    unmet = broken or "not_evaluated" in goal or "refusal" in metrics["surface"]
+    return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
+
+
+class _Bar:
+    """Progress on stderr: compliances, volume, greyness, time left.
+
+    A bar on a terminal, a line per iteration with --verbose, nothing but the solver's notices otherwise.
+    """
+
+    def __enter__(self) -> _Bar:
+        from tqdm import tqdm
+
+        hidden = level() != NORMAL or not sys.stderr.isatty()
+        self._bar = tqdm(unit="it", file=sys.stderr, disable=hidden, dynamic_ncols=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()
+
+    def info(self, line: str) -> None:
+        """A line above the bar, unless the command is quiet."""
+        if level() > QUIET:
+            self._bar.write(line, file=sys.stderr)
+
+    def __call__(self, problem: DensityProblem, state: State) -> None:
+        from cranktopo.tasks.density.continuation import iterations_left
+
+        row = state.last
+        done = len(state.history)
+        self._bar.total = done + (0 if state.done else iterations_left(problem, state))
+        cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
+        work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
+        reached = [
+            f"{response.name} {value:.4g} {response.unit}".rstrip()
+            for response, value in zip(problem.statement.responses, (*row.goals, *row.limits), strict=False)
+        ]
+        wanted = ", ".join(dict.fromkeys(reached)) or f"{work}, volume {row.volume_fraction:.3f}"
+        text = f"{wanted}, grey {row.greyness:.3f}"
+        self._bar.set_postfix_str(text, refresh=False)
+        detail(f"iteration {row.iteration}: {text}, {row.cg_iterations} cycles, {row.seconds:.2f} s")
+        if row.notice and level() > QUIET:
+            self._bar.write(f"iteration {row.iteration}: {row.notice}", file=sys.stderr)
+        self._bar.update(done - self._bar.n)

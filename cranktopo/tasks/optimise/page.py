@@ -1,0 +1,191 @@
+"""The report of an optimise run as content."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from cranktopo.design.clearance import clearance_text
+from cranktopo.design.goal.outcome import HOLDS
+from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
+from cranktopo.report.page import Page, Section
+from cranktopo.report.plot import Picture, picture
+from cranktopo.report.result_table import ResultTable, Row
+from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.fea.clearance_section import clearance_sections
+from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
+from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
+from cranktopo.tasks.fea.stress_section import stress_section
+from cranktopo.tasks.fea.verdict_sentence import stiffness_of
+from cranktopo.tasks.loads.section import loads_section
+from cranktopo.tasks.optimise.accuracy_section import accuracy_section
+from cranktopo.tasks.optimise.convergence import PANELS
+from cranktopo.tasks.optimise.picture import views_figure
+from cranktopo.tasks.optimise.record import RunRecord
+from cranktopo.tasks.optimise.verdict import facts, headline
+from cranktopo.tasks.plan.section import effects_section
+from cranktopo.tasks.refit.page import remodel_section
+
+_NAMES = ("original web", "optimised")
+_THROW = replace(MASS, key="mass_of_throw")
+_WEB = replace(MASS, key="mass_of_web", label="mass of one web")
+_CURVE_ALT = (
+    "Compliance of every load case over the iterations, as a share of its first value",
+    "Volume fraction over the iterations",
+    "Greyness over the iterations",
+)
+
+
+def run_page(record: RunRecord) -> Page:
+    """The report of a finished run."""
+    metrics, manifest = record.metrics, record.manifest
+    scene3d = _scene3d(record)
+    return Page(
+        title=f"Crank web of {metrics['design']}",
+        subtitle=f"Run {metrics['run']}, {manifest['started'][:10]}",
+        headline=headline(metrics),
+        facts=facts(record),
+        sections=(
+            *_goal(metrics),
+            *bound_sections(metrics, "the optimiser's own cells"),
+            _variants(metrics),
+            _convergence(record),
+            *clearance_sections(record.scene, scene3d.bodies if scene3d else ()),
+            loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
+            stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
+            accuracy_section(metrics, record.accuracy, record.folder),
+            *([remodel_section(record.remodel)] if record.remodel else []),
+            effects_section(metrics["effects"]),
+            _provenance(record),
+            versions_section(manifest["versions"], metrics["files"]),
+        ),
+        scene3d=scene3d,
+        picture=_still(record),
+    )
+
+
+def _goal(metrics: Mapping[str, Any]) -> tuple[Section, ...]:
+    """What was wanted and what was reached; nothing for a run without a goal."""
+    goal = metrics.get("goal")
+    if goal is None:
+        return ()
+    line, note = goal_line(goal), evaluation_note(goal)
+    text = (
+        f"{line[0].upper()}{line[1:]}. Percent are of the original web in the same model; a limit holds "
+        f"within {100 * HOLDS:g} %, and decides the design where the web is at it."
+    ) + (f" {note[0].upper()}{note[1:]}." if note else "")
+    return (Section("goal", "Goal and limits", text, (("Limits", limits_table(goal)),)),)
+
+
+def _variants(metrics: Mapping[str, Any]) -> Section:
+    stiffnesses = [quantity for quantity in STIFFNESS if quantity.key in metrics["load_cases"]]
+    webs = zip(_NAMES, (metrics["original_web"], metrics), strict=True)
+    values = {name: _values(web, stiffnesses) for name, web in webs}
+    before, after = values.values()
+    points = {
+        LABELS[stiffness]: [Point(name, found[_THROW], found[stiffness]) for name, found in values.items()]
+        for stiffness in stiffnesses
+    }
+    absolute: tuple[Row, ...] = tuple(
+        {"design": name, **{quantity.column: value for quantity, value in found.items()}}
+        for name, found in values.items()
+    )
+    change = {q.percent_column: 100 * (after[q] / before[q] - 1) for q in before}
+    changed: Row = {"design": _NAMES[1], **change}
+    return Section(
+        "variants",
+        "Against the original",
+        "Both webs in the optimiser's own model, on the same cells: their ratio is more accurate than "
+        "either value. 'cranktopo evaluate' evaluates the surface on body-fitted elements."
+        + "".join(f" Note: {notice}." for notice in metrics.get("notices", ())),
+        (
+            ("Values", ResultTable({"design": 0, **{q.column: q.digits for q in before}}, absolute)),
+            (
+                "Change",
+                ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
+            ),
+        ),
+        scatter_pictures(points, 0, metrics.get("bound")),
+    )
+
+
+def _values(web: Mapping[str, Any], stiffnesses: Sequence[Quantity]) -> dict[Quantity, float]:
+    """Masses, stiffnesses in thousands and their ratios of a web in metrics.json."""
+    throw = web["mass_kg"]["throw"]
+    found = {quantity: _stiffness(web, quantity.key) for quantity in stiffnesses}
+    ratios = dict(zip(STIFFNESS, PER_MASS, strict=True))
+    return {
+        _THROW: throw,
+        _WEB: web["mass_kg"]["web"],
+        **found,
+        **{ratios[quantity]: value / throw for quantity, value in found.items()},
+    }
+
+
+def _stiffness(row: Mapping[str, Any], kind: str) -> float:
+    """Stiffness of a load case in kN m/rad or kN/mm."""
+    return stiffness_of(row["load_cases"][kind]) / 1000
+
+
+def _convergence(record: RunRecord) -> Section:
+    return Section(
+        "convergence",
+        "Convergence",
+        f"{record.metrics['status'].capitalize()}: {record.metrics['stop_reason']}. Dotted lines: the "
+        "projection gets steeper there.",
+        pictures=tuple(
+            picture(f"convergence-{number}", alt, panel, record.history)
+            for number, (panel, alt) in enumerate(zip(PANELS, _CURVE_ALT, strict=True), start=1)
+        ),
+    )
+
+
+def _provenance(record: RunRecord) -> Section:
+    manifest, metrics = record.manifest, record.metrics
+    rows = [
+        *origin_rows(manifest),
+        ("seed of random starts", manifest["seed"]),
+        *([("room of the original web", room)] if (room := clearance_text(record.scene)) else []),
+        ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
+        ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
+        ("solver", metrics["solver"]["precision"]),
+        ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
+        ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
+    ]
+    return Section(
+        "provenance",
+        "Where this comes from",
+        tables=(("Run", pairs(rows)), *assumed_tables(metrics.get("assumed", ()))),
+    )
+
+
+def _scene3d(record: RunRecord) -> Scene3D | None:
+    if record.mesh is None:
+        return None
+    rows = {row["iteration"]: row for row in record.history}
+    notes = tuple(_note(rows.get(step.iteration, {})) for step in record.snapshots)
+    scene, stress = record.scene, record.stress
+    body = ShownBody("optimised", record.mesh, scene.web_z_mm, scene.pitch_mm / 2, stress)
+    scales = stress_scales([(record.mesh, stress)] if stress else [])
+    return Scene3D((body,), record.snapshots, notes, scales)
+
+
+def _note(row: Mapping[str, Any]) -> str:
+    if not row:
+        return ""
+    volume, grey = row["volume_fraction"], row["greyness"]
+    return f"objective {row['objective']:.4g}, volume {volume:.3f}, greyness {grey:.3f}"
+
+
+def _still(record: RunRecord) -> Picture | None:
+    if record.mesh is None:
+        return None
+    alt = (
+        f"Half throw of {record.metrics['design']} with the optimised web, from the journal side, from the "
+        "crankpin side, from the front and from the side; journals grey, web blue"
+    )
+    return Picture("views", views_figure(record.mesh, record.scene.web_z_mm), alt)

@@ -1,0 +1,153 @@
+"""The verdict on a run: mass, stiffness, fatigue, whether it can be made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cranktopo.report.goal_table import broken_limits, goal_words, unjudged_line
+from cranktopo.report.page import Fact, FactStatus
+from cranktopo.tasks.extraction.length_text import asked_lengths, kept, shown
+from cranktopo.tasks.extraction.undercut_table import obstacles, released_text
+from cranktopo.tasks.fea.quantities import MASS, TORSION
+from cranktopo.tasks.fea.verdict_sentence import (
+    NOTICEABLE_PERCENT,
+    comparison_sentence,
+    ended,
+    percent_change,
+    run_changes_percent,
+    stiffness_of,
+)
+from cranktopo.tasks.optimise.record import RunRecord
+
+_NO_FILLETS = (
+    "a density result has no fillets: 'cranktopo remodel {run}' gives it some, then "
+    "'cranktopo fatigue' with the re-modelled design and '--out' this run"
+)
+
+
+def headline(metrics: Mapping[str, Any]) -> str:
+    """The verdict against the original web in the same model: limits not judged first, then what is worse."""
+    unjudged = unjudged_line(metrics.get("goal", {}))
+    sentence = comparison_sentence("The optimised throw", run_changes_percent(metrics), "the original")
+    return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
+
+
+def facts(record: RunRecord) -> tuple[Fact, ...]:
+    """The answers of the verdict, mass first."""
+    metrics = record.metrics
+    return (
+        _mass(metrics),
+        *_stiffness(metrics),
+        *_limits(metrics),
+        fatigue_fact(record.fatigue, _NO_FILLETS.format(run=record.folder)),
+        run_undercuts_fact(metrics),
+        *_lengths(metrics),
+        _end(metrics),
+    )
+
+
+def fatigue_fact(fatigue: Mapping[str, Any] | None, otherwise: str) -> Fact:
+    """Safety against fatigue.
+
+    Args:
+        fatigue: the object that `cranktopo fatigue --json` prints for the design, and for its `baseline`
+            where one was given; None where it was not assessed.
+        otherwise: why it was not assessed.
+    """
+    entries = (fatigue or {}).get("fatigue", [])
+    baseline = (fatigue or {}).get("baseline")
+    assessed = next((entry for entry in entries if entry["target"] != baseline), None)
+    if assessed is None or assessed.get("safety") is None:
+        return Fact("Fatigue", "not assessed", otherwise, "unknown")
+    original = next((entry["safety"] for entry in entries if entry["target"] == baseline), None)
+    note = f"least safety of {assessed['target']}"
+    note += "" if original is None else f"; {baseline} has {original:.2f}"
+    return Fact("Fatigue", f"{assessed['safety']:.2f}", note, "good" if assessed["safety"] >= 1 else "bad")
+
+
+def run_undercuts_fact(metrics: Mapping[str, Any]) -> Fact:
+    """Whether a die or a cutter can make it; `metrics` as metrics.json holds it."""
+    surface = metrics["surface"]
+    label = "Released by a die"
+    if "refusal" in surface:
+        return Fact(label, "no", "the density has no surface", "bad")
+    undercuts = surface.get("undercuts")
+    found = obstacles(surface["cavities"], undercuts)
+    if found:
+        return Fact(label, "no", "; ".join(found), "bad")
+    if undercuts is None:  # a run of an earlier version
+        return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
+    note = f"{released_text(undercuts.get('by', 'a die that parts in x = 0'))} it"
+    return Fact(label, "yes", f"{note}{_walls_text(surface.get('walls'))}", "good")
+
+
+def _walls_text(walls: Mapping[str, float | None] | None) -> str:
+    """Least draft, member and gap of a web from a process; nothing where they were not measured."""
+    if walls is None:
+        return ""
+    keys = (("draft", "deg"), ("member", "mm"), ("gap", "mm"))
+    shown = {name: (f"least_{name}_{unit}", unit) for name, unit in keys}
+    known = {name: (walls[key], unit) for name, (key, unit) in shown.items()}
+    parts = [f"{name} {value:.1f} {unit}" for name, (value, unit) in known.items() if value is not None]
+    return f"; least {', '.join(parts)}" if parts else ""
+
+
+def _lengths(metrics: Mapping[str, Any]) -> list[Fact]:
+    """Least member and gap as measured, where they were asked for."""
+    return [
+        Fact(name.capitalize(), shown(found), f"{asked:g} mm asked", "good" if kept(found, asked) else "bad")
+        for name, (found, asked) in asked_lengths(metrics["surface"]).items()
+    ]
+
+
+def _limits(metrics: Mapping[str, Any]) -> list[Fact]:
+    """Whether the limits of a goal hold in the optimiser's model; nothing without a goal."""
+    goal = metrics.get("goal")
+    if goal is None:
+        return []
+    if "not_evaluated" in goal:
+        return [Fact("Limits", "not judged", unjudged_line(goal), "bad")]
+    broken, known = broken_limits(goal), [e for e in goal["limits"] if e["holds"] is not None]
+    note = "; ".join(broken) if broken else f"{goal_words(goal)} within them"
+    value = f"{len(known) - len(broken)} of {len(known)} hold"
+    return [Fact("Limits", value, note, "bad" if broken else "good")]
+
+
+def _mass(metrics: Mapping[str, Any]) -> Fact:
+    now, before = (m["mass_kg"]["throw"] for m in (metrics, metrics["original_web"]))
+    change = percent_change(now, before)
+    note = f"{change:+.1f} % against the original's {before:.3f} kg"
+    return Fact("Mass of the throw", f"{now:.3f} kg", note, _status(-change))
+
+
+def _stiffness(metrics: Mapping[str, Any]) -> list[Fact]:
+    """Absolute stiffnesses; per mass only in the note, since a softer web may look good by it."""
+    found = []
+    gains = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
+    for quantity, change in run_changes_percent(metrics).items():
+        if quantity is MASS:
+            continue
+        now, before = (
+            stiffness_of(web["load_cases"][quantity.key]) / 1000 for web in (metrics, metrics["original_web"])
+        )
+        note = f"{change:+.1f} % against the original's {before:.1f}"
+        if quantity.key in gains:
+            note += f"; per mass {gains[quantity.key]:+.1f} %"
+        unit = "kN m/rad" if quantity is TORSION else "kN/mm"
+        found.append(Fact(quantity.label.capitalize(), f"{now:.1f} {unit}", note, _status(change)))
+    return found
+
+
+def _end(metrics: Mapping[str, Any]) -> Fact:
+    done = metrics["status"] == "converged"
+    value = ended(metrics)
+    if not metrics["connected"]:
+        return Fact("Optimisation", value, "journal and crankpin are not connected", "bad")
+    return Fact("Optimisation", value, metrics["stop_reason"], "good" if done else "bad")
+
+
+def _status(gain_percent: float) -> FactStatus:
+    if abs(gain_percent) < NOTICEABLE_PERCENT:
+        return "neutral"
+    return "good" if gain_percent > 0 else "bad"

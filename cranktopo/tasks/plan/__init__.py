@@ -1,0 +1,1 @@
+"""The physics plan: which effects are simulated, and why."""

@@ -1,0 +1,78 @@
+"""`cranktopo plan`
+
+Which effects a design calls for, why, and what each would cost.
+"""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from cranktopo.cli.completion import designs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
+from cranktopo.cli.options import DEFAULT_DESIGN
+
+
+@click.command(name="plan")
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
+@goal_options
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def command(
+    design: str, minimise: str | None, maximise: str | None, limits: tuple[str, ...], as_json: bool
+) -> None:
+    """The effects of a design: state, reason, what leaving each out changes, and what it costs.
+
+    DESIGN is a TOML file or the name of a built-in design. Costs and estimates come from closed forms;
+    nothing is solved. With a goal the load cases are those of `optimise` with that goal.
+
+    Example: cranktopo plan opposed-piston
+    """
+    from cranktopo.design.assumed import (
+        ENVELOPE,
+        GOAL,
+        LOADS,
+        SUPPORTS,
+        THROW,
+        VIBRATION,
+        assumed_json,
+        assumed_text,
+        assumptions,
+    )
+    from cranktopo.design.checks.shaft import shaft_warnings
+    from cranktopo.design.goal.sentence import goal_text
+    from cranktopo.design.goal.wanted import wanted
+    from cranktopo.design.loading import load_scene
+    from cranktopo.engine.plan.cost import effort
+    from cranktopo.engine.plan.planning import plan
+    from cranktopo.tasks.plan.text import plan_text
+
+    scene = with_goal_options(load_scene(design, whole=True), minimise, maximise, limits)
+    goal = wanted(scene)
+    effects = plan(scene, goal=goal)
+    todo = effort(scene)
+    assumed = assumptions(scene, (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL))
+    if as_json:
+        payload = {
+            "schema_version": 1,
+            "design": scene.name,
+            **({} if goal is None else {"goal": goal.as_json()}),
+            "effects": effects.as_json(),
+            "evaluations": {"number": todo.evaluations, "seconds": todo.evaluation_seconds},
+            "assumed": assumed_json(assumed),
+        }
+        click.echo(json.dumps(payload, indent=2))
+    else:
+        click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %")
+        if goal is not None:
+            click.echo(goal_text(goal, "density"))
+        if todo.evaluations:
+            click.echo(
+                f"limits by the evaluation: about {todo.evaluations} evaluations of original and surfaces, "
+                f"+{todo.evaluation_seconds:.0f} s"
+            )
+        click.echo(f"\n{plan_text(effects)}")
+        if assumed:
+            click.echo(assumed_text(assumed), err=True)
+        for line in shaft_warnings(scene) if scene.shaft else ():
+            click.echo(f"warning: {line}", err=True)

@@ -1,0 +1,16 @@
+"""The effects plan as text for the terminal."""
+
+from __future__ import annotations
+
+from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.report.text_table import text_table
+
+
+def plan_text(plan: EffectPlan) -> str:
+    """One row per effect: state, estimate, cost, reason, and what leaving it out changes."""
+    rows = []
+    for effect in plan.effects:
+        size = "-" if effect.estimate_percent is None else f"{effect.estimate_percent:.3g} %"
+        rows.append([effect.name, effect.state, size, str(effect.cost), effect.reason, effect.changes])
+    header = ("effect", "state", "size", "costs", "because", "leaving it out changes")
+    return text_table("llrlll", header, rows, wrap={3: 13, 4: 46, 5: 30})

@@ -1,0 +1,46 @@
+"""`cranktopo remodel`
+
+Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, shape error.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cranktopo.cli.completion import runs
+from cranktopo.cli.options import limit_options
+from cranktopo.cli.verbosity import info, verbosity_options
+
+
+@click.command()
+@click.argument("run", shell_complete=runs)
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write to; RUN/remodel by default.")
+@limit_options
+@click.option("--no-evaluation", is_flag=True, help="Leave out the stiffness comparison.")
+@click.option("--no-judge", "no_evaluation", is_flag=True, hidden=True)
+@click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")
+@verbosity_options
+def command(
+    run: str,
+    out: Path | None,
+    no_evaluation: bool,
+    as_json: bool,
+    **limits: Any,
+) -> None:
+    """Fit a web that a die or a mill can make to the extracted body of RUN.
+
+    Spline outline, end bevels, side pocket and pockets, each kept only for the overlap it gains. Writes a
+    scene that every command accepts, the exact solid as STEP and STL, a drawing, remodel.json and a page;
+    'cranktopo report RUN' shows its numbers as well.
+
+    Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
+    """
+    from cranktopo.tasks.refit.stage import remodel_run
+    from cranktopo.tasks.refit.text import remodel_text
+
+    data = remodel_run(run, out, limits, not no_evaluation, info)
+    click.echo(json.dumps(data) if as_json else remodel_text(data))

@@ -1,0 +1,143 @@
+"""The web family of the re-model: an outline and features with parameters, and the scene table they make."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.design.free_dimensions import DimensionName
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.throw.fitted import LEAST_MM, FittedFeature, Frame, Named
+from cranktopo.throw.flank import Flank, flank_through, largest_half_width_mm
+
+Array = NDArray[np.float64]
+DECIMALS = 2
+"""Of the dimensions in a scene, mm and degrees; the constraints keep as much clear."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Which parameters a web of the family has.
+
+    Attributes:
+        stations: points of the profile, both round ends included.
+        parts: its features.
+        dimensions: free dimensions of the throw; their values come after those of the features.
+    """
+
+    stations: int
+    parts: tuple[FittedFeature, ...] = ()
+    dimensions: tuple[DimensionName, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters in the order of the vector."""
+        outline = ("y_low", "y_high", *(f"half_width_{i}" for i in range(1, self.stations - 1)))
+        features = (f"{label}.{name}" for label, part in self._labelled() for name in part.names)
+        return (*outline, *features, *self.dimensions)
+
+    def sizes(self, values: Array) -> Array:
+        """The values of the free dimensions out of a parameter vector, mm."""
+        return values[len(values) - len(self.dimensions) :]
+
+    def _labelled(self) -> Iterator[tuple[str, FittedFeature]]:
+        """Each feature with a label of its own: the second box pocket of a face is `box-pin-2`."""
+        seen = Counter[str]()
+        for part in self.parts:
+            seen[part.label] += 1
+            yield part.label if seen[part.label] == 1 else f"{part.label}-{seen[part.label]}", part
+
+
+def unit_of(parameter: str) -> str:
+    """Unit of a parameter by its name: degrees for a draft and an angle, else mm."""
+    return "deg" if parameter.endswith(("draft", "angle")) else "mm"
+
+
+def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Array]]:
+    """Each feature with its values out of those of all features, mm or degrees."""
+    first = 0
+    for part in parts:
+        count = len(part.names)
+        yield part, values[first : first + count]
+        first += count
+
+
+def named_parts(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Named]]:
+    """Each feature with its values by name."""
+    for part, own in own_values(parts, values):
+        yield part, dict(zip(part.names, own, strict=True))
+
+
+def station_shares(stations: int) -> Array:
+    """Places of the stations between both ends, 0 to 1: denser toward the ends, as Chebyshev's points."""
+    return np.asarray((1 - np.cos(np.pi * np.arange(stations) / (stations - 1))) / 2)
+
+
+def flank_of(layout: Layout, values: Any) -> Flank:
+    """The outline of a parameter vector, mm or degrees; those of the features may be missing.
+
+    Analytic in the values, so that a complex step differentiates it.
+    """
+    n = layout.stations
+    low, high = values[0], values[1]
+    stations = low + (high - low) * station_shares(n)
+    zero = np.zeros(1)
+    return flank_through(np.concatenate([zero, values[2:n], zero]), stations, (True, True))
+
+
+def bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[Array, Array]:
+    """Lower and upper bounds of the web's parameters, (n,) each, mm or degrees."""
+    far = 4 * scene.throw.radius_mm
+    pairs = [(-far, far)] * 2 + [(LEAST_MM / 2, far)] * (layout.stations - 2)
+    pairs += [pair for part in layout.parts for pair in part.bounds(scene, limits)]
+    low, high = np.array(pairs).T
+    return low, high
+
+
+def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
+    """The `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
+    web = _rounded(exact_web_of(layout, values, scene))
+    return {**web, "thickness_mm": scene.web.thickness_mm, **_counterweight(scene)}
+
+
+def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
+    """The `[web]` table of a parameter vector to the last digit, as plain data."""
+    flank = flank_of(layout, np.asarray(values, dtype=np.float64))
+    frame = frame_of(flank)
+    features: dict[str, list[dict[str, Any]]] = {key: [] for key in scene.web.feature_keys}
+    for part, named in named_parts(layout.parts, values[layout.stations :]):
+        features[part.table] += part.tables(named, frame)
+    return {
+        "thickness_mm": scene.web.thickness_mm,
+        "outline": "profile",
+        "stations_mm": [float(y) for y in flank.points_mm[:, 1]],
+        "half_widths_mm": [float(h) for h in flank.points_mm[:, 0]],
+        **features,
+        **_counterweight(scene),
+    }
+
+
+def _counterweight(scene: Scene) -> dict[str, Any]:
+    """The scene's counterweight, which no fit to a body changes."""
+    weight = scene.web.counterweight
+    return {} if weight is None else {"counterweight": weight.model_dump(exclude_none=True)}
+
+
+def frame_of(flank: Flank) -> Frame:
+    """What the features of an outline refer to."""
+    return float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank)
+
+
+def _rounded(table: Any) -> Any:
+    """Plain data with every number rounded to 0.01."""
+    if isinstance(table, dict):
+        return {key: _rounded(value) for key, value in table.items()}
+    if isinstance(table, list):
+        return [_rounded(value) for value in table]
+    return round(float(table), DECIMALS) + 0.0 if isinstance(table, float) else table

@@ -1,0 +1,155 @@
+"""The parametric web fitted to an extracted body, and the scene that has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.near_ties import best_first
+from cranktopo.base.reproducible import SEED
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.scale import usual_scale
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.family import bounds, web_of
+from cranktopo.tasks.refit.residual_regions import ResidualRegion, residual_regions
+from cranktopo.tasks.refit.search import FitProblem
+from cranktopo.tasks.refit.select import Candidate, Trial, fit_from, model_fill, select
+from cranktopo.tasks.refit.usual_size import (
+    scaled_lengths,
+    scaled_limits,
+    scaled_region,
+    scaled_throw,
+    usual_limits,
+)
+from cranktopo.tasks.refit.voxel_fill import VoxelFill, voxel_fill
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+Array = NDArray[np.float64]
+_SEARCH_CELL_MM, _SCALED_DOWN_CELL_MM = 2.0, 4.0
+"""Cells of the search for features and stations; of throws of usual size, and of those scaled down, which
+have the largest usual journals and so get as many cells across as the smallest."""
+_SPREAD = 1.0
+"""Standard deviation of the further initial guesses about the first, mm or degrees."""
+_ANGLE = "draft"
+"""Ending of the parameters that are degrees."""
+
+
+@dataclass(frozen=True)
+class FittedWeb:
+    """A web of the family, and how it was reached.
+
+    Attributes:
+        scene: the design with the fitted web; everything but web and name is as it was.
+        names: names of the parameters.
+        values: their fitted values before rounding, mm or degrees.
+        trials: which stations and features were tried, and what each gained.
+        overlaps: overlap of the fills from each initial guess of the final fit, the best first.
+        residual_regions: where the family cannot follow the body.
+    """
+
+    scene: Scene
+    names: tuple[str, ...]
+    values: tuple[float, ...]
+    trials: tuple[Trial, ...]
+    overlaps: tuple[float, ...]
+    residual_regions: tuple[ResidualRegion, ...]
+
+
+def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | None = None) -> FittedWeb:
+    """Fit a web that a die or a mill can make to an extracted body.
+
+    Args:
+        surface: closed surface of the half throw (`WebSurface.half_throw`), mm.
+        scene: the design it was extracted for: journals, thickness and fillets stay.
+        limits: by default the usual ones of a throw of that size.
+
+    Raises:
+        CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
+    """
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
+
+    scale, limits = usual_scale(scene), limits or usual_limits(scene)
+    throw = scene if scale == 1 else scaled_throw(scene, scale)
+    usual = SurfaceMesh(surface.vertices_mm * scale, surface.faces)
+    body, within = solid_of(usual, "surface to be re-modelled"), scaled_limits(limits, scale)
+    coarse_mm = _SCALED_DOWN_CELL_MM if scale < 1 else _SEARCH_CELL_MM
+    chosen, trials = select(fit_problem(body, throw, within, coarse_mm))
+    fine = fit_problem(body, throw, within, within.cell_mm)
+    fits = _final_fits(fine, chosen)
+    best = fits[0]
+    rest = residual_regions(fine, model_fill(fine, best))
+    factors = [1.0 if name.endswith(_ANGLE) else 1 / scale for name in best.layout.names]
+    return FittedWeb(
+        scene_with_web(scene, scaled_lengths(web_of(best.layout, best.values, throw), 1 / scale)),
+        best.layout.names,
+        tuple(float(value * factor) for value, factor in zip(best.values, factors, strict=True)),
+        trials,
+        tuple(found.overlap for found in fits),
+        tuple(scaled_region(region, 1 / scale) for region in rest),
+    )
+
+
+def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
+    """The scene with another web, checked as if it were read from a file.
+
+    Args:
+        scene: the throw; what was published about it is left out.
+        web: the `[web]` table as plain data.
+
+    Raises:
+        CranktopoError: the web does not fit the throw.
+    """
+    data = scene.model_dump(mode="json", exclude={"web", "published"}, exclude_none=True)
+    name = f"{scene.name.removesuffix(_SUFFIX)}{_SUFFIX}"
+    return scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
+
+
+_SUFFIX = "-remodel"
+
+
+def fit_problem(body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_mm: float) -> FitProblem:
+    """What a fit to a body has to match, on cells of at most the given edge."""
+    cells = voxel_fill(body, scene, cell_mm)
+    return FitProblem(cells, _free_of_bores(scene, cells), scene, limits)
+
+
+def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
+    """Fits from the chosen web and from scattered copies of it, best first.
+
+    All usually end at the same web: then the one from the chosen web itself comes first.
+    """
+    random = np.random.default_rng(SEED)
+    low, high = bounds(chosen.layout, problem.scene, problem.limits)
+    guesses = [chosen.values]
+    for _ in range(problem.limits.starts - 1):
+        scattered = chosen.values + random.normal(0.0, _SPREAD, len(chosen.values))
+        guesses.append(np.clip(scattered, low, high))
+    found = [fit_from(problem, chosen.layout, guess, "final") for guess in guesses]
+    fits = [candidate for candidate in found if candidate is not None]
+    if not fits:
+        raise CranktopoError(
+            "remodel: no web keeps the manufacturing limits on the finer cells.",
+            hint="Lower the least wall or the least radius.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+    return best_first(fits, lambda candidate: candidate.overlap)
+
+
+def _free_of_bores(scene: Scene, cells: VoxelFill) -> Array:
+    """Share of each cell that no bore takes, (nx, ny), from 5 x 5 points."""
+    offsets = (np.arange(5) - 2) / 5
+    x = (cells.x_mm[:, None] + cells.cell_mm[0] * offsets).ravel()[:, None]
+    y = (cells.y_mm[:, None] + cells.cell_mm[1] * offsets).ravel()[None, :]
+    free = np.ones((x.size, y.size))
+    for journal, centre in scene.throw.journals:
+        free *= x**2 + (y - centre) ** 2 > journal.bore_radius_mm**2
+    return np.asarray(free.reshape(len(cells.x_mm), 5, len(cells.y_mm), 5).mean(axis=(1, 3)))

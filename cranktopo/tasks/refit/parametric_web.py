@@ -1,0 +1,187 @@
+"""A web of the family on cells: signed distances, manufacturing constraints, and their exact derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.design.free_dimensions import is_of_counterweight
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.constraints import outline_rules, part_rules
+from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
+from cranktopo.tasks.refit.dimensions import all_bounds, scene_at, size_rules
+from cranktopo.tasks.refit.family import Layout, flank_of
+from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, added_mm
+from cranktopo.throw.fitted import Axes, Rule
+
+Array = NDArray[np.float64]
+_COMPLEX = 1e-30
+_DIFFERENCE = 1e-6
+"""Steps of the derivatives of outline and walls, mm or degrees."""
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Points of an outline and its constraints, with their derivatives by its parameters (last axis)."""
+
+    points: Array
+    constraints: Array
+    point_slopes: Array
+    constraint_slopes: Array
+
+
+class _Outline:
+    """The outline of a parameter vector, the last one kept; derivatives by complex steps."""
+
+    def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits) -> None:
+        self._layout, self._scene, self._limits = layout, scene, limits
+        self._last: tuple[bytes, _Shape] | None = None
+
+    def at(self, values: Array) -> _Shape:
+        own = np.concatenate([values[: self._layout.stations], self._layout.sizes(values)])
+        if self._last is None or self._last[0] != own.tobytes():
+            self._last = own.tobytes(), self._shape(own[: self._layout.stations], values)
+        return self._last[1]
+
+    def _shape(self, own: Array, values: Array) -> _Shape:
+        scene = scene_at(self._scene, self._layout, values)
+        points, constraints = self._raw(own, scene)
+        sides = [self._raw(own + 1j * _COMPLEX * unit, scene) for unit in np.eye(len(own))]
+        point_slopes = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
+        constraint_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
+        by_sizes = self._by_sizes(own, values, len(constraints))
+        return _Shape(points, constraints, point_slopes, np.hstack([constraint_slopes, by_sizes]))
+
+    def _by_sizes(self, own: Array, values: Array, count: int) -> Array:
+        """Derivatives of the constraints by the parameters after the outline's, (constraints, rest)."""
+        result = np.zeros((count, len(values) - len(own)))
+        for k in range(len(values) - len(self._layout.dimensions), len(values)):
+            step = _DIFFERENCE * np.eye(len(values))[k]
+            above, below = (
+                self._raw(own, scene_at(self._scene, self._layout, values + s * step))[1] for s in (1, -1)
+            )
+            result[:, k - len(own)] = (above - below) / (2 * _DIFFERENCE)
+        return result
+
+    def _raw(self, own: Any, scene: Scene) -> tuple[Any, Any]:
+        flank = flank_of(self._layout, own)
+        rules = outline_rules(flank, scene, self._limits)
+        return flank.along(CHORDS), np.concatenate([values for _, values in rules])
+
+    def rule_names(self, values: Array) -> list[str]:
+        """Name of each constraint."""
+        scene = scene_at(self._scene, self._layout, values)
+        rules = outline_rules(flank_of(self._layout, values), scene, self._limits)
+        return [name for name, values in rules for _ in values]
+
+
+class ParametricWeb:
+    """A web of the family on a grid of cells, as functions of its parameters.
+
+    Attributes:
+        bounds: lower and upper bounds of their values, mm or degrees.
+    """
+
+    def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits, axes: Axes) -> None:
+        self.layout, self.bounds = layout, all_bounds(layout, scene, limits)
+        self._scene, self._limits = scene, limits
+        self._grid = Fill(layout.parts, axes, scene.web_z_mm)
+        self._weight = [name for name in layout.dimensions if is_of_counterweight(name)]
+        self._own_added = added_mm(scene, axes)
+        self._outline = _Outline(layout, scene, limits)
+        self._last: tuple[bytes, MovedFillet | None] = b"", None
+
+    def points(self, values: Array) -> tuple[Array, Array]:
+        """Points of the outline's right half, (n, 2), mm, and their derivatives by its values, (n, 2, m)."""
+        shape = self._outline.at(values)
+        return shape.points, shape.point_slopes
+
+    def inside_mm(self, values: Array) -> tuple[Array, NDArray[np.int8]]:
+        """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
+        return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added(values))
+
+    def pulled_back(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
+        """Derivative of sum(weight * inside_mm) by the parameters.
+
+        Args:
+            which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
+            weight: (nx, ny, nz) weight of each cell's distance.
+        """
+        shape = self._outline.at(values)
+        by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
+        by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))
+        result = np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
+        fillet = self.fillet(values)
+        if fillet is not None:
+            result += fillet.pulled_back(self._grid.axes, np.where(which == FILLET, weight, 0.0))
+        return result
+
+    def _added(self, values: Array) -> dict[int, Array]:
+        """Signed distances of the cells from the counterweight and its fillets, by number of the field."""
+        sector = self._moved_added(values) if self._weight else self._own_added
+        fillet = self.fillet(values)
+        fields = {} if sector is None else {ADDED: sector}
+        return fields if fillet is None else {**fields, FILLET: fillet.inside_mm(self._grid.axes)}
+
+    def fillet(self, values: Array) -> MovedFillet | None:
+        """The counterweight's fillet, the last one kept."""
+        if self._last[0] != values.tobytes():
+            self._last = values.tobytes(), moved_fillet(self._scene, self.layout, values)
+        return self._last[1]
+
+    def _moved_added(self, values: Array) -> Array:
+        found = added_mm(scene_at(self._scene, self.layout, values), self._grid.axes)
+        assert found is not None
+        return found
+
+    def _by_sizes(self, values: Array, weight: Array) -> Array:
+        """Derivative of sum(weight * distance from the counterweight) by the dimensions of the throw."""
+        result = np.zeros(len(self.layout.dimensions))
+        for name in self._weight:
+            step = _DIFFERENCE * np.eye(len(values))[self.layout.names.index(name)]
+            above, below = (np.sum(weight * self._moved_added(values + s * step)) for s in (1, -1))
+            result[self.layout.dimensions.index(name)] = (above - below) / (2 * _DIFFERENCE)
+        return result
+
+    def constraints(self, values: Array) -> Array:
+        """Manufacturing constraints, kept where <= 0."""
+        shape = self._outline.at(values)
+        fillet = self.fillet(values)
+        own = [] if fillet is None else [fillet.rule[1]]
+        return np.concatenate([shape.constraints, self._part_constraints(shape.points, values), own])
+
+    def rule_names(self, values: Array) -> tuple[str, ...]:
+        """Name of each constraint in plain English, several parts of one rule alike."""
+        points = self._outline.at(values).points
+        names = [name for name, _ in self._part_rules(points, values)]
+        fillet = self.fillet(values)
+        return (*self._outline.rule_names(values), *names, *([] if fillet is None else [fillet.rule[0]]))
+
+    def slopes(self, values: Array) -> Array:
+        """Gradients of the constraints (constraints, parameters)."""
+        shape, n = self._outline.at(values), self.layout.stations
+
+        def parts(step: Array) -> Array:
+            return self._part_constraints(shape.points + shape.point_slopes @ step[:n], values + step)
+
+        steps = _DIFFERENCE * np.eye(len(values))
+        below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
+        fillet = self.fillet(values)
+        own = [] if fillet is None else [fillet.rule_slopes]
+        return np.vstack([shape.constraint_slopes, below, *own])
+
+    def _parts(self, values: Array) -> Array:
+        return values[self.layout.stations :]
+
+    def _part_constraints(self, points: Array, values: Array) -> Array:
+        return np.array([value for _, value in self._part_rules(points, values)], dtype=np.float64)
+
+    def _part_rules(self, points: Array, values: Array) -> list[Rule]:
+        """Rules of the features and of the dimensions of the throw."""
+        scene = scene_at(self._scene, self.layout, values)
+        parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
+        return [*parts, *size_rules(self.layout, values, self._scene, self._limits)]

@@ -1,0 +1,181 @@
+"""Which features and how many stations: each is kept only for the overlap that it gains."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.near_ties import first_of_the_best
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.initial_guess import outline_guess, with_stations
+from cranktopo.tasks.refit.residual_regions import residual_regions
+from cranktopo.tasks.refit.search import Fit, FitProblem, search
+from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.web import FITTED_TO_REGIONS, FITTED_TO_SECTIONS
+
+Array = NDArray[np.float64]
+_FIRST_STATIONS = 7
+_LEAST_STATIONS = 5
+_SHARP = 0.5
+"""Half-width of the step, in cells, at which overlaps are compared."""
+_MOST_POCKETS = 4
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A web of the family on the way.
+
+    Attributes:
+        layout: its parameters.
+        values: their values.
+        overlap: intersection over union of the fills, bores left out.
+        step: what was tried, for the table.
+    """
+
+    layout: Layout
+    values: Array
+    overlap: float
+    step: str
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One row of the table of what was tried.
+
+    Attributes:
+        step: stations or feature.
+        parameters: how many parameters the web then has.
+        iou_percent: overlap of the fills.
+        gain_percent: against what was there before, percentage points.
+        kept: whether it is in the web.
+    """
+
+    step: str
+    parameters: int
+    iou_percent: float
+    gain_percent: float
+    kept: bool
+
+
+def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
+    """The web in which every parameter gains enough overlap, and all trials in their order.
+
+    Args:
+        problem: on cells coarse enough for many searches.
+
+    Raises:
+        CranktopoError: not even the plain outline keeps the limits.
+    """
+    layout = Layout(_FIRST_STATIONS)
+    best = fit_from(problem, layout, outline_guess(problem, _FIRST_STATIONS), "outline")
+    if best is None:
+        raise CranktopoError(
+            "remodel: no outline keeps the manufacturing limits.",
+            hint="Lower the least wall or the least radius.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+    trials = [_trial(best, 0.0, True)]
+    best = _features(problem, best, trials)
+    best = _stations(problem, best, trials)
+    return best, tuple(trials)
+
+
+def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Candidate | None:
+    """One search from one initial guess; None when it finds nothing that keeps the limits.
+
+    Args:
+        guess: (n,) initial values, mm or degrees.
+        step: what is tried, for the table.
+    """
+    cell = float(problem.target.cell_mm[0])
+    fit = Fit(problem, layout)
+    values, error = search(fit, guess, (2 * cell, cell, cell / 2))
+    if not np.isfinite(error):
+        return None
+    return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)
+
+
+def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
+    for group in FITTED_TO_SECTIONS:
+        possible = (part for part in group if part.possible(problem.scene))
+        guesses = ((part, part.guess(problem.target, problem.scene, problem.limits)) for part in possible)
+        best = _try(problem, best, [(part, guess) for part, guess in guesses if guess is not None], trials)
+    for _ in range(_MOST_POCKETS):
+        before = best
+        for choice in _pockets(problem, best):
+            best = _try(problem, best, [choice], trials)
+            if best is not before:
+                break
+        if best is before:
+            break
+    return best
+
+
+def _try(
+    problem: FitProblem, best: Candidate, choices: Sequence[tuple[FittedFeature, Array]], trials: list[Trial]
+) -> Candidate:
+    """The web with the best one of several features, if it gains enough overlap."""
+    found = []
+    for part, guess in choices:
+        layout = replace(best.layout, parts=(*best.layout.parts, part))
+        fitted = fit_from(problem, layout, np.concatenate([best.values, guess]), part.label)
+        found += [] if fitted is None else [fitted]
+    chosen = first_of_the_best([best, *found], _overlap)
+    if 100 * (chosen.overlap - best.overlap) < problem.limits.least_gain_percent:
+        chosen = best
+    trials += [_trial(fitted, fitted.overlap - best.overlap, fitted is chosen) for fitted in found]
+    return chosen
+
+
+def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeature, Array]]:
+    """Features that could take out what the body lacks, largest region first."""
+    for region in residual_regions(problem, model_fill(problem, best)):
+        for kind in FITTED_TO_REGIONS if region.kind != "material" else ():
+            part = kind.in_region(region)
+            if part is not None:
+                yield part, part.guess(region, problem.scene.web_z_mm)
+
+
+def _stations(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
+    """The fewest stations that come within the least gain of the most that any number tried reaches.
+
+    Numbers are tried upwards until another two bring less than the least gain.
+    """
+    tried = []
+    for stations in range(_LEAST_STATIONS, problem.limits.max_stations + 1):
+        layout = replace(best.layout, stations=stations)
+        start = with_stations(best.layout, best.values, stations)
+        found = fit_from(problem, layout, start, f"{stations} stations")
+        if found is not None:
+            tried.append(found)
+        if len(tried) > 2 and tried[-1].overlap - tried[-3].overlap < _least(problem):
+            break
+    chosen = best
+    if tried:
+        chosen = first_of_the_best(tried, _overlap, within=_least(problem))
+    for i, found in enumerate(tried):
+        gain = found.overlap - tried[i - 1].overlap if i else 0.0
+        trials.append(_trial(found, gain, found is chosen))
+    return chosen
+
+
+def _overlap(candidate: Candidate) -> float:
+    return candidate.overlap
+
+
+def _least(problem: FitProblem) -> float:
+    return problem.limits.least_gain_percent / 100
+
+
+def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
+    """Fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1]."""
+    sharp = _SHARP * float(problem.target.cell_mm[0])
+    return Fit(problem, candidate.layout).fill(candidate.values, sharp)
+
+
+def _trial(found: Candidate, gain: float, kept: bool) -> Trial:
+    return Trial(found.step, len(found.values), 100 * found.overlap, 100 * gain, kept)

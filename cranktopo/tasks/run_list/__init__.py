@@ -1,0 +1,1 @@
+"""Runs under a folder: list, show, clean up."""

@@ -1,0 +1,129 @@
+"""`cranktopo runs`
+
+List, show or clean up runs.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cranktopo.cli.completion import runs as complete_runs
+from cranktopo.cli.group import SuggestingGroup
+from cranktopo.cli.parameters import Choice
+
+_STATES = ("done", "interrupted", "failed", "running")
+_ROOT = click.option(
+    "--root", type=click.Path(path_type=Path), default=Path("runs"), show_default=True, help="Folder of runs."
+)
+
+
+@click.group("runs", cls=SuggestingGroup)
+def command() -> None:
+    """List, show or clean up runs.
+
+    Example: cranktopo runs list
+    """
+
+
+@command.command("list")
+@_ROOT
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def list_command(root: Path, as_json: bool) -> None:
+    """List the runs, oldest first: status, mass, gains per mass against the original web.
+
+    Example: cranktopo runs list --json
+    """
+    from cranktopo.tasks.run_list.stage import summarise_runs
+
+    entries = summarise_runs(root)
+    if as_json:
+        click.echo(json.dumps({"schema_version": 1, "runs": entries}, indent=2))
+    elif entries:
+        click.echo(_table(entries))
+    else:
+        click.echo(f"no runs under '{root}'; make one with: cranktopo optimise")
+
+
+@command.command("show")
+@click.argument("run", shell_complete=complete_runs)
+@_ROOT
+@click.option("--json", "as_json", is_flag=True, help="Print manifest and results as one object.")
+def show_command(run: str, root: Path, as_json: bool) -> None:
+    """Show one RUN: how it ended, its results, its files.
+
+    Example: cranktopo runs show 20250101-120000_mikron-iiic_0123abcd
+    """
+    from cranktopo.runs.directories import open_run
+    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
+    from cranktopo.tasks.iterate.text import loop_summary
+    from cranktopo.tasks.optimise.text import run_summary
+    from cranktopo.tasks.shape.text import shape_summary
+    from cranktopo.tasks.sweep.text import sweep_summary
+
+    found = open_run(run, root)
+    manifest, kind, result = found.manifest(), kind_of(found), read_result(found)
+    if as_json:
+        key = {LOOP: "loop", SHAPE: "shape", SWEEP: "sweep"}.get(kind, "metrics")
+        click.echo(json.dumps({"schema_version": 1, "manifest": manifest, key: result}, indent=2))
+        return
+    click.echo(f"{found.path}: {manifest['status']}, started {manifest['started']}")
+    click.echo(f"{' '.join(manifest['command'])}\n")
+    if result is None:
+        click.echo(f"not finished; continue with: {resume_command(found)}")
+    else:
+        with shown_results(found):
+            summaries = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
+            text = summaries.get(kind, run_summary)(result, found.path)
+        click.echo(text)
+
+
+@command.command("clean")
+@_ROOT
+@click.option(
+    "--status",
+    "states",
+    type=Choice(_STATES),
+    multiple=True,
+    default=("failed",),
+    show_default=True,
+    help="Which runs; may be repeated.",
+)
+@click.option("--yes", is_flag=True, help="Delete; without it, only list what would be deleted.")
+def clean_command(root: Path, states: tuple[str, ...], yes: bool) -> None:
+    """Delete runs by their status; a run that a process works in is never deleted.
+
+    Example: cranktopo runs clean --status failed --status interrupted --yes
+    """
+    from cranktopo.tasks.run_list.stage import clean_runs
+
+    chosen = clean_runs(states, yes, root)
+    for path in chosen:
+        click.echo(f"{'deleted' if yes else 'would delete'} {path}")
+    if not chosen:
+        click.echo(f"no run under '{root}' is {' or '.join(states)}")
+    elif not yes:
+        click.echo("Add --yes to delete.")
+
+
+def _table(entries: list[dict[str, Any]]) -> str:
+    from cranktopo.report.text_table import text_table
+
+    header = ("run", "command", "status", "result", "throw kg", "torsion per kg", "bending per kg")
+    rows = []
+    for entry in entries:
+        gains = entry.get("gain_of_stiffness_per_mass_percent", {})
+        mass = entry.get("mass_of_throw_kg")
+        row = [
+            entry["run"],
+            entry.get("command", "-"),
+            entry["status"],
+            entry.get("result", "-"),
+            "-" if mass is None else f"{mass:.3f}",
+        ]
+        row += [f"{gains[kind]:+.1f} %" if kind in gains else "-" for kind in ("torsion", "bending")]
+        rows.append(row)
+    return text_table("llllrrr", header, rows)

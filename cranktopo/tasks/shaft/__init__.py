@@ -1,0 +1,1 @@
+"""The whole crankshaft from condensed throws."""

@@ -1,0 +1,131 @@
+"""Neighbouring throws joined at their mid-journal sections: the whole shaft from condensed matrices."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.frames import Span
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, Condensed, Lateral, condense
+
+Array = NDArray[np.float64]
+Bearings = Literal["free", "rigid", "spring"]
+
+_MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
+"""Motion of the far section in the mirror z -> pitch - z of a motion of the near one."""
+_SPLITS: dict[Span, Array] = {
+    "symmetric": np.hstack([np.eye(6), _MIRROR]) / 2,
+    "antisymmetric": np.hstack([np.eye(6), -_MIRROR]) / 2,
+    "whole": np.eye(12),
+}
+"""What motions of both sections are motions of a block, (motions of the block, 12)."""
+_LENGTH_MM = 50.0
+"""Scales rotations to displacements where a rank is decided."""
+
+
+@dataclass(frozen=True)
+class ShaftStiffness:
+    """Torsion of a whole shaft under equal and opposite end torques.
+
+    Attributes:
+        end_to_end_Nm_per_rad: torque over relative rotation of the end sections.
+        throws_Nm_per_rad: the same for the two sections of each throw in the assembled shaft.
+    """
+
+    end_to_end_Nm_per_rad: float
+    throws_Nm_per_rad: tuple[float, ...]
+
+    def by_name(self) -> dict[str, float]:
+        """Every stiffness, N m/rad, by what it is of."""
+        throws = {f"throw {number}": k for number, k in enumerate(self.throws_Nm_per_rad, start=1)}
+        return {"end to end": self.end_to_end_Nm_per_rad, **throws}
+
+
+def throw_blocks(
+    model: Elasticity, scene: Scene, mirrored: bool, *, whole: bool = False
+) -> list[tuple[Span, Condensed]]:
+    """The half throw condensed over all six motions of its section, symmetric and antisymmetric.
+
+    Args:
+        mirrored: the model is the half x >= 0 of it.
+        whole: the model is the whole throw, condensed over the motions of both sections.
+
+    Raises:
+        CranktopoError: a failed solve.
+    """
+    laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
+    spans: tuple[Span, ...] = ("whole",) if whole else ("symmetric", "antisymmetric")
+    return [(span, condense(model, scene, span, lateral)) for span in spans for lateral in laterals]
+
+
+def throw_matrix(blocks: Sequence[tuple[Span, Condensed]], forms: Sequence[Array] | None = None) -> Array:
+    """Stiffness of the full throw over the six motions of its near and then its far section, (12, 12).
+
+    Each section moves in its own axes, parallel to those of the throw; units mm, rad, N, N mm.
+
+    Args:
+        blocks: of `throw_blocks`.
+        forms: another form of each block, over its motions first.
+    """
+    total = np.zeros((12, 12))
+    for (span, block), form in zip(blocks, forms or [b.stiffness for _, b in blocks], strict=True):
+        count = len(block.motions)
+        split = _SPLITS[span][list(block.motions)]
+        total += block.copies * split.T @ form[:count, :count] @ split
+    return total
+
+
+def shaft_matrix(throw: Array, angles_deg: Sequence[float]) -> Array:
+    """Stiffness of a shaft of equal throws turned about z, right-handed, shape (6 (n + 1), 6 (n + 1))."""
+    shaft = np.zeros((6 * (len(angles_deg) + 1),) * 2)
+    for index, angle in enumerate(angles_deg):
+        turn = _turn(math.radians(angle))
+        motions = slice(6 * index, 6 * index + 12)
+        shaft[motions, motions] += turn @ throw @ turn.T
+    return shaft
+
+
+def shaft_stiffness(shaft: Array, bearings: Bearings, spring_N_per_mm: float = 0.0) -> ShaftStiffness:
+    """Torsional stiffness of a shaft whose every section sits in a bearing.
+
+    Args:
+        bearings: "rigid" fixes each section's centre radially, "spring" supports it, "free" does not; every
+            bearing lets the section tilt, turn and move axially.
+    """
+    sections = shaft.shape[0] // 6
+    stiffness = shaft.copy()
+    radial = [6 * s + m for s in range(sections) for m in (UX, UY)]
+    if bearings == "spring":
+        stiffness[radial, radial] += spring_N_per_mm
+    held = set(radial) if bearings == "rigid" else set()
+    kept = [i for i in range(shaft.shape[0]) if i not in held]
+    torque = np.zeros(shaft.shape[0])
+    torque[RZ], torque[6 * (sections - 1) + RZ] = -1.0, 1.0
+    twist = np.zeros(shaft.shape[0])
+    twist[kept] = _solve_singular(stiffness[np.ix_(kept, kept)], torque[kept], kept)
+    steps = np.diff(twist[RZ::6])
+    per_throw = tuple(float(1.0 / step / NMM_PER_NM) for step in steps)
+    return ShaftStiffness(float(1.0 / steps.sum() / NMM_PER_NM), per_throw)
+
+
+def _turn(angle: float) -> Array:
+    """Rotation by an angle about z of the twelve motions of a throw."""
+    rotation = np.array(
+        [[math.cos(angle), -math.sin(angle), 0.0], [math.sin(angle), math.cos(angle), 0.0], [0.0, 0.0, 1.0]]
+    )
+    return np.kron(np.eye(4), rotation)
+
+
+def _solve_singular(matrix: Array, force: Array, kept: list[int]) -> Array:
+    """Least-norm motion under balanced forces; rigid motions of the whole shaft are free."""
+    scale = np.array([1.0 if i % 6 < RX else 1.0 / _LENGTH_MM for i in kept])
+    scaled = matrix * np.outer(scale, scale)
+    return np.asarray(scale * (np.linalg.pinv(scaled, rcond=1e-9, hermitian=True) @ (scale * force)))

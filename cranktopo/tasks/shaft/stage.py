@@ -1,0 +1,169 @@
+"""The whole crankshaft of a design: stiffness end to end, per throw, and torsional natural frequencies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.frames import about_z_deg
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.bodies.mesh.memory import check_element_size
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
+from cranktopo.design.assumed import LOADS, SHAFT, Assumption, among, assumed_json
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.schema import Scene
+from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
+from cranktopo.engine.plan.planning import plan
+from cranktopo.numerics.disk_chain import DiskChain
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.tasks.fea.discretisation_error import missed_energies
+from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent, change_bound_percent
+from cranktopo.tasks.fea.evaluation import (
+    RATIO,
+    SCHEMA_VERSION,
+    Info,
+    mesh_target,
+    meshed_throw_kg,
+    throw_inertia_kg_mm2,
+)
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft.assembly import (
+    Bearings,
+    ShaftStiffness,
+    shaft_matrix,
+    shaft_stiffness,
+    throw_blocks,
+    throw_matrix,
+)
+from cranktopo.tasks.shaft.torsional import disk_model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ShaftEvaluation:
+    """A whole crankshaft.
+
+    Attributes:
+        throw_inertia_kg_mm2: of one throw alone about the crank axis, kg mm2.
+        error_percent: bound of the stiffnesses' discretisation error.
+        assumed: what the design does not say and the shaft depends on.
+    """
+
+    design: str
+    angles_deg: tuple[float, ...]
+    bearings: Bearings
+    mass_kg: float
+    throw_inertia_kg_mm2: float
+    stiffness: ShaftStiffness
+    error_percent: float
+    disks: DiskChain
+    assumed: tuple[Assumption, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The object that `shaft --json` prints."""
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "design": self.design,
+            "throw_angles_deg": list(self.angles_deg),
+            "bearings": self.bearings,
+            "mass_kg": self.mass_kg,
+            "torsion": {
+                "end_to_end_Nm_per_rad": self.stiffness.end_to_end_Nm_per_rad,
+                "throws_Nm_per_rad": list(self.stiffness.throws_Nm_per_rad),
+            },
+            "error_estimate_percent": {"torsion": self.error_percent},
+            "natural_frequencies_Hz": list(self.disks.natural_frequencies_Hz()),
+            "opentorsion": self.disks.as_opentorsion(),
+            "assumed": assumed_json(self.assumed),
+        }
+
+
+def evaluate_shaft(
+    target: Target, bearings: Bearings, element_size_mm: float | None = None
+) -> ShaftEvaluation:
+    """Assemble the throws of a target by its firing order.
+
+    Triangles are remeshed: a mesh 1.5 times coarser tells how much that matters.
+
+    Raises:
+        CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
+    """
+    scene = target.scene
+    angles = scene.shaft_angles_deg
+    spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
+    size = element_size_mm or default_element_size_mm(scene)
+    check_element_size(scene, size)
+    meshed = mesh_target(target, size)
+    stiffness, error = _on_mesh(meshed, scene, bearings, spring)
+    if target.triangles:
+        coarse, _ = _on_mesh(mesh_target(target, size * RATIO), scene, bearings, spring)
+        error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
+    inertia = throw_inertia_kg_mm2(meshed, scene)
+    disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
+    mass = len(angles) * meshed_throw_kg(meshed, scene)
+    assumed = among(target.assumed, shaft_tables(scene, bearings))
+    return ShaftEvaluation(target.name, angles, bearings, mass, inertia, stiffness, error, disks, assumed)
+
+
+def with_throw_stiffness(target: Target, info: Info = lambda _: None) -> Target:
+    """The target with the stiffness of its throw in its shaft table, where load cases would take an estimate.
+
+    Only a shaft whose vibration the plan has on needs it; any other target is returned as it is.
+
+    Raises:
+        CranktopoError: a failed solve.
+    """
+    scene = target.scene
+    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None:
+        return target
+    if "torsional_vibration" not in plan(scene).enabled:
+        return target
+    throws = evaluate_shaft(target, "rigid").stiffness.throws_Nm_per_rad
+    stiffness = sum(throws) / len(throws)
+    info(
+        f"{target.name}: torque of the vibrating shaft with {stiffness:,.0f} N m/rad for a throw, by elements"
+    )
+    shaft = scene.shaft.model_copy(update={"throw_stiffness_Nm_per_rad": stiffness})
+    return replace(target, scene=scene.model_copy(update={"shaft": shaft}))
+
+
+def shaft_tables(scene: Scene, bearings: Bearings) -> tuple[str, ...]:
+    """Paths of what a shaft uses of a scene; the spring of a plain bearing depends on the gas force."""
+    if bearings != "spring" or scene.supports.bearing_clearance_mm is None:
+        return SHAFT
+    return (*SHAFT, LOADS)
+
+
+def _on_mesh(
+    meshed: MeshedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float
+) -> tuple[ShaftStiffness, float]:
+    """Stiffnesses of the shaft, and the bound of their relative error by what the mesh itself misses, %."""
+    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+    blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
+    missed = missed_energies(model, meshed, [block for _, block in blocks], scene)
+
+    turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
+
+    def stiffness(throw: Array) -> ShaftStiffness:
+        return shaft_stiffness(shaft_matrix(throw, turned_deg), bearings, spring_N_per_mm)
+
+    throw = throw_matrix(blocks)
+    found = stiffness(throw)
+    surplus, straight = (
+        _softer(found, stiffness(throw - throw_matrix(blocks, forms)))
+        for forms in ([m.surplus for m in missed], [m.straight for m in missed])
+    )
+    left = missed[0].volume_error
+    return found, max(
+        bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus
+    )
+
+
+def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:
+    """Share of each twist that energy which a mesh misses would add."""
+    softer = without.by_name()
+    return {name: value / softer[name] - 1 for name, value in found.by_name().items()}

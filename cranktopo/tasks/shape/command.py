@@ -1,0 +1,93 @@
+"""`cranktopo shape`
+
+The best dimensions of a web that can be made, for a goal and limits: scene, STEP, drawing.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cranktopo.base.errors import ExitCode
+from cranktopo.cli.completion import designs_and_runs, runs
+from cranktopo.cli.goal_options import goal_options, with_goal_options
+from cranktopo.cli.options import (
+    DEFAULT_DESIGN,
+    bound_option,
+    limit_options,
+    refuse_beside_resume,
+    web_option,
+    with_bound_option,
+)
+from cranktopo.cli.verbosity import info, verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.design.one_web import WebName
+
+
+@click.command("shape")
+@click.argument("target", required=False, shell_complete=designs_and_runs)
+@web_option
+@goal_options
+@limit_options
+@bound_option
+@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
+@click.option(
+    "--resume",
+    metavar="RUN",
+    shell_complete=runs,
+    help="Continue an interrupted optimisation; finished searches are kept.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print shape.json.")
+@verbosity_options
+def command(
+    target: str | None,
+    web: WebName | None,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
+    out: Path | None,
+    resume: str | None,
+    as_json: bool,
+    no_bound: bool,
+    **rules: Any,
+) -> ExitCode:
+    """Optimise the dimensions of the web of TARGET: outline, bevels, groove, pockets.
+
+    TARGET is a design, the scene of a parametric web, or a run. The search begins with the web of the design,
+    or of the run: its result, the best of its steps, or its re-model, which is made first where there is
+    none. Percent limits refer to the design's own web, of a run to that of its design.
+
+    The web can be made: walls, radii and draft are kept. Limits hold by the body-fitted evaluation, fillets
+    included, or the result says that they are not met. Without a goal the lightest web is sought that is no
+    softer and no less safe. Writes the scene, STEP, STL, a drawing and shape.json.
+
+    Example: cranktopo shape mikron-iiic --minimise mass --limit "bending >= 95 %"
+    """
+    if resume:
+        refuse_beside_resume()
+    from cranktopo.tasks.refit.usual_size import usual_limits
+    from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
+    from cranktopo.tasks.shape.text import shape_summary
+
+    if resume:
+        run = resume_shape(resume, info)
+    else:
+        from cranktopo.design.loading import design_text
+        from cranktopo.tasks.designs.run_webs import web_target
+
+        name = target or DEFAULT_DESIGN
+        found = web_target(name, web)
+        scene, text = found.design, design_text(name) if found.run is None else None
+        if scene.goal is None and minimise is None and maximise is None:
+            minimise = "mass"
+        scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
+        settings = shape_settings(scene, usual_limits(scene, **rules))
+        line = ["cranktopo", *sys.argv[1:]]
+        run = shape_design(scene, settings, out, text, line, info, found.begun)
+    click.echo(json.dumps(run.data) if as_json else shape_summary(run.data, run.folder))
+    return ExitCode.DONE if run.held else ExitCode.CRITERION_NOT_MET

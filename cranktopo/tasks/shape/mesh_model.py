@@ -1,0 +1,177 @@
+"""Quantities of a parametric web on one body-fitted mesh that moves with it, with exact discrete gradients.
+
+The elements stay the same while the parameters change, so that a search sees none of the noise of new
+meshes; the gradients are those of these very numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.side_by_side import side_by_side
+from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
+from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.design.goal.quantities import quantity_named
+from cranktopo.design.halves import require_equal_halves
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fea.condense import Condensed, Lateral, condense
+from cranktopo.tasks.fea.node_gradients import moments
+from cranktopo.tasks.refit.dimensions import scene_at
+from cranktopo.tasks.refit.family import Layout, exact_web_of
+from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
+from cranktopo.tasks.shape.mesh_stiffness import bending_slopes, torsion_slopes
+from cranktopo.tasks.shape.moved_mesh import MovedMesh
+
+Array = NDArray[np.float64]
+_RESIDUAL = 1e-4
+"""Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
+_ByNodes = dict[str, tuple[float, Array]]
+"""Quantities by name with their derivatives by the nodes, (3, nodes)."""
+
+
+@dataclass(frozen=True)
+class MeshResponses:
+    """Quantities of a web on a body-fitted mesh and their gradients by its parameters.
+
+    Attributes:
+        values: by quantity: torsion N m/rad, bending N/mm, mass kg, inertia kg mm2, unbalance kg mm, and both
+            stiffnesses per mass; fatigue_safety where it is wanted: smooth, and the least one for the
+            first web asked for.
+        slopes: the same, each (parameters,), per mm or degree.
+    """
+
+    values: dict[str, float]
+    slopes: dict[str, Array]
+
+    def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
+        """The same with every quantity times its share, by default 1."""
+        share = {name: shares.get(name, 1.0) for name in self.values}
+        return MeshResponses(
+            {name: share[name] * value for name, value in self.values.items()},
+            {name: share[name] * slope for name, slope in self.slopes.items()},
+        )
+
+    def brought_to(self, truth: Mapping[str, float]) -> MeshResponses:
+        """With the values of a truth; slopes in proportion, but as they are for what may be 0."""
+        both = self.values.keys() & truth.keys()
+        signed = {name for name in both if quantity_named(name).signed}
+        found = self.scaled({name: truth[name] / self.values[name] for name in both - signed})
+        return MeshResponses(found.values | {name: truth[name] for name in signed}, found.slopes)
+
+
+class MeshModel:
+    """A web of a layout on one mesh, as functions of its parameters."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        layout: Layout,
+        values: Array,
+        element_size_mm: float,
+        fillet_fraction: float | None = None,
+    ) -> None:
+        """Mesh the web with these values.
+
+        Args:
+            fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
+
+        Raises:
+            CranktopoError: they make no sound web, or there is no valid mesh.
+        """
+        require_equal_halves(scene)
+        sized = scene_at(scene, layout, values)
+        self.scene = scene_with_web(sized, exact_web_of(layout, values, sized))
+        meshed = mesh_throw(self.scene, element_size_mm, fillet_fraction=fillet_fraction)
+        self._layout = layout
+        self.moved = MovedMesh(meshed.mesh, self.scene, layout, values)
+        self._parts = 2 if meshed.mesh.mirrored else 1
+        self._unmoved = self._model(self.moved.mesh)
+        self._missing = _exact(meshed) - self._parts * moments(self._unmoved)[0]
+        self._fatigue = FilletFatigue(self.scene) if fillet_fraction is not None else None
+        self._smoothing = 0.0
+
+    def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
+        """Quantities of the web with these values, and their gradients.
+
+        Args:
+            quantities: those that are wanted, by default all; masses cost next to nothing and are always
+                there, fatigue safety where the mesh was made for it.
+
+        Raises:
+            CranktopoError: the mesh folds, or a failed solve.
+        """
+        mesh = self.moved.at(values)
+        model = self._unmoved if mesh is self.moved.mesh else self._model(mesh)
+        scene = scene_at(self.scene, self._layout, values)
+        found = {**self._masses(model), **self._solved(model, scene, mesh.mirrored, quantities)}
+        motion = self.moved.velocities(mesh, values)
+        numbers = {name: value for name, (value, _) in found.items()}
+        slopes = {name: np.einsum("in,inp->p", slope, motion) for name, (_, slope) in found.items()}
+        for name in [name for name in ("torsion", "bending") if name in found]:
+            ratio = numbers[name] / numbers["mass"]
+            numbers[f"{name}_per_mass"] = ratio
+            slopes[f"{name}_per_mass"] = (slopes[name] - ratio * slopes["mass"]) / numbers["mass"]
+        return MeshResponses(numbers, slopes)
+
+    def _solved(
+        self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
+    ) -> _ByNodes:
+        """What needs displacements, of the quantities that are wanted."""
+        found: _ByNodes = {}
+        safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
+
+        def block(kind: str) -> Condensed | None:
+            asked = quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
+            return self._condensed(model, scene, kind, mirrored) if safety or asked else None
+
+        twist, bend = side_by_side(lambda: block("torsion"), lambda: block("bending"))
+        if twist:
+            found["torsion"] = torsion_slopes(model, scene, twist)
+        if bend:
+            found["bending"] = bending_slopes(model, scene, bend)
+        if safety and twist and bend:
+            fillets = safety.safety(model, scene, bend, twist)
+            self._smoothing = self._smoothing or fillets.least / fillets.smooth
+            found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.slopes
+        return found
+
+    def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Condensed:
+        """The block of a stiffness."""
+        if kind == "torsion":
+            return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
+        side: Lateral = "even" if mirrored else "none"
+        return condense(model, scene, "symmetric", side, self._spin(model), _RESIDUAL)
+
+    def _model(self, mesh: TetMesh) -> Elasticity:
+        material = self.scene.material
+        return assemble(mesh, material.E_GPa * MPA_PER_GPA, material.poisson)
+
+    def _spin(self, model: Elasticity) -> Array | None:
+        """Nodal forces of the centrifugal load, if the fatigue safety needs them."""
+        if self._fatigue is None or not self._fatigue.spins:
+            return None
+        return centrifugal_force(model, density_tonne_per_mm3(self.scene.material.density_kg_m3))[:, None]
+
+    def _masses(self, model: Elasticity) -> _ByNodes:
+        """Mass, inertia and unbalance of the whole throw, exact where the mesh was made, and their slopes."""
+        kg, bolted = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3), bolted_mass(self.scene)
+        integrals, slopes = moments(model)
+        names = ("mass", "unbalance", "inertia")
+        parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
+        found = kg * (self._parts * integrals + self._missing) + 2 * parts
+        pairs = zip(found.tolist(), kg * self._parts * slopes, strict=True)
+        return dict(zip(names, pairs, strict=True))
+
+
+def _exact(meshed: MeshedThrow) -> Array:
+    """Volume of the half throw, its moment in y and that of x2 + y2, from the exact solid."""
+    half = meshed.body
+    return np.array([half.volume_mm3, half.volume_mm3 * half.centre_mm[1], half.inertia_z_mm5])

@@ -1,0 +1,296 @@
+"""A mesh of the throw that follows the parameters of its web, its elements and nodes staying the same.
+
+Nodes on the faces of the web stay on them and slide along them, edges stay edges. The journals and their
+fillets stand still; with free dimensions of the throw their faces are followed too. The move is spread over
+the surface, then through the body, as in a net of springs that are the stiffer the shorter they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.free_dimensions import move_journals
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.curving import EDGES, least_jacobian_ratio
+from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.stressed_surface import boundary_faces
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.shape.web_faces import Contact, FilletFace, WebFace, web_faces
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+_ON_FACE_MM = 1e-3
+"""Nodes of a mesh lie on the exact surface to the accuracy of the CAD kernel's edges."""
+_OUTSIDE_MM = 1e-6
+_SETTLED_MM = 1e-9
+_ROUNDS = 12
+_PARALLEL = 1e-3
+"""Least eigenvalue of the sum of n n' of a node's unit normals: below, two faces count as one (2.5 deg)."""
+
+
+@dataclass(frozen=True)
+class _Rules:
+    """What holds surface nodes: sum of n n', (n, 3, 3), and of n times the normal motion asked, (n, 3, k)."""
+
+    matrix: Array
+    asked: Array
+
+    def least_motion(self, guess: Array) -> Array:
+        """The motion nearest to a guess, (n, 3, k), that keeps the rules."""
+        return np.asarray(guess + self._inverse @ (self.asked - self.matrix @ guess))
+
+    @property
+    def free(self) -> tuple[Array, NDArray[np.bool_]]:
+        """Directions of each node in columns, (n, 3, 3), and which of them are free, (n, 3)."""
+        values, vectors = np.linalg.eigh(self.matrix)
+        return vectors, values < _PARALLEL
+
+    @property
+    def _inverse(self) -> Array:
+        values, vectors = np.linalg.eigh(self.matrix)
+        inverse = np.where(values < _PARALLEL, 0.0, 1 / np.maximum(values, _PARALLEL))
+        return np.asarray((vectors * inverse[:, None]) @ vectors.swapaxes(1, 2))
+
+
+class MovedMesh:
+    """A mesh of the web with some values of its parameters, and how it moves with them.
+
+    Attributes:
+        mesh: the mesh where it was made, numbered as scikit-fem does.
+        values: the parameters there.
+    """
+
+    def __init__(self, mesh: TetMesh, scene: Scene, layout: Layout, values: Array) -> None:
+        self.mesh, self.values = numbered(mesh), np.asarray(values, dtype=np.float64)
+        self._faces = web_faces(scene, layout, mirrored=mesh.mirrored)
+        moving = (-np.inf, np.inf) if move_journals(layout.dimensions) else scene.web_z_mm
+        self._surface, self._triangles, self._on, self._still = _surface_nodes(
+            self.mesh, self._faces, self.values, moving
+        )
+        self._ends = _edge_ends(self.mesh.cells)
+        self._corners = int(self.mesh.cells[:4].max()) + 1
+        self._skin = _Net(self.mesh.points_mm, self._triangles)
+        self._body = _Net(self.mesh.points_mm, self.mesh.cells[:4])
+
+    @property
+    def face_names(self) -> list[str]:
+        """Names of the web's faces, in the order of `distances_mm`."""
+        return [face.name for face in self._faces]
+
+    def distances_mm(self, points_mm: Array, values: Array) -> Array:
+        """Largest distance of the surface nodes from the faces that they belong to, mm, (faces,)."""
+        found = [contact.distance_mm for _, _, contact in self._contacts(points_mm, values)]
+        return np.array([np.abs(d).max() if len(d) else 0.0 for d in found])
+
+    def at(self, values: Array) -> TetMesh:
+        """The mesh of the web with other values; with its own it is as it was made.
+
+        There the nodes are off the faces by what the CAD kernel's edges are, and a flat element may fold when
+        they are put right.
+
+        Raises:
+            CranktopoError: the move is too large for this mesh.
+        """
+        if np.array_equal(values, self.values):
+            return self.mesh
+        start, moved = self.mesh.points_mm, np.zeros_like(self.mesh.points_mm)
+        for _ in range(_ROUNDS):
+            contacts = self._contacts(start + moved, values)
+            if max(np.abs(c.distance_mm).max(initial=0.0) for _, _, c in contacts) < _SETTLED_MM:
+                break
+            here = moved[:, self._surface].T
+            wanted = [
+                (c.normal * here[nodes]).sum(axis=1)[:, None] - c.distance_mm[:, None] / c.steepness
+                for nodes, _, c in contacts
+            ]
+            led = [way[:, :, None] for way in self._led(values)]
+            moved = self._spread(self._rules(contacts, wanted, led))[:, :, 0]
+        mesh = replace(self.mesh, points_mm=start + moved)
+        if self.quality(mesh) <= 0:
+            raise CranktopoError(
+                "mesh: an element folds while the web's dimensions change.",
+                hint="Make a new mesh, or smaller steps.",
+                code=ExitCode.SOLVER,
+            )
+        return mesh
+
+    def quality(self, mesh: TetMesh) -> float:
+        """Least Jacobian of the elements over what it was when the mesh was made; 0 or less is folded."""
+        return least_jacobian_ratio(mesh.points_mm, self.mesh.points_mm, self.mesh.cells)
+
+    def velocities(self, mesh: TetMesh, values: Array) -> Array:
+        """Motion of the nodes per mm or degree of each parameter, (3, nodes, parameters).
+
+        Args:
+            mesh: the mesh at these values.
+        """
+        contacts, at = self._contacts(mesh.points_mm, values), mesh.points_mm[:, self._surface]
+        wanted = [-face.slopes(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
+        here, there = self._led(values), [self._led(values + unit) for unit in np.eye(len(values))]
+        led = [np.stack([w[k] - here[k] for w in there], axis=-1) for k in range(len(here))]
+        return self._spread(self._rules(contacts, wanted, led))
+
+    def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, WebFace, Contact]]:
+        """Each face with its nodes as positions among the surface nodes."""
+        at = points_mm[:, self._surface]
+        pairs = [(np.flatnonzero(on), face) for on, face in zip(self._on, self._faces, strict=True)]
+        return [(nodes, face, face.contact(at[:, nodes], values)) for nodes, face in pairs]
+
+    def _led(self, values: Array) -> list[Array]:
+        """Ways of the nodes of each fillet from where the mesh was made, (n, 3), linear in the values."""
+        ways = []
+        for on, face in zip(self._on, self._faces, strict=True):
+            if isinstance(face, FilletFace):
+                start = self.mesh.points_mm[:, self._surface[on]]
+                ways.append((face.moved(start, self.values, values) - start).T)
+        return ways
+
+    def _rules(
+        self, contacts: list[tuple[Index, WebFace, Contact]], wanted: list[Array], led: list[Array]
+    ) -> _Rules:
+        """What the faces ask of the surface nodes.
+
+        Args:
+            wanted: motion along the normal of each face, (n, k).
+            led: motion of the nodes of each fillet, (n, 3, k).
+        """
+        count = len(self._surface)
+        matrix, asked = np.zeros((count, 3, 3)), np.zeros((count, 3, wanted[0].shape[1]))
+        for (nodes, _, contact), motion in zip(contacts, wanted, strict=True):
+            matrix[nodes] += contact.normal[:, :, None] * contact.normal[:, None, :]
+            asked[nodes] += contact.normal[:, :, None] * motion[:, None, :]
+        matrix[self._still], asked[self._still] = np.eye(3), 0.0
+        fillets = [nodes for nodes, face, _ in contacts if isinstance(face, FilletFace)]
+        for nodes, way in zip(fillets, led, strict=True):
+            matrix[nodes], asked[nodes] = np.eye(3), way
+        return _Rules(matrix, asked)
+
+    def _spread(self, rules: _Rules) -> Array:
+        """Motion of all nodes, (3, nodes, k), from what holds the surface nodes."""
+        count = rules.asked.shape[2]
+        motion = np.zeros((self.mesh.points_mm.shape[1], 3, count))
+        corner = self._surface < self._corners
+        corners = self._surface[corner]
+        own = _Rules(rules.matrix[corner], rules.asked[corner])
+        motion[corners] = self._skin.slide(corners, own)
+        inner = np.setdiff1d(np.arange(self._corners), corners)
+        motion[: self._corners] = self._body.fill(motion[: self._corners], inner)
+        motion[self._corners :] = motion[self._ends].mean(axis=0)
+        middle = self._surface[~corner]
+        rest = _Rules(rules.matrix[~corner], rules.asked[~corner])
+        motion[middle] = rest.least_motion(motion[middle])
+        return motion.transpose(1, 0, 2)
+
+
+class _Net:
+    """Springs along the edges of triangles or tetrahedra, stiffness one over the square of the length."""
+
+    def __init__(self, points_mm: Array, cells: Index) -> None:
+        sides = [cells[list(pair)].T for pair in combinations(range(len(cells)), 2)]
+        a, b = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0).T
+        weight = 1 / ((points_mm[:, a] - points_mm[:, b]) ** 2).sum(axis=0)
+        count = int(cells.max()) + 1
+        off = sp.coo_matrix((weight, (a, b)), shape=(count, count)).tocsr()
+        both = off + off.T
+        self._matrix = (sp.diags(np.asarray(both.sum(axis=1)).ravel()) - both).tocsr()
+
+    def slide(self, nodes: Index, rules: _Rules) -> Array:
+        """Motion of nodes, (n, 3, k), that keeps the rules and stretches the springs among them least."""
+        first = rules.least_motion(np.zeros_like(rules.asked))
+        directions, free = rules.free
+        matrix = sp.kron(self._matrix[nodes][:, nodes], sp.eye(3)).tocsr()
+        count = len(nodes)
+        blocks = sp.bsr_matrix((directions, np.arange(count), np.arange(count + 1))).tocsc()
+        basis = blocks[:, np.flatnonzero(free.ravel())]
+        flat = first.reshape(3 * count, -1)
+        if basis.shape[1] == 0:
+            return first
+        loads = -(basis.T @ (matrix @ flat))
+        along = solve_symmetric((basis.T @ matrix @ basis).tocsr(), loads, basis, "direct")
+        return np.asarray((flat + basis @ along).reshape(first.shape))
+
+    def fill(self, motion: Array, inner: Index) -> Array:
+        """Motion of all nodes, (n, 3, k), from that of all but the inner ones."""
+        result = motion.copy()
+        if len(inner):
+            held = np.setdiff1d(np.arange(len(motion)), inner)
+            rows, flat = self._matrix[inner], motion.reshape(len(motion), -1)
+            loads = -(rows[:, held] @ flat[held])
+            found = solve_symmetric(rows[:, inner].tocsr(), loads, sp.csr_matrix((len(inner), 0)), "direct")
+            result[inner] = found.reshape(len(inner), *motion.shape[1:])
+        return result
+
+
+def numbered(mesh: TetMesh) -> TetMesh:
+    """The mesh with its nodes numbered as scikit-fem numbers them, corners first."""
+    from skfem import MeshTet2
+
+    body = MeshTet2(mesh.points_mm, mesh.cells)
+    return TetMesh(body.doflocs, body.dofs.element_dofs, mesh.mirrored)
+
+
+def _edge_ends(cells: Index) -> Index:
+    """Both corners of every edge node, (2, edge nodes)."""
+    corners = int(cells[:4].max()) + 1
+    ends = np.zeros((2, int(cells.max()) + 1 - corners), dtype=np.intp)
+    for k, pair in enumerate(EDGES):
+        ends[:, cells[4 + k] - corners] = cells[list(pair)]
+    return ends
+
+
+def _surface_nodes(
+    mesh: TetMesh, faces: list[WebFace], values: Array, web_z_mm: tuple[float, float]
+) -> tuple[Index, Index, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Surface nodes, corners of the triangles (3, f), which node is on which face, which stand still.
+
+    Raises:
+        CranktopoError: part of the web's surface belongs to none of its faces.
+    """
+    local, owners = boundary_faces(mesh.cells)
+    numbers = mesh.cells[local, owners]
+    points = mesh.points_mm[:, numbers]  # (3, 6, f)
+    low, high = web_z_mm[0] - _OUTSIDE_MM, web_z_mm[1] + _OUTSIDE_MM
+    away = (points[2, :3].min(axis=0) < low) | (points[2, :3].max(axis=0) > high)
+    face = _face_of(points, faces, values)
+    lost = ~away & (face < 0)
+    if lost.any():
+        x, y, z = points[:, :3, lost][:, :, 0].mean(axis=1)
+        raise CranktopoError(
+            f"mesh: the surface at x {x:.2f}, y {y:.2f}, z {z:.2f} mm belongs to no face of the web.",
+            hint="Report this design.",
+            code=ExitCode.INTERNAL,
+        )
+    surface = np.unique(numbers)
+    place = np.zeros(mesh.points_mm.shape[1], dtype=np.intp)
+    place[surface] = np.arange(len(surface))
+    on = np.zeros((len(faces), len(surface)), dtype=bool)
+    for k, one in enumerate(faces):
+        nodes = np.unique(place[numbers[:, ~away & (face == k)]])
+        near = one.contact(mesh.points_mm[:, surface[nodes]], values).distance_mm
+        on[k, nodes[np.abs(near) < _ON_FACE_MM]] = True  # edge nodes of straightened elements are off it
+    still = np.zeros(len(surface), dtype=bool)
+    still[np.unique(place[numbers[:, away]])] = True
+    return surface, numbers[:3], on, still
+
+
+def _face_of(points: Array, faces: list[WebFace], values: Array) -> Index:
+    """The face of each triangle, (f,), of those through its corners the one most parallel to it; -1: none."""
+    corners = points[:, :3]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], axis=0)
+    across /= np.linalg.norm(across, axis=0)
+    best, found = np.zeros(points.shape[2]), np.full(points.shape[2], -1)
+    for k, face in enumerate(faces):
+        contact = face.contact(corners.reshape(3, -1), values)
+        near = (np.abs(contact.distance_mm).reshape(3, -1) < _ON_FACE_MM).all(axis=0)
+        gradient = contact.gradient.reshape(3, -1, 3).mean(axis=0).T
+        parallel = np.where(near, np.abs((gradient * across).sum(axis=0)), 0.0)
+        found[parallel > best] = k
+        best = np.maximum(best, parallel)
+    return found

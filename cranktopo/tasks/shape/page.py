@@ -1,0 +1,138 @@
+"""The report of a shape optimisation as content: verdict, limits and their prices, dimensions, both webs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cranktopo.design.schema import Scene
+from cranktopo.report.gallery import gallery_picture
+from cranktopo.report.goal_table import limits_table
+from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.report.plot import picture
+from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.fea.clearance_section import clearance_sections
+from cranktopo.tasks.fea.error_bound import difference_bound_percent
+from cranktopo.tasks.fea.quantities import Quantity
+from cranktopo.tasks.shape.multiplier_text import prices_doubt, prices_table
+from cranktopo.tasks.shape.rounds_plot import draw_goal, draw_worst_limit
+from cranktopo.tasks.shape.sensitivity_text import dimensions_table, held_table, worst_case_table
+from cranktopo.tasks.shape.text import (
+    QUANTITIES_TOLD,
+    changes_table,
+    named_first,
+    rounds_table,
+    shape_headline,
+    trials_table,
+)
+
+
+def shape_page(
+    data: Mapping[str, Any], manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
+) -> Page:
+    """The report of a finished shape optimisation.
+
+    Args:
+        scene: of the original.
+        bodies: half throw of the result, then of the original.
+    """
+    return Page(
+        title=f"Best dimensions of the crank web of {data['design']}",
+        subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
+        headline=shape_headline(data),
+        facts=tuple(_fact(data, QUANTITIES_TOLD[key], key) for key in named_first(data)),
+        sections=(
+            _wanted(data),
+            *bound_sections(data, "the body-fitted evaluation"),
+            _dimensions(data),
+            *clearance_sections(scene, bodies),
+            _search(data),
+            _provenance(data, manifest),
+            versions_section(manifest["versions"]),
+        ),
+        scene3d=Scene3D(bodies),
+        picture=gallery_picture(bodies),
+    )
+
+
+def _fact(data: Mapping[str, Any], quantity: Quantity, key: str) -> Fact:
+    change = data["change_percent"][key]
+    error = _change_error_percent(data, key)
+    label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
+    shown = f"{change:+.1f} %" if not error else f"{change:+.1f} +-{error:.1g} %"
+    if abs(change) <= error:
+        return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
+    status: FactStatus = "good" if quantity.better * change > 0 else "bad"
+    return Fact(label, shown, note, status)
+
+
+def _change_error_percent(data: Mapping[str, Any], key: str) -> float:
+    """Bound of the error of a change; 0 where it is exact."""
+    kind = key.removesuffix("_per_mass")
+    entries = [data[which] for which in ("original", "result")]
+    if kind not in entries[0]["error_estimate_percent"]:
+        return 0.0
+    one, other = (entry["error_estimate_percent"][kind] for entry in entries)
+    triangles = any(entry["mesh"].get("triangles", False) for entry in entries)
+    return difference_bound_percent(one, other, triangles=triangles)
+
+
+def _wanted(data: Mapping[str, Any]) -> Section:
+    goal, doubt = data["goal"], prices_doubt(data)
+    sense = "minimise" if "minimise" in goal else "maximise"
+    return Section(
+        "goal",
+        f"Goal: {sense} {goal[sense].replace('_', ' ')}",
+        f"{data['stop_reason'].capitalize()}. What limits, rules and bounds cost is in percent of the "
+        f"original's, to first order{'; ' * bool(doubt)}{doubt}.",
+        (
+            ("Original and result, fillets included", changes_table(data)),
+            ("Limits, by the body-fitted evaluation", limits_table(goal)),
+            ("What limits, rules and bounds cost", prices_table(data)),
+        ),
+    )
+
+
+def _dimensions(data: Mapping[str, Any]) -> Section:
+    return Section(
+        "dimensions",
+        "What a millimetre is worth",
+        "Change of each quantity per millimetre or degree of each dimension, in percent of the original, by "
+        "exact gradients on body-fitted elements.",
+        (
+            ("Dimensions at the optimum", dimensions_table(data)),
+            ("Worst case within the tolerance, each dimension off the worst way", worst_case_table(data)),
+            ("What holds them", held_table(data)),
+        ),
+    )
+
+
+def _search(data: Mapping[str, Any]) -> Section:
+    return Section(
+        "search",
+        "How it was found",
+        f"{data['evaluations']} webs were solved. Features were tried on cells for what they gain in the "
+        "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
+        f"limits, and each result was evaluated on the default mesh; a ring marks the best.{_stand_in(data)}",
+        (("What was tried", trials_table(data)), ("Webs evaluated on the way", rounds_table(data))),
+        (
+            picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, data),
+            picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, data),
+        ),
+    )
+
+
+def _stand_in(data: Mapping[str, Any]) -> str:
+    """What stood for the goal on cells, where they do not know it."""
+    goal, on_cells = data["goal"], data.get("goal_on_cells", {})
+    name = next(iter(on_cells.values()), None)
+    if name in (None, goal.get("minimise"), goal.get("maximise")):
+        return ""
+    return f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
+
+
+def _provenance(data: Mapping[str, Any], manifest: Mapping[str, Any]) -> Section:
+    tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(data["assumed"]))
+    return Section("provenance", "Where this comes from", tables=tables)

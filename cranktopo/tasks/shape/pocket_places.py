@@ -1,0 +1,63 @@
+"""Where a pocket would pay most: what each cell is worth at an optimum, summed over pockets of two sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.numerics.optimisers.multipliers import Prices
+from cranktopo.tasks.refit.dimensions import with_part
+from cranktopo.tasks.shape.search import Found
+from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.web_model import WebModel
+from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.fitted_pocket import FittedPocket
+
+Array = NDArray[np.float64]
+_SIZES = (0.4, 0.25), (0.6, 0.5)
+"""Edge and depth of first pockets over the web's thickness: a search from the smaller one may close it where
+one from the larger one finds a pocket that pays."""
+_STEPS = 0.2
+"""Distance of the places tried over the web's thickness."""
+_KEPT_MM = 0.5
+"""By how much a start may break a rule; the search mends it."""
+_TRIED = 2
+"""Kinds tried of each size."""
+_KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in (True, False))
+
+
+def pocket_starts(
+    model: WebModel, best: Found, goal: SearchGoal, paid: Prices
+) -> Iterator[tuple[FittedFeature, Array]]:
+    """Pockets where they would gain most and keep the rules: of each size the most promising kinds first."""
+    worth = goal.worth(best.responses.by_cell, paid.limits)
+    for size in _SIZES:
+        found = []
+        for kind in _KINDS:
+            places = [(gain, values) for gain, values in _places(model, best, kind, worth, size) if gain > 0]
+            found += [(kind, *max(places, key=lambda place: place[0]))] if places else []
+        for kind, _, values in sorted(found, key=lambda item: -item[1])[:_TRIED]:
+            yield kind, values
+
+
+def _places(
+    model: WebModel, best: Found, kind: FittedPocket, worth: Array, size: tuple[float, float]
+) -> Iterator[tuple[float, Array]]:
+    """Gain and values of the pocket at each place of a lattice where it keeps walls and shoulders."""
+    scene, web = model.scene, model.web(replace(best.layout, parts=(*best.layout.parts, kind)))
+    thickness = scene.web.thickness_mm
+    step, depth = _STEPS * thickness, size[1] * thickness
+    edge = max(size[0] * thickness, 2 * model.domain.grid.largest_edge_mm)
+    low, high = best.values[:2]
+    across = np.arange(edge / 2, best.values[2 : best.layout.stations].max(), step) if kind.pair else [None]
+    for x in across:
+        for y in np.arange(low, high, step):
+            own = [*([] if x is None else [x]), y, edge, edge, depth]
+            _, values = with_part(best.layout, best.values, kind, np.array(own))
+            if web.constraints(values).max() < _KEPT_MM:
+                taken = best.responses.fill - model.fill(web, values)
+                yield float((worth * taken).sum()), np.array(own)

@@ -1,0 +1,194 @@
+"""Dimensions of a web by few webs on body-fitted elements; between two of them the search goes on cells.
+
+There the cells stand for the elements, brought to the value and the gradient of the last meshed web, so that
+an optimum of the cells that no longer moves is one of the elements (first-order model management: Alexandrov
+and Lewis, Optimization and Engineering 2, 2001, 413-430).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.progress import Work
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shape.search import Effort, Quantities, Webs, best_values
+from cranktopo.tasks.shape.search_goal import SearchGoal
+
+Array = NDArray[np.float64]
+_MISSED = 1.0
+"""What a relative excess of a limit costs in the goal when two webs are compared: above usual prices."""
+SHORTER = 0.25
+"""Factor on the reach after a step that did not pay."""
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """How long a refinement may be.
+
+    Attributes:
+        steps: most searches on cells, each followed by a meshed web.
+        evaluations: most webs on cells in each of them.
+        reach: how far a parameter may move in the first of them, mm or degrees.
+        settled: gain in the goal, over the original's, below which a step is not worth a mesh.
+    """
+
+    steps: int
+    evaluations: int
+    reach: float
+    settled: float
+
+
+@dataclass(frozen=True)
+class Told:
+    """Quantities by name, and their gradients by the parameters, per mm or degree."""
+
+    values: dict[str, float]
+    slopes: dict[str, Array]
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The best meshed web of a refinement.
+
+    Attributes:
+        found: its quantities on its mesh.
+        solved: webs solved on cells and on meshes.
+    """
+
+    values: Array
+    found: Quantities
+    merit: float
+    solved: int
+
+
+@dataclass(frozen=True)
+class Step:
+    """The web that a search beside an exact one ends in.
+
+    Attributes:
+        merit: what it promises.
+        solved: webs solved on cells.
+    """
+
+    values: Array
+    merit: float
+    solved: int
+
+
+class MatchedWebs:
+    """Webs of a rough model with the value and the gradient of an exact one at one web.
+
+    What the rough model does not know is linear.
+    """
+
+    def __init__(self, webs: Webs, at: Array, rough: Quantities, exact: Quantities) -> None:
+        """Match at a web.
+
+        Args:
+            at: (n,) its parameters.
+            rough, exact: its quantities in both models.
+        """
+        self._webs, self._at, self._rough, self._exact = webs, at, rough, exact
+
+    @property
+    def scene(self) -> Scene:
+        """The throw."""
+        return self._webs.scene
+
+    def web(self, layout: Layout) -> ParametricWeb:
+        """A web of the layout."""
+        return self._webs.web(layout)
+
+    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Told:
+        """Quantities of a web with these values."""
+        found = self._webs.responses(web, values, quantities)
+        told = {name: self._told(name, found, values - self._at) for name in quantities}
+        return Told(
+            {name: value for name, (value, _) in told.items()},
+            {name: slope for name, (_, slope) in told.items()},
+        )
+
+    def _told(self, name: str, found: Quantities, moved: Array) -> tuple[float, Array]:
+        value, slope = self._exact.values[name], self._exact.slopes[name]
+        if not self._rough.values.get(name):
+            return value + float(slope @ moved), slope
+        share = value / self._rough.values[name]
+        rest = slope - share * self._rough.slopes[name]
+        return share * found.values[name] + float(rest @ moved), share * found.slopes[name] + rest
+
+
+def merit(goal: SearchGoal, values: dict[str, float]) -> float:
+    """The goal, with what missed limits cost; smaller is better."""
+    return goal.objective(values) + _MISSED * float(np.maximum(goal.excesses(values), 0.0).sum())
+
+
+def refined(
+    cells: Webs,
+    meshed: Webs,
+    layout: Layout,
+    start: Array,
+    goal: SearchGoal,
+    work: Work,
+    extent: Refinement,
+    worth: float = np.inf,
+) -> Refined:
+    """The best web near a start by meshed webs, as few as can be.
+
+    Args:
+        goal: in the numbers of the meshed webs.
+        worth: merit to be reached. The web stays as it is once the next search promises less, where only that
+            share of its promise counts that the search before kept.
+
+    Raises:
+        CranktopoError: the start cannot be solved.
+    """
+    web = meshed.web(layout)
+    found = meshed.responses(web, start, goal.quantities)
+    best, solved, reach = Refined(start, found, merit(goal, found.values), 1), 1, extent.reach
+    kept_share = 1.0
+    for _ in range(extent.steps):
+        effort = Effort(extent.evaluations, reach, nearest=True)
+        step = stepped(cells, layout, best.values, best.found, goal, work, effort)
+        solved += step.solved
+        promised = best.merit - step.merit
+        if promised < extent.settled or best.merit - kept_share * promised > worth:
+            break
+        try:
+            found = meshed.responses(web, step.values, goal.quantities)
+        except CranktopoError as error:
+            work.info(f"a web on the way could not be solved ({error}): a shorter step instead")
+            reach *= SHORTER
+            continue
+        solved += 1
+        now = Refined(step.values, found, merit(goal, found.values), solved)
+        gain = best.merit - now.merit
+        if gain <= 0:
+            reach *= SHORTER
+            continue
+        best, kept_share = now, min(gain / promised, 1.0)
+    return replace(best, solved=solved)
+
+
+def stepped(
+    cells: Webs, layout: Layout, at: Array, exact: Quantities, goal: SearchGoal, work: Work, effort: Effort
+) -> Step:
+    """The best web by cells that are brought to the truth of one web; that web where none is better.
+
+    Args:
+        at: (n,) parameters of the web that is known exactly.
+        exact: its quantities.
+    """
+    rough = cells.responses(cells.web(layout), at, goal.quantities)
+    matched, private = MatchedWebs(cells, at, rough, exact), Work(work.info, {}, work.check)
+    values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
+    if values is None:
+        return Step(at, merit(goal, exact.values), solved + 1)
+    promised = matched.responses(matched.web(layout), values, goal.quantities).values
+    return Step(values, merit(goal, promised), solved + 2)

@@ -1,0 +1,120 @@
+"""A goal and its limits as numbers that a search can use: one objective, relative limits, their slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.design.goal.moved import size_of, with_error
+from cranktopo.design.goal.quantities import quantity_named
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SearchLimit:
+    """A limit in the units of the model that searches.
+
+    Attributes:
+        value: in the quantity's unit.
+        original: the original web's, which is the size of a limit of zero.
+        least_size: of a limit on what may be 0.
+    """
+
+    quantity: str
+    sense: Literal["<=", ">="]
+    value: float
+    original: float = field(default=1.0, compare=False)
+    least_size: float = field(default=0.0, compare=False)
+
+    @property
+    def sign(self) -> float:
+        """1 for an upper limit, -1 for a lower one."""
+        return 1.0 if self.sense == "<=" else -1.0
+
+    @property
+    def per_size(self) -> float:
+        """Its sign over its size, which turns an excess into a share."""
+        return self.sign / size_of(self.value, self.original, self.least_size)
+
+    def corrected(self, errors: Mapping[str, float]) -> SearchLimit:
+        """The limit for a model that errs."""
+        if self.quantity not in errors:
+            return self
+        return replace(self, value=with_error(self.quantity, self.value, errors[self.quantity]))
+
+    def tightened(self, share: float) -> SearchLimit:
+        """The limit moved by a share of its size."""
+        return replace(self, value=self.value - share / self.per_size)
+
+
+@dataclass(frozen=True)
+class SearchGoal:
+    """What a search minimises, and what it keeps.
+
+    Attributes:
+        quantity: the quantity of the goal.
+        sign: 1 minimises it, -1 maximises it.
+        scale: its value for the original web, which makes the objective one.
+        shift: by how much a model overrates a quantity that may be 0.
+    """
+
+    quantity: str
+    sign: float
+    scale: float
+    limits: tuple[SearchLimit, ...]
+    shift: float = 0.0
+
+    def objective(self, values: Mapping[str, float]) -> float:
+        """The goal, smaller is better; 1 or -1 for the original web."""
+        return self.sign * (values[self.quantity] - self.shift) / self.scale
+
+    def objective_slope(self, slopes: Mapping[str, Array]) -> Array:
+        """Its gradient, (parameters,)."""
+        return self.sign * slopes[self.quantity] / self.scale
+
+    def excesses(self, values: Mapping[str, float]) -> Array:
+        """How far each limit is missed over its size, kept where <= 0."""
+        return np.array([r.per_size * (values[r.quantity] - r.value) for r in self.limits])
+
+    def excess_slopes(self, slopes: Mapping[str, Array], parameters: int) -> Array:
+        """Their gradients (limits, parameters)."""
+        rows = [r.per_size * slopes[r.quantity] for r in self.limits]
+        return np.array(rows).reshape(len(rows), parameters)
+
+    def worth(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
+        """What the goal gains by emptying each cell, with the limits paid for at their prices.
+
+        Args:
+            by_cell: gradients of the quantities by the fill.
+            limits: prices, change of the goal per relative change of each limit.
+        """
+        result = self.sign * by_cell[self.quantity] / self.scale
+        for price, r in zip(limits, self.limits, strict=True):
+            result = result + price * r.per_size * by_cell[r.quantity]
+        return np.asarray(result)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Every quantity that it speaks of."""
+        return (self.quantity, *(r.quantity for r in self.limits))
+
+    def corrected(self, errors: Mapping[str, float]) -> SearchGoal:
+        """The same for a model that overrates some quantities by known errors, as `model_error` has them."""
+        found = replace(self, limits=tuple(limit.corrected(errors) for limit in self.limits))
+        if self.quantity not in errors:
+            return found
+        if quantity_named(self.quantity).signed:
+            return replace(found, shift=self.shift + errors[self.quantity])
+        return replace(found, scale=with_error(self.quantity, self.scale, errors[self.quantity]))
+
+    def reserved(self, share: float, quantities: Collection[str] | None = None) -> SearchGoal:
+        """The same with limits, or those of some quantities, that are tighter by a share of their sizes."""
+        moved = tuple(
+            r.tightened(share) if quantities is None or r.quantity in quantities else r for r in self.limits
+        )
+        return replace(self, limits=moved)

@@ -1,0 +1,274 @@
+"""The stage: a scene and a goal -> the dimensions of the best web that can be made.
+
+Features are chosen on cells, which are fast but know no fillets, err beside pockets and tell no fatigue;
+small gains are proven on coarse body-fitted elements. The web is then evaluated on the default mesh with all
+limits, and each finish is a short search beside the evaluated web, by the gradients of coarse elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.progress import Json, Work
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.multipliers import Prices
+from cranktopo.tasks.refit.dimensions import with_free
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.read_web import WebRead
+from cranktopo.tasks.shape.body_fitted import EvaluatedWeb, evaluated_web
+from cranktopo.tasks.shape.feature_selection import Growth, Trial
+from cranktopo.tasks.shape.free_bores import first_on_cells, not_on_cells
+from cranktopo.tasks.shape.goal_in_model import goal_on_cells, search_goal_of
+from cranktopo.tasks.shape.mesh_model import MeshResponses
+from cranktopo.tasks.shape.meshed_webs import MeshedWebs, coarse_shares
+from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
+from cranktopo.tasks.shape.search import HELD, Effort, prices_of, shaped_scene
+from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.web_model import WebModel, web_model
+
+Array = NDArray[np.float64]
+_SETTLED = 2e-3
+"""Gain in the goal, over the original's, that is worth an evaluation beside a web that keeps the limits."""
+_FINISH = Effort(20, 0.8, nearest=True)
+"""Of each finish: so near that cells brought to the evaluated web tell another one within 0.1 %."""
+_FILLET_FRACTION = 0.6
+"""Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
+_FREE_ROUNDS = 3
+"""So many times the finishes where dimensions are free that the cells do not know."""
+_SAFE, _SURE = 5e-4, 2e-3
+"""Part of a limit that the search keeps in reserve beside a web that keeps them all, and beside another."""
+_SCATTER = 5e-3
+"""The same of the fatigue safety: that of nearly equal webs scatters by half a percent from mesh to mesh."""
+
+
+@dataclass(frozen=True)
+class ShapeSettings:
+    """How a shape is searched for.
+
+    Attributes:
+        cell_mm: cells on which features are chosen.
+        mesh_mm: elements on which trials are judged and gradients taken.
+        rounds: most finishes, each followed by an evaluation; three times as many with free dimensions.
+        element_size_mm: of the evaluation; by default that of `evaluate`.
+    """
+
+    cell_mm: float = 4.0
+    mesh_mm: float = 8.0
+    rounds: int = 4
+    element_size_mm: float | None = None
+    limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
+
+
+@dataclass(frozen=True)
+class Round:
+    """A web that was found, and its evaluation.
+
+    Attributes:
+        values: its parameters, mm or degrees.
+        excess_percent: how far each limit of the goal is missed by the evaluation, %; 0 or less is kept.
+        evaluations: webs solved to find it.
+    """
+
+    web: EvaluatedWeb
+    values: Array
+    excess_percent: tuple[float, ...]
+    evaluations: int
+
+    @property
+    def missed(self) -> float:
+        """How far the limit that is missed most is missed by the evaluation, as a part; 0 or less is kept."""
+        return max(self.excess_percent, default=0.0) / 100
+
+    @property
+    def held(self) -> bool:
+        """Whether every limit is kept by the evaluation."""
+        return self.missed <= HELD
+
+
+@dataclass(frozen=True)
+class ShapeOptimum:
+    """The best web found.
+
+    Attributes:
+        stated: the goal in the units of the evaluation.
+        rounds: webs that were evaluated, in their order; the first is that of the cells.
+        best: position of the best of them.
+        trials: features and stations that were tried.
+        responses: quantities of the best web as the evaluation tells them, with their exact gradients.
+    """
+
+    goal: Goal
+    stated: SearchGoal
+    original: EvaluatedWeb
+    web: ParametricWeb
+    rounds: tuple[Round, ...]
+    best: int
+    trials: tuple[Trial, ...]
+    responses: MeshResponses
+    prices: Prices
+
+    @property
+    def result(self) -> Round:
+        """The best round."""
+        return self.rounds[self.best]
+
+    @property
+    def judge_seconds(self) -> float:
+        """What the evaluations on the default mesh took."""
+        return sum(web.seconds for web in (self.original, *(found.web for found in self.rounds)))
+
+
+def optimise_shape(
+    scene: Scene,
+    goal: Goal,
+    settings: ShapeSettings | None = None,
+    work: Work | None = None,
+    start: WebRead | None = None,
+) -> ShapeOptimum:
+    """The best web of the family for a goal; call inside `double_precision()`.
+
+    Args:
+        start: web to begin with; by default the scene's own, `scene_start`.
+
+    Raises:
+        CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
+    """
+    settings, work = settings or ShapeSettings(), work or Work()
+    fatigue = "fatigue_safety" in (goal.quantity, *(limit.quantity for limit in goal.limits))
+    own = None if scene.original is None else Path(scene.original.file)
+    original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
+    cells = web_model(scene, settings.limits, settings.cell_mm)
+    cases = cells.model.cases
+    chosen_for = goal_on_cells(goal)
+    if chosen_for != goal:
+        work.info(f"cells know no fatigue: features are chosen for the most {chosen_for.quantity} stiffness")
+    known = {name: original.values[name] for name in cells.original if name in original.values}
+    goals = (
+        search_goal_of(chosen_for, cells.original, original.values, cases),
+        search_goal_of(chosen_for, known, original.values, cases),
+    )
+    shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, original.values))
+    coarse = MeshedWebs(scene, settings.limits, settings.mesh_mm, shares=shares)
+    growth = Growth(cells, coarse, goals, original.values, work)
+    start = start or scene_start(scene, settings.limits)
+    told = first_on_cells(scene, start.sizes)
+    grown = growth.grown(growth.first(*with_free(start.layout, start.values, scene, told, start.sizes)))
+    stated = search_goal_of(goal, original.values, original.values, cases)
+    layout, first = with_free(grown.layout, grown.values, scene, not_on_cells(scene), start.sizes)
+    finish = _Finish(cells, stated, layout, original, settings, work)
+    rounds = finish.rounds(first)
+    best = _best(rounds, stated)
+    found = finish.anchored(rounds[best])
+    web = cells.web(layout)
+    paid = prices_of(scene, web, rounds[best].values, found, stated)
+    return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(growth.trials), found, paid)
+
+
+class _Finish:
+    """Webs of one layout on body-fitted elements, and what the default mesh says of them."""
+
+    def __init__(
+        self,
+        cells: WebModel,
+        goal: SearchGoal,
+        layout: Layout,
+        original: EvaluatedWeb,
+        settings: ShapeSettings,
+        work: Work,
+    ) -> None:
+        self._cells, self._scene = cells, cells.scene
+        self._goal, self._layout = goal, layout
+        self._original, self._settings, self._work = original, settings, work
+        self._fatigue = "fatigue_safety" in goal.quantities
+        self._anchor: tuple[Round, MeshResponses] | None = None
+
+    def anchored(self, web: Round) -> MeshResponses:
+        """The quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
+        if self._anchor is None or self._anchor[0] is not web:
+            fraction = _FILLET_FRACTION if self._fatigue else None
+            webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
+            found = webs.responses(webs.web(self._layout), web.values).brought_to(web.web.values)
+            self._anchor = (web, found)
+        return self._anchor[1]
+
+    @property
+    def _most_rounds(self) -> int:
+        """Dimensions that the cells do not know only move in the finishes, a little in each."""
+        return self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
+
+    def rounds(self, start: Array) -> tuple[Round, ...]:
+        """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
+        rounds, effort, missed = [self._evaluated(start, 0, 0)], _FINISH, 0.0
+        for number in range(1, self._most_rounds + 1):
+            before = rounds[_best(rounds, self._goal)]
+            try:
+                found = self._finished(before, number, effort, missed)
+            except CranktopoError as error:
+                self._work.info(f"finish {number} ended early, the best web before it stands: {error}")
+                break
+            if found is None:
+                break
+            rounds.append(found)
+            better = _best(rounds, self._goal) == number
+            if before.held and found.held and not better:
+                break
+            missed = 0.0 if better else missed + max(found.missed, 0.0)
+            if not better:
+                effort = replace(effort, reach=SHORTER * effort.reach)
+        return tuple(rounds)
+
+    def _finished(self, before: Round, number: int, effort: Effort, missed: float) -> Round | None:
+        """The best web near one that was evaluated, by its gradients; None where none promises to pay.
+
+        Args:
+            missed: part of a limit that the last webs found beside it missed; kept in reserve as well.
+        """
+
+        def make() -> Json:
+            reserve = (_SAFE if before.held else _SURE) + missed
+            goal = self._goal.reserved(reserve).reserved(_SCATTER, ("fatigue_safety",))
+            cells, exact, at = self._cells.webs(), self.anchored(before), before.values
+            step = stepped(cells, self._layout, at, exact, goal, self._work, effort)
+            return {"values": step.values.tolist(), "merit": step.merit, "solved": step.solved + 1}
+
+        kept = self._work.once(f"finish-{number}", make)
+        gain = merit(self._goal, before.web.values) - kept["merit"]
+        if kept["values"] == before.values.tolist() or (before.held and gain < _SETTLED):
+            self._work.info(f"finish {number}: no web beside promises {100 * _SETTLED:.1f} % more")
+            return None
+        return self._evaluated(np.array(kept["values"]), number, kept["solved"])
+
+    def _evaluated(self, values: Array, number: int, solved: int) -> Round:
+        scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
+        web = evaluated_web(scene, self._fatigue, size, f"evaluation-{number}", self._work)
+        found = Round(web, values, tuple(100 * self._goal.excesses(web.values)), solved)
+        self._work.info(_round_text(number, found, self._original))
+        return found
+
+
+def _best(rounds: Sequence[Round], goal: SearchGoal) -> int:
+    """The held round with the best goal by the evaluation, the first of equals; else the nearest to held."""
+    held = [index for index, found in enumerate(rounds) if found.held]
+    if held:
+        return min(held, key=lambda i: (round(goal.objective(rounds[i].web.values), 6), i))
+    return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].missed, 4), i))
+
+
+def _round_text(number: int, found: Round, original: EvaluatedWeb) -> str:
+    changes = ", ".join(
+        f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+.2f} %"
+        for name in ("mass", "torsion", "bending", "fatigue_safety")
+        if name in original.values
+    )
+    told = f"finish {number}" if number else "web of the cells"
+    return f"{told}: {changes} by the evaluation; limits {'kept' if found.held else 'missed'}"

@@ -1,0 +1,143 @@
+"""`cranktopo sweep`
+
+Many points of a design space on all cores or a cluster: table, Pareto front and page.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from cranktopo.base.errors import ExitCode
+from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.goal_options import goal_options
+from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
+from cranktopo.cli.parameters import CELL_MM, Choice
+from cranktopo.cli.verbosity import info, verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.tasks.sweep.plan import SweepPlan
+
+
+@click.command("sweep")
+@click.argument("target", required=False, metavar="[DESIGN|FILE]", shell_complete=designs)
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="KEY=VALUES",
+    help="A key of the scene and its values: A:B:N, or A:B with --sampling, or a,b,c; repeatable.",
+)
+@click.option(
+    "--stage",
+    type=Choice(["evaluate", "fatigue", "optimise", "remodel", "shape"]),
+    help="How far each point goes.  [default: evaluate]",
+)
+@goal_options
+@click.option(
+    "--sampling",
+    type=Choice(["grid", "latin", "sobol"]),
+    help="All combinations, a Latin hypercube or a Sobol sequence.  [default: grid]",
+)
+@click.option("--samples", type=click.IntRange(1, 100_000), help="Points of such a sampling.")
+@click.option("--element-size-mm", type=CELL_MM, help="Of evaluations; by default that of `evaluate`.")
+@click.option(
+    "--accuracy",
+    "accuracy_percent",
+    metavar="PERCENT",
+    callback=percent,
+    help="Wanted error of evaluations, such as 1%.",
+)
+@click.option(
+    "--refine",
+    type=Choice(["all", "front"]),
+    help="front: coarse first, full accuracy for what may be on the front alone.  [default: all]",
+)
+@click.option(
+    "--budget",
+    "budget_s",
+    metavar="TIME",
+    callback=seconds,
+    help="Time for points at full accuracy with --refine front, such as 10min; the picks come first.",
+)
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), help="Processes here; default: as cores and memory allow."
+)
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="A Dask scheduler to use instead, such as tcp://10.0.0.5:8786."
+)
+@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
+@click.option(
+    "--resume",
+    metavar="RUN",
+    shell_complete=runs,
+    help="Continue a sweep; finished points are kept.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print sweep.json.")
+@verbosity_options
+def command(
+    target: str | None,
+    workers: int | None,
+    scheduler: str | None,
+    out: Path | None,
+    resume: str | None,
+    as_json: bool,
+    **asked: Any,
+) -> ExitCode:
+    """Compute many variants of DESIGN, or those that a TOML FILE describes.
+
+    Points are computed side by side on this machine, or on a Dask cluster. A web that cannot be is a row with
+    its reason. Writes table.csv, table.parquet, sweep.json, a page that opens from disk, and a directory for
+    each point. After Ctrl-C or a crash --resume goes on; no finished point is computed twice.
+
+    Example: cranktopo sweep mikron-iiic --vary "web.width_mm=46:56:6" --vary "throw.crankpin.fillet_mm=2,2.5"
+
+    Goals: cranktopo sweep --stage shape --minimise mass --limit "torsion >= 90:130:5 %"
+    """
+    if workers is not None and scheduler is not None:
+        raise click.UsageError("--scheduler excludes --workers: the cluster has its own")
+    if resume:
+        refuse_beside_resume("workers", "scheduler")
+    from cranktopo.tasks.sweep.computed import Workplace
+    from cranktopo.tasks.sweep.run import resume_sweep, run_sweep
+    from cranktopo.tasks.sweep.text import sweep_summary
+
+    place = Workplace(workers, scheduler)
+    if resume:
+        done = resume_sweep(resume, place, info)
+    else:
+        plan = _plan(target or DEFAULT_DESIGN, **asked)
+        done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]], info)
+    click.echo(json.dumps(done.data) if as_json else sweep_summary(done.data, done.folder))
+    return ExitCode.SOLVER if done.failed else ExitCode.DONE
+
+
+def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
+    from cranktopo.tasks.sweep.plan import sweep_plan
+    from cranktopo.tasks.sweep.plan_file import is_plan, read_plan
+    from cranktopo.tasks.sweep.variation import read_option
+
+    given = {name: value for name, value in asked.items() if value not in (None, ())}
+    if is_plan(target):
+        if vary or given:
+            raise click.UsageError(f"{target} says all of it: leave out {_typed()}")
+        return read_plan(Path(target))
+    if not vary and not given.get("limits"):
+        raise click.UsageError('nothing varies: give --vary "web.width_mm=46:56:6" or the like, or a FILE')
+    return sweep_plan([target], [read_option(text) for text in vary], **given)
+
+
+def _typed() -> str:
+    """The first option that says what a sweep is."""
+    context = click.get_current_context()
+    kept = ("target", "workers", "scheduler", "out", "as_json")
+    typed = (
+        p.opts[0]
+        for p in context.command.params
+        if p.name not in kept and context.get_parameter_source(str(p.name)) == ParameterSource.COMMANDLINE
+    )
+    return next(typed)

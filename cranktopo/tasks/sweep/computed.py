@@ -1,0 +1,140 @@
+"""The results of a sweep's points: kept or computed now, all at full accuracy or coarse first."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cranktopo.base.cores import usable_cores
+from cranktopo.base.progress import Json
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.sweep.executor import Engine, compute
+from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, row_of
+from cranktopo.tasks.sweep.plan import SweepPlan
+from cranktopo.tasks.sweep.points import Point
+from cranktopo.tasks.sweep.progress import Progress
+from cranktopo.tasks.sweep.refine import worth_refining
+from cranktopo.tasks.sweep.stages import FAILED, IMPOSSIBLE
+from cranktopo.tasks.sweep.web_view import VIEW
+from cranktopo.tasks.sweep.workers import point_memory_MiB, workers_for
+
+COARSE, FULL = "coarse", "full"
+"""The accuracy at which a row stands, where points are computed coarse first."""
+
+
+@dataclass(frozen=True)
+class Workplace:
+    """Where the points of a sweep are computed; without anything, on all cores of this machine."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+
+
+@dataclass(frozen=True)
+class Computed:
+    """The row of every point in order, and what they are compared with.
+
+    Attributes:
+        webs: what the page shows of each web, by id.
+        undecided: ids of points that may be on the front, for which the budget left no time.
+    """
+
+    rows: tuple[Json, ...]
+    original: Json
+    webs: Mapping[str, str]
+    undecided: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Session:
+    """What computing the points of a sweep takes.
+
+    Attributes:
+        root: run directory, absolute.
+    """
+
+    root: str
+    plan: SweepPlan
+    place: Workplace
+    info: Info
+    function: PointFunction | None = None
+
+    def computed(self, points: Sequence[Point], looks: Sequence[Point], original: Point) -> Computed:
+        """All rows.
+
+        Args:
+            looks: the same points in the same order as a first look computes them; none where all of them
+                are computed at full accuracy.
+        """
+        if looks:
+            return self._front_refined(points, looks, original)
+        found = self._results([*points, original])
+        rows = tuple(_row(point, found[point.id]) for point in points)
+        return Computed(rows, _row(original, found[original.id]), _webs(found))
+
+    def _front_refined(self, points: Sequence[Point], looks: Sequence[Point], original: Point) -> Computed:
+        """Rounds of full accuracy until no other point may be on the front, or the time is used."""
+        self.info("first look: all points, coarse")
+        coarse = self._results([*looks, original])
+        pairs = [(point, coarse[look.id]) for point, look in zip(points, looks, strict=True)]
+        full = {point.id: row for point, row in pairs if point.reason}
+        reference = coarse[original.id]
+        end = time.monotonic() + (self.plan.budget_s or float("inf"))
+        while todo := worth_refining(pairs, full, reference):
+            if time.monotonic() >= end:
+                break
+            self.info(f"full accuracy: {len(todo)} points that may be on the front")
+            full |= self._results(todo, end)
+        rows = [
+            {**_row(point, full[point.id]), "accuracy": FULL}
+            if point.id in full
+            else {**_row(point, look), "accuracy": COARSE}
+            for point, look in pairs
+        ]
+        names = {point.id: look.id for point, look in zip(points, looks, strict=True)}
+        undecided = tuple(names[point.id] for point in todo)
+        return Computed(tuple(rows), _row(original, reference), _webs({**coarse, **full}), undecided)
+
+    def _results(self, points: Sequence[Point], end: float = float("inf")) -> dict[str, Json]:
+        """The result of every point by its id: kept, impossible from the start, or computed now.
+
+        Args:
+            end: time of the monotonic clock at which the rest is left.
+        """
+        jobs = [Job(point, self.root, self.function) for point in {p.id: p for p in points}.values()]
+        found: dict[str, Json] = {}
+        for job in jobs:
+            kept = row_of(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
+            if kept is not None:
+                found[job.point.id] = kept
+        progress = Progress(len(jobs), len(found), self.info)
+
+        def done(job: Job, result: Json) -> None:
+            if result["status"] != FAILED or "seconds" in result:
+                keep_result(job, result)
+            found[job.point.id] = result
+            progress.add(result["status"])
+
+        left = [job for job in jobs if job.point.id not in found]
+        if left:
+            compute(left, self._engine(len(left)), done, self.info, lambda: time.monotonic() >= end)
+        return found
+
+    def _engine(self, points: int) -> Engine:
+        plan, place = self.plan, self.place
+        if place.scheduler is not None:
+            return Engine(scheduler=place.scheduler)
+        memory = max(point_memory_MiB(plan.original, stage, plan.element_size_mm) for stage in plan.stages)
+        workers = workers_for(points, memory, place.workers)
+        return Engine(workers, max(1, usable_cores() // workers))
+
+
+def _webs(found: Mapping[str, Json]) -> dict[str, str]:
+    return {one: result[VIEW] for one, result in found.items() if VIEW in result}
+
+
+def _row(point: Point, result: Json) -> Json:
+    """The result as of this point; `original` and a point of the same scene share one."""
+    told = {name: value for name, value in result.items() if name != VIEW}
+    return {**told, "varied": dict(point.varied), "design": point.design}

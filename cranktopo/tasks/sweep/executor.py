@@ -1,0 +1,277 @@
+"""Jobs on Dask distributed: on this machine, or on a cluster that is there already."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Json
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.sweep.job import Job, do_job, row_of
+from cranktopo.tasks.sweep.stages import FAILED
+
+INSTALL = "pip install dask distributed bokeh pandas pyarrow"
+_BATCH = 500
+_RETRIES, _DEATHS = 2, 5
+"""How often a point is tried again after an error of the machine, and after the death of its worker."""
+_FIRST_S, _RETURN_S = 10.0, 120.0
+"""How long a scheduler is waited for: at the start, and when it was lost."""
+_AFTER_S = 5.0
+GONE_S = 30.0
+"""How long workers of our own may all be gone before new ones are started."""
+_LOOK_S = 0.5
+_SETTINGS = {
+    "distributed.scheduler.allowed-failures": _DEATHS,
+    "distributed.admin.large-graph-warning-threshold": "1 GiB",
+    "distributed.nanny.pre-spawn-environ.DASK_LOGGING__DISTRIBUTED": "critical",
+    # By default a worker gives back all memory that it frees, and waits for the pages of its next array.
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
+}
+Done = Callable[[Job, Json], None]
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Where jobs run.
+
+    Attributes:
+        workers: processes on this machine.
+        threads: cores that each of them has for itself.
+        scheduler: address of a Dask scheduler in place of workers of our own.
+    """
+
+    workers: int = 1
+    threads: int = 1
+    scheduler: str | None = None
+
+
+def check_scheduler(address: str | None) -> None:
+    """Check, before anything is written, that Dask is there and a scheduler answers.
+
+    Raises:
+        CranktopoError: Dask is missing, or no scheduler at the address.
+    """
+    _, distributed = _dask()
+    if address is not None:
+        with _quiet(), _connected(distributed, address, _FIRST_S):
+            pass
+
+
+class _LostError(Exception):
+    """The connection to the scheduler broke, or no worker of our own is left."""
+
+
+def compute(
+    jobs: Sequence[Job],
+    engine: Engine,
+    done: Done,
+    info: Info = lambda _: None,
+    enough: Callable[[], bool] = lambda: False,
+) -> None:
+    """Compute jobs, telling the end of each as it comes.
+
+    A lost scheduler is waited for, workers of our own that are all lost are replaced.
+
+    Args:
+        enough: asked after each; once it is so, the rest is left.
+
+    Raises:
+        CranktopoError: Dask is missing, no scheduler, or an output that cannot be written.
+        KeyboardInterrupt: Ctrl-C; jobs that were told are finished.
+    """
+    left = {job.point.id: job for job in jobs}
+    patience = _FIRST_S
+
+    def told(job: Job, result: Json) -> None:
+        del left[job.point.id]
+        done(job, result)
+
+    while left and not enough():
+        try:
+            with _client(engine, patience, info) as client:
+                _submit(client, list(left.values()), told, enough, own=engine.scheduler is None)
+        except _LostError:
+            patience = _RETURN_S
+            gone = f"the scheduler is lost; waiting up to {_RETURN_S:.0f} s for it to come back"
+            info(gone if engine.scheduler else "all workers are gone; starting new ones")
+            time.sleep(1.0)
+
+
+def _submit(client: Any, jobs: Sequence[Job], told: Done, enough: Callable[[], bool], *, own: bool) -> None:
+    from distributed import KilledWorker, as_completed
+
+    by_key = {f"cranktopo-{job.point.id}": job for job in jobs}
+    futures = client.map(do_job, jobs, key=list(by_key), retries=_RETRIES, pure=False, batch_size=_BATCH)
+    with _given_up(client, futures, own=own):
+        for future, result in as_completed(futures, loop=client.loop, with_results=True, raise_errors=False):
+            if future.status == "finished":
+                told(by_key[future.key], result)
+            elif future.status != "error":
+                raise _LostError
+            else:
+                error = result[1]
+                if isinstance(error, CranktopoError):
+                    raise error
+                died = isinstance(error, KilledWorker)
+                reason = f"its worker died more than {_DEATHS} times" if died else _told(error)
+                told(by_key[future.key], row_of(by_key[future.key], FAILED, reason))
+            future.release()
+            if enough():
+                client.cancel(futures, force=True)
+                return
+
+
+@contextmanager
+def _given_up(client: Any, futures: Sequence[Any], *, own: bool) -> Iterator[None]:
+    """What is left at the end is cancelled, and all of it once workers of our own are gone.
+
+    Dask starts a worker again that died, but not one whose start took too long; it would wait for ever.
+    """
+    over = threading.Event()
+    watch = threading.Thread(target=_cancel_without_workers, args=(client, futures, over), daemon=True)
+    if own:
+        watch.start()
+    try:
+        yield
+    except BaseException:
+        with contextlib.suppress(Exception):
+            client.cancel(futures, force=True)
+        raise
+    finally:
+        over.set()
+
+
+def _cancel_without_workers(client: Any, futures: Sequence[Any], over: threading.Event) -> None:
+    seen = time.monotonic()
+    while not over.wait(_LOOK_S):
+        if client.scheduler_info()["workers"]:
+            seen = time.monotonic()
+        elif time.monotonic() - seen > GONE_S:
+            client.cancel(futures, force=True)
+            return
+
+
+def _told(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+@contextmanager
+def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
+    """A connection to the scheduler, to one of our own where no other is asked for."""
+    dask, distributed = _dask()
+    with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
+        if engine.scheduler is None:
+            cluster = stack.enter_context(_closing(_local_cluster(distributed, engine)))
+            client = stack.enter_context(_closing(distributed.Client(cluster, set_as_default=False)))
+            client.register_plugin(_pinning(distributed, engine))
+        else:
+            client = stack.enter_context(_connected(distributed, engine.scheduler, patience_s))
+        known = "dashboard" in client.scheduler_info().get("services", {})
+        dashboard = f", dashboard: {client.dashboard_link}" if known else ""
+        info(f"scheduler: {client.scheduler.address}{dashboard}")
+        yield client
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what Dask logs of connections that break; what it means for the sweep is told by the sweep."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+def _dask() -> tuple[Any, Any]:
+    try:
+        import dask
+        import distributed
+    except ImportError as error:
+        raise CranktopoError(
+            f"a sweep runs on Dask, which cannot be loaded: {error}.",
+            hint=f"Install it: {INSTALL}",
+            code=ExitCode.MISSING_TOOL,
+        ) from None
+    return dask, distributed
+
+
+def _local_cluster(distributed: Any, engine: Engine) -> Any:
+    """Workers on this machine; without a limit of memory, because their number was chosen by it."""
+    return distributed.LocalCluster(
+        n_workers=engine.workers,
+        threads_per_worker=1,
+        memory_limit=0,
+        dashboard_address="127.0.0.1:0",
+        silence_logs=logging.CRITICAL,
+    )
+
+
+def _pinning(distributed: Any, engine: Engine) -> Any:
+    """A plugin that gives every worker cores of its own, so that two of them do not wait for each other.
+
+    It is made here because Dask is loaded late.
+    """
+
+    class Pinned(distributed.WorkerPlugin):  # type: ignore[misc]
+        """Cores by the number of the worker."""
+
+        name = "cranktopo-cores"
+
+        def setup(self, worker: Any) -> None:
+            """Take the cores; leave Ctrl-C, which a terminal sends to all, to the process that asked."""
+            pin(int(worker.name), engine.threads)
+            if threading.current_thread() is threading.main_thread():
+                signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    return Pinned()
+
+
+def pin(number: int, threads: int) -> None:
+    """Let this process run on the cores of worker `number` alone, where the system can do that."""
+    if not hasattr(os, "sched_setaffinity"):
+        return
+    cores = sorted(os.sched_getaffinity(0))
+    own = {cores[(number * threads + n) % len(cores)] for n in range(threads)}
+    for thread in os.listdir("/proc/self/task"):
+        with contextlib.suppress(OSError):  # it has ended meanwhile
+            os.sched_setaffinity(int(thread), own)
+
+
+@contextmanager
+def _connected(distributed: Any, address: str, patience_s: float) -> Iterator[Any]:
+    """A client of a scheduler that may still be coming up."""
+    try:
+        client = distributed.Client(address, timeout=patience_s, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise CranktopoError(
+            f"--scheduler {address}: cannot be reached: {error}.",
+            hint="Start one with 'dask scheduler', or leave --scheduler out; finished points are kept.",
+        ) from None
+    with _closing(client):
+        yield client
+
+
+@contextmanager
+def _closing(part: Any) -> Iterator[Any]:
+    """A client or a cluster that ends with the block; a worker in long work does not hold that up.
+
+    Workers end with this process in any case, and what they leave is continued by the next one.
+    """
+    try:
+        yield part
+    finally:
+        with contextlib.suppress(Exception):
+            part.close(timeout=_AFTER_S)

@@ -1,0 +1,153 @@
+"""One point as a job: computed once, kept as one small file, whoever asks for it and however often."""
+
+from __future__ import annotations
+
+import errno
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import UnwritableError, read_json, unwritable, write_json
+from cranktopo.base.progress import Json
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.runs.lock import locked
+from cranktopo.tasks.sweep.points import Point
+from cranktopo.tasks.sweep.stages import DONE, FAILED, IMPOSSIBLE, run_stage
+
+POINTS, RESULT = "points", "point.json"
+PointFunction = Callable[[Scene], Mapping[str, Any]]
+_WAIT_S = 1.0
+_TRY_AGAIN = (ExitCode.MISSING_TOOL, ExitCode.INTERRUPTED)
+_NO_WEB = (ExitCode.INVALID_INPUT, ExitCode.CRITERION_NOT_MET, ExitCode.NOT_CONVERGED)
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+_FIELDS = ("id", "stage", "design", "varied", "sha256")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A point with all that a worker needs to know.
+
+    Attributes:
+        root: directory of the sweep, absolute.
+        function: in place of the stages: numbers of a scene, by name.
+    """
+
+    point: Point
+    root: str
+    function: PointFunction | None = None
+
+    @property
+    def folder(self) -> Path:
+        """Directory of the point."""
+        return Path(self.root) / POINTS / self.point.id
+
+
+def kept_result(job: Job) -> Json | None:
+    """What a finished point told; None where it is still to be computed."""
+    file = job.folder / RESULT
+    return read_json(file) if file.is_file() else None
+
+
+def keep_result(job: Job, result: Json) -> None:
+    """Keep a result that was computed where the directory of the sweep cannot be seen."""
+    if not (job.folder / RESULT).is_file():
+        _make(job.folder)
+        write_json(job.folder / RESULT, result)
+
+
+def do_job(job: Job) -> Json:
+    """The result of a point, computed now unless it is kept already.
+
+    A worker that does not see the directory of the sweep computes in a folder of its own; whoever asked
+    keeps the result.
+
+    Raises:
+        CranktopoError: an output cannot be written, a tool is missing.
+    """
+    if not (Path(job.root) / "manifest.json").is_file():
+        with tempfile.TemporaryDirectory(prefix="cranktopo-point-") as folder:
+            return _computed(job, Path(folder))
+    try:
+        return _kept_or_computed(job)
+    except OSError as error:
+        if error.errno in _FULL:
+            raise unwritable(job.folder, error) from None
+        raise
+
+
+def _kept_or_computed(job: Job) -> Json:
+    _make(job.folder)
+    with _alone(job.folder):
+        kept = kept_result(job)
+        if kept is None:
+            kept = _computed(job, job.folder)
+            write_json(job.folder / RESULT, kept)
+        return kept
+
+
+def row_of(job: Job, status: str, reason: str = "") -> Json:
+    """What is known of a point that has no numbers."""
+    point = job.point
+    told = {name: getattr(point, name) for name in _FIELDS}
+    return {
+        **told,
+        "varied": dict(point.varied),
+        "run": "" if point.reason else f"{POINTS}/{point.id}",
+        "status": status,
+        "reason": reason,
+        "version": metadata.version("cranktopo"),
+    }
+
+
+def _computed(job: Job, folder: Path) -> Json:
+    began, point = time.perf_counter(), job.point
+    try:
+        scene = _named(scene_from_dict(dict(point.tables), point.design, whole=True), point.id)
+        if job.function is not None:
+            found = {str(name): value for name, value in job.function(scene).items()}
+        else:
+            found = run_stage(point.stage, scene, folder, point.fineness)
+    except UnwritableError:
+        raise
+    except CranktopoError as error:
+        if error.code in _TRY_AGAIN:
+            raise
+        return row_of(job, IMPOSSIBLE if error.code in _NO_WEB else FAILED, str(error))
+    return {**row_of(job, DONE), **found, "seconds": time.perf_counter() - began}
+
+
+def _named(scene: Scene, identity: str) -> Scene:
+    """Every point has a name of its own in tables and run directories."""
+    return scene.model_copy(update={"name": f"{scene.name}-{identity}"})
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(folder, error) from None
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Hold a point; where another worker holds it, as one that was thought dead, wait for its result."""
+    while True:
+        holding = locked(folder)
+        try:
+            holding.__enter__()
+            break
+        except UnwritableError:
+            raise
+        except CranktopoError:
+            time.sleep(_WAIT_S)
+    try:
+        yield
+    finally:
+        holding.__exit__(None, None, None)

@@ -1,0 +1,149 @@
+"""The page of a sweep: scatter, parallel coordinates, filters and table of its points, all linked."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from cranktopo.report.result_table import ResultTable
+from cranktopo.report.viewer.scene3d import SCRIPT
+from cranktopo.tasks.sweep.text import point_words
+
+_TEMPLATES = Path(__file__).parent / "template"
+_SCRIPT = SCRIPT.with_name("sweep.js")
+_MOST_LETTERS = 9_400_000
+"""Of the page's data; what does not fit has no picture in the page, and says so."""
+_DIGITS = 6
+_SENSES = {
+    "mass_kg": -1,
+    "web_mass_kg": -1,
+    "second_web_mass_kg": -1,
+    "inertia_kg_mm2": -1,
+    "unbalance_kg_mm": -1,
+    "torsion_Nm_per_rad": 1,
+    "bending_N_per_mm": 1,
+    "torsion_per_mass_Nm_per_rad_kg": 1,
+    "bending_per_mass_N_per_mm_kg": 1,
+    "fatigue_safety": 1,
+}
+"""Quantities of which less (-1) or more (+1) is better, in the order in which the page offers them."""
+_ERRORS = {
+    "torsion_Nm_per_rad": "torsion_error_percent",
+    "torsion_per_mass_Nm_per_rad_kg": "torsion_error_percent",
+    "bending_N_per_mm": "bending_error_percent",
+    "bending_per_mass_N_per_mm_kg": "bending_error_percent",
+}
+_TOLD_APART = ("id", "varied", "run", "reason", "sha256", "version", "target", "status", "design", "stage")
+
+
+def sweep_html(data: Mapping[str, Any], webs: Mapping[str, str]) -> str:
+    """The page as the text of an HTML file.
+
+    Args:
+        data: as sweep.json holds it.
+        webs: bodies by the id of their point, from `packed_web`; those of picks and front go first where
+            the page cannot hold all; without that of the original the page has no 3D view.
+    """
+    from jinja2 import Environment, FileSystemLoader
+    from markupsafe import Markup
+
+    environment = Environment(loader=FileSystemLoader(_TEMPLATES), autoescape=True)
+    style = "".join((_TEMPLATES / name).read_text(encoding="utf-8") for name in ("report.css", "sweep.css"))
+    numbers = _text(page_data(data))
+    original = webs.get(data["original"]["id"], "")
+    rows = {row["id"]: row for row in data["points"]}
+    scripts = [SCRIPT, _SCRIPT] if original else [_SCRIPT]
+    return environment.get_template("sweep.html.j2").render(
+        data=data,
+        objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data["objectives"]),
+        picks=[(name, point_words(data, rows[one])) for name, one in data["picks"].items()],
+        style=Markup(style),
+        script=Markup("".join(path.read_text(encoding="utf-8") for path in scripts)),
+        points=Markup(numbers),
+        webs=Markup(_text(_fitting(data, webs, _MOST_LETTERS - len(numbers)))),
+        original=Markup(original),
+        version=metadata.version("cranktopo"),
+    )
+
+
+def page_data(data: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page's program reads: columns, rows of cells, and which rows are what.
+
+    Returns:
+        `columns`: name, label, unit, whether it varied, better direction, column of its error in percent,
+        bound; `rows`, `original`: one cell per column; `about`: id, status, directory and reason of each row;
+        `coarse`: rows of a first look, which read too stiff and belong to no front.
+    """
+    rows = data["points"]
+    names = _columns(data)
+    place = {row["id"]: number for number, row in enumerate(rows)}
+    return {
+        "columns": [_column(name, names, data) for name in names],
+        "rows": [[_cell(_value(row, name)) for name in names] for row in rows],
+        "about": [[row["id"], row["status"], row["run"], row["reason"]] for row in rows],
+        "original": [_cell(_value(data["original"], name)) for name in names],
+        "front": [place[one] for one in data["front"]],
+        "coarse": [number for number, row in enumerate(rows) if row.get("accuracy") == "coarse"],
+        "picks": [[name, place[one]] for name, one in data["picks"].items()],
+    }
+
+
+def _text(data: object) -> str:
+    """As JSON that may stand in a script element."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return text.replace("</", "<\\/").replace("<!--", "<\\!--")
+
+
+def _fitting(data: Mapping[str, Any], webs: Mapping[str, str], letters: int) -> list[str | None]:
+    """The web of each row, as far as so many letters go: first those of picks and front, then by rows."""
+    rows = [row["id"] for row in data["points"]]
+    kept: dict[str, str] = {}
+    for one in dict.fromkeys([*data["picks"].values(), *data["front"], *rows]):
+        letters -= len(webs.get(one, ""))
+        if one in webs and letters > 0:
+            kept[one] = webs[one]
+    return [kept.get(one) for one in rows]
+
+
+def _columns(data: Mapping[str, Any]) -> list[str]:
+    """What varied, what is compared, and the rest, as far as any point tells it."""
+    rows: Sequence[Mapping[str, Any]] = data["points"]
+    told = dict.fromkeys(name for row in rows for name in row)
+    apart = [name for name in ("design", "stage") if len({row[name] for row in rows}) > 1]
+    compared = [name for name in _SENSES if name in told]
+    varied = [*data["varied"], *(name for name in apart if name not in data["varied"])]
+    rest = [name for name in told if name not in (*_TOLD_APART, *varied, *compared)]
+    return [*varied, *compared, *(name for name in rest if not name.startswith("bound_"))]
+
+
+def _column(name: str, names: Sequence[str], data: Mapping[str, Any]) -> dict[str, Any]:
+    label, unit = ResultTable({}, ()).head(name)
+    error = _ERRORS.get(name)
+    bounds = [row[f"bound_{name}"] for row in data["points"] if f"bound_{name}" in row]
+    sense = _SENSES.get(name, 0)
+    return {
+        "name": name,
+        "label": label,
+        "unit": unit,
+        "varied": name in data["varied"],
+        "sense": sense,
+        "error": names.index(error) if error in names else None,
+        "bound": _cell((min if sense < 0 else max)(bounds)) if bounds else None,
+    }
+
+
+def _value(row: Mapping[str, Any], name: str) -> Any:
+    return row["varied"].get(name, row.get(name)) if name not in _SENSES else row.get(name)
+
+
+def _cell(value: Any) -> Any:
+    """A number rounded for the page; words and yes or no as text; None where there is nothing."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | float):
+        return float(f"{value:.{_DIGITS}g}") if math.isfinite(value) else None
+    return None if value is None else str(value)

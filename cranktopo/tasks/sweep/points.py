@@ -1,0 +1,122 @@
+"""The points of a sweep: each a pure function of its scene and of how far it goes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import input_files, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.design.varying import with_value
+from cranktopo.runs.manifest import file_hash, settings_hash
+from cranktopo.tasks.sweep.fineness import Fineness
+from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan
+from cranktopo.tasks.sweep.variation import STAGE, Value
+
+_ID_LETTERS = 12
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point, whether it can be made or not.
+
+    Attributes:
+        id: beginning of the SHA-256 over scene and settings: the name of its directory.
+        sha256: all of it.
+        varied: value of every key that varies.
+        design: the design that it is a variant of.
+        tables: the tables of its scene as they would be written.
+        fineness: how exactly it is computed.
+        reason: why no such web can be; empty where it can.
+    """
+
+    id: str
+    sha256: str
+    stage: Stage
+    varied: Mapping[str, Value]
+    design: str
+    tables: Mapping[str, Any]
+    fineness: Fineness
+    reason: str = ""
+
+
+def points_of(
+    plan: SweepPlan, settings: Mapping[str, Any] | None = None, fineness: Fineness | None = None
+) -> tuple[Point, ...]:
+    """The points of a plan in order, those that are the same only once.
+
+    Args:
+        settings: what the result depends on beside scene, stage and fineness.
+        fineness: another one than that of the plan.
+    """
+    found: dict[str, Point] = {}
+    for design, tables in zip(plan.designs, plan.tables, strict=True):
+        for varied in varied_values(plan):
+            point = _point(plan, design, tables, varied, settings or {}, fineness or plan.fineness)
+            found.setdefault(point.sha256, point)
+    return tuple(found.values())
+
+
+def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> Point:
+    """The first design as it is, evaluated as far as the points are: what they are compared with."""
+    stage: Stage = "fatigue" if {"fatigue", "shape"} & set(plan.stages) else "evaluate"
+    original = replace(plan, stage=stage)
+    return _point(original, plan.designs[0], plan.tables[0], {}, settings or {}, plan.fineness)
+
+
+def varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
+    """Values of every key that varies, point after point."""
+    keys = [variation.key for variation in plan.vary]
+    if plan.sampling == "grid":
+        for values in itertools.product(*(variation.values for variation in plan.vary)):
+            yield dict(zip(keys, values, strict=True))
+        return
+    for shares in _samples(plan):
+        yield {v.key: v.at(share) for v, share in zip(plan.vary, shares, strict=True)}
+
+
+def _samples(plan: SweepPlan) -> Sequence[Sequence[float]]:
+    """Points of the unit cube; a Sobol sequence is drawn up to a power of two and cut."""
+    from scipy.stats import qmc
+
+    count, dimensions = plan.samples or 1, len(plan.vary)
+    if plan.sampling == "latin":
+        return cast("list[list[float]]", qmc.LatinHypercube(dimensions, rng=plan.seed).random(count).tolist())
+    sequence = qmc.Sobol(dimensions, rng=plan.seed)
+    drawn = sequence.random_base2(math.ceil(math.log2(count)))
+    return cast("list[list[float]]", drawn[:count].tolist())
+
+
+def _point(
+    plan: SweepPlan,
+    design: str,
+    tables: dict[str, Any],
+    varied: Mapping[str, Value],
+    settings: Mapping[str, Any],
+    fineness: Fineness,
+) -> Point:
+    stage = cast(Stage, varied.get(STAGE, plan.stage))
+    for key, value in varied.items():
+        if key != STAGE:
+            tables = with_value(tables, key, value)
+    scene, reason = _scene(tables, design, whole=stage not in OPTIMISED)
+    files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
+    known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
+    sha256 = settings_hash(tables if scene is None else _given(scene), known)
+    return Point(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
+
+
+def _given(scene: Scene) -> dict[str, Any]:
+    """The scene without what is as by default: keys that a later version adds leave the hash as it is."""
+    return scene.model_dump(mode="json", exclude_defaults=True)
+
+
+def _scene(tables: dict[str, Any], design: str, whole: bool) -> tuple[Scene | None, str]:
+    try:
+        return scene_from_dict(tables, design, whole=whole), ""
+    except CranktopoError as error:
+        return None, str(error)

@@ -1,0 +1,171 @@
+"""A sweep as a run directory: its points, its table, its Pareto front, its page."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.files import write_json, write_text
+from cranktopo.base.progress import Json
+from cranktopo.design.new_run import new_run
+from cranktopo.design.varying import value_at
+from cranktopo.report.report_file import REPORT
+from cranktopo.runs.directories import RunStore, check_destination, open_run
+from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind
+from cranktopo.runs.status import working_in
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.sweep.computed import COARSE, Computed, Session, Workplace
+from cranktopo.tasks.sweep.executor import check_scheduler
+from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
+from cranktopo.tasks.sweep.job import PointFunction
+from cranktopo.tasks.sweep.page import sweep_html
+from cranktopo.tasks.sweep.plan import SweepPlan, plan_from_json
+from cranktopo.tasks.sweep.points import Point, original_of, points_of
+from cranktopo.tasks.sweep.stages import DONE, FAILED
+from cranktopo.tasks.sweep.table import frame_of, write_tables
+
+if TYPE_CHECKING:
+    import pandas
+
+SCHEMA_VERSION = 1
+TABLE = "table"
+
+
+@dataclass(frozen=True)
+class SweptRun:
+    """A finished sweep; `data` is the content of sweep.json."""
+
+    folder: Path
+    data: Json
+
+    @property
+    def frame(self) -> pandas.DataFrame:
+        """One row per point, units in the column names."""
+        return frame_of(self.data["points"], self.data["front"])
+
+    @property
+    def failed(self) -> int:
+        """Points that failed, of webs that may well be possible."""
+        return sum(row["status"] == FAILED for row in self.data["points"])
+
+
+def run_sweep(
+    plan: SweepPlan,
+    place: Workplace | None = None,
+    out: Path | None = None,
+    command: Sequence[str] = (),
+    info: Info = lambda _: None,
+    function: PointFunction | None = None,
+) -> SweptRun:
+    """Compute all points of a plan in a new run directory; nothing is written before all is checked.
+
+    Args:
+        place: workers of this machine, or the address of a Dask scheduler.
+        out: run directory; by default a new one under runs/.
+        command: the command line, for the manifest.
+        info: called with lines of progress.
+        function: in place of the stages: numbers of a scene, by name.
+
+    Raises:
+        CranktopoError: bad input, no point that can be, Dask missing, or interruption (exit code 130).
+    """
+    check_destination(out)
+    points = points_of(plan, _settings(function))
+    if all(point.reason for point in points):
+        raise CranktopoError(f"no point of the sweep can be: {points[0].reason}", hint="Check the values.")
+    if function is not None and plan.refine == "front":
+        raise invalid("refine", plan.refine, "a function has one accuracy alone", "Leave it out.")
+    check_scheduler(None if place is None else place.scheduler)
+    run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **_settings(function)})
+    return _worked(run, plan, points, place or Workplace(), info, function)
+
+
+def resume_sweep(
+    reference: str,
+    place: Workplace | None = None,
+    info: Info = lambda _: None,
+    function: PointFunction | None = None,
+) -> SweptRun:
+    """Continue a sweep: points that have ended are read, not repeated.
+
+    Args:
+        reference: its run directory.
+        function: the same that it was started with, where it was with one.
+
+    Raises:
+        CranktopoError: no sweep, a changed input, another function, or as `run_sweep`.
+    """
+    run = open_run(reference)
+    require_kind(run, SWEEP)
+    run.require_same_inputs()
+    options = run.manifest()["options"]
+    wanted = options.get("function")
+    if wanted != _settings(function).get("function"):
+        raise CranktopoError(
+            f"run '{run.path}': was started with {wanted or 'no function'}.",
+            hint="Continue it in Python: resume=DIR with that function."
+            if wanted
+            else "Leave the function out.",
+        )
+    plan = plan_from_json(options[SWEEP])
+    run.resume()
+    return _worked(run, plan, points_of(plan, _settings(function)), place or Workplace(), info, function)
+
+
+def _settings(function: PointFunction | None) -> dict[str, Any]:
+    return {} if function is None else {"function": f"{function.__module__}.{function.__qualname__}"}
+
+
+def _worked(
+    run: RunStore,
+    plan: SweepPlan,
+    points: Sequence[Point],
+    place: Workplace,
+    info: Info,
+    function: PointFunction | None,
+) -> SweptRun:
+    began, original = time.perf_counter(), original_of(plan, _settings(function))
+    settings = _settings(function)
+    looks = points_of(plan, settings, plan.fineness.first_look) if plan.refine == "front" else ()
+    with working_in(run, "finished points are kept") as check:
+        session = Session(str(run.path.resolve()), plan, place, info, function)
+        found = session.computed(points, looks, original)
+        check()
+        data = _told(run, plan, found)
+        frame = frame_of(data["points"], data["front"])
+        data["files"] = {**write_tables(frame, run.path, TABLE), "page": REPORT}
+        write_text(run.path / REPORT, sweep_html(data, found.webs))
+        data["seconds"] = {"total": time.perf_counter() - began}
+        write_json(run.path / RESULT_FILES[SWEEP], data)
+    run.log(", ".join(f"{count} {status}" for status, count in data["ends"].items()))
+    return SweptRun(run.path, data)
+
+
+def _told(run: RunStore, plan: SweepPlan, found: Computed) -> Json:
+    """The content of sweep.json but for files and seconds; coarse numbers have no say in front and picks."""
+    rows = list(found.rows)
+    finished = [row for row in rows if row["status"] == DONE and row.get("accuracy") != COARSE]
+    own = plan.original.model_dump(mode="json")
+    varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
+    reference = {**found.original, "varied": varied}
+    known = reference if reference["status"] == DONE else None
+    front, objectives = front_of(finished)
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "run": run.name,
+        "design": plan.designs[0],
+        "varied": [variation.key for variation in plan.vary],
+        "sampling": plan.sampling,
+        "points": rows,
+        "ends": dict(Counter(row["status"] for row in rows)),
+        "original": reference,
+        "objectives": {name: "less" if OBJECTIVES[name] < 0 else "more" for name in objectives},
+        "front": front,
+        "picks": picks_of([row for row in finished if row["id"] in set(front)], known),
+        **({"undecided": list(found.undecided)} if plan.refine == "front" else {}),
+    }

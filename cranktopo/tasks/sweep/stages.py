@@ -1,0 +1,196 @@
+"""How far a point goes: evaluation, fatigue, optimisation, re-model or shape, each judged alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import read_json, write_text
+from cranktopo.base.progress import Json
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.report.goal_table import broken_limits
+from cranktopo.runs.directories import open_run
+from cranktopo.runs.kind import SHAPE, RunKind, read_result
+from cranktopo.tasks.fea.targets import Target, simulated
+from cranktopo.tasks.sweep.fineness import Fineness
+from cranktopo.tasks.sweep.plan import Stage
+from cranktopo.tasks.sweep.web_view import VIEW, web_view
+
+DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
+"""In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
+DONE, IMPOSSIBLE, FAILED = "done", "impossible", "failed"
+"""How a point ended: with numbers, with a reason why there is no such web, by a failed solve or worker."""
+COMMAND = ("cranktopo", "sweep")
+"""In the manifests of the runs below a sweep; the sweep's own manifest has the whole line."""
+StageFunction = Callable[[Scene, Path, Fineness], Json]
+
+
+def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    """What a stage tells of a scene: quantities with units in their names, `target` for `compare`, `view`.
+
+    Args:
+        folder: directory of the point; what an interrupted stage left there is continued.
+
+    Raises:
+        CranktopoError: a web that cannot be, a failed solve, or an optimisation without a body.
+    """
+    scene = fineness.scene(scene)
+    write_text(folder / DESIGN, toml_text(scene, f"Point of a sweep: {stage} of this design"))
+    return _STAGES[stage](scene, folder, fineness)
+
+
+def columns_of(entry: Mapping[str, Any]) -> Json:
+    """The quantities of an entry of `evaluate --json`, units in the names, for the supports of its scene."""
+    supports, masses = entry["supports"], entry["mass_kg"]
+    mass = masses["throw"]
+    torsion = entry["torsion"][f"{supports['torsion']}_Nm_per_rad"]
+    bending = entry["bending"][f"{supports['bending']}_N_per_mm"]
+    errors = entry["error_estimate_percent"]
+    return {
+        "mass_kg": mass,
+        "web_mass_kg": masses["web"],
+        **({"second_web_mass_kg": masses["second_web"]} if "second_web" in masses else {}),
+        "inertia_kg_mm2": entry["inertia_kg_mm2"],
+        "unbalance_kg_mm": entry["unbalance_kg_mm"],
+        "torsion_Nm_per_rad": torsion,
+        "bending_N_per_mm": bending,
+        "torsion_per_mass_Nm_per_rad_kg": torsion / mass,
+        "bending_per_mass_N_per_mm_kg": bending / mass,
+        "torsion_error_percent": errors["torsion"],
+        "bending_error_percent": errors["bending"],
+    }
+
+
+def _evaluated(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    web = Target(scene.name, simulated(scene))
+    return {**_judged(web, fineness), "target": DESIGN, VIEW: web_view(web)}
+
+
+def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    from cranktopo.tasks.fatigue.stage import assess_fatigue
+
+    web = Target(scene.name, simulated(scene, fillets=True))
+    safety = assess_fatigue([web]).fields[0].critical.safety
+    judged = _judged(Target(scene.name, simulated(scene)), fineness)
+    return {**judged, "fatigue_safety": safety, "target": DESIGN, VIEW: web_view(web)}
+
+
+def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    metrics = _densities(scene, folder)
+    surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics["files"]["stl"], folder / RUN)
+    judged = _judged(surface, fineness)
+    return {**judged, **_limits(metrics), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
+
+
+def _densities(scene: Scene, folder: Path) -> Json:
+    """The metrics of the density optimisation of a point, begun, continued or finished."""
+    from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
+
+    run = folder / RUN
+    metrics = _finished(run, "optimise")
+    if metrics is None:
+        begun = _begun(run)
+        done = resume_optimisation(str(run)) if begun else optimise_design(scene, run, command=COMMAND)
+        metrics = done.metrics
+    if "refusal" in metrics["surface"]:
+        raise CranktopoError(
+            f"the optimisation has no web: {metrics['surface']['refusal']}", code=ExitCode.NOT_CONVERGED
+        )
+    return metrics
+
+
+def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    from cranktopo.tasks.refit.stage import remodel_run
+
+    metrics = _densities(scene, folder)
+    done = folder / REMODEL / "remodel.json"
+    if not done.is_file():
+        remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
+    data = read_json(done)
+    file = f"{REMODEL}/{data['files']['design']}"
+    web = Target(scene.name, simulated(load_scene(str(folder / file))))
+    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
+
+
+def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    from cranktopo.design.goal.changing import with_goal
+    from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
+
+    run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
+    data = _finished(run, SHAPE)
+    if data is None:
+        settings = fineness.shape_settings(shape_settings(wanted), wanted)
+        begun = _begun(run)
+        done = resume_shape(str(run)) if begun else shape_design(wanted, settings, run, command=COMMAND)
+        data = done.data
+    safety = data["values"]["result"].get("fatigue_safety")
+    file = f"{RUN}/{data['files']['design']}"
+    shaped = load_scene(str(folder / file))
+    return {
+        **columns_of(data["result"]),
+        **({} if safety is None else {"fatigue_safety": safety}),
+        **_limits(data),
+        **_bound(data),
+        **_told(data),
+        "target": file,
+        VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
+    }
+
+
+_STAGES: Mapping[Stage, StageFunction] = {
+    "evaluate": _evaluated,
+    "fatigue": _fatigue,
+    "optimise": _optimised,
+    "remodel": _remodelled,
+    "shape": _shaped,
+}
+
+
+def _judged(target: Target, fineness: Fineness) -> Json:
+    return columns_of(fineness.evaluation(target).as_json())
+
+
+def _begun(run: Path) -> bool:
+    return (run / "manifest.json").is_file()
+
+
+def _finished(run: Path, kind: RunKind) -> Json | None:
+    """What a run that is done reached; None where it has still to be begun or continued."""
+    if not _begun(run):
+        return None
+    store = open_run(str(run))
+    return read_result(store) if store.manifest()["status"] == "done" else None
+
+
+def _told(data: Mapping[str, Any]) -> Json:
+    """How an optimisation ended."""
+    return {"optimiser_status": data["status"], "iterations": data["iterations"]}
+
+
+def _limits(data: Mapping[str, Any]) -> Json:
+    """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
+    goal = data.get("goal")
+    if not goal:
+        return {}
+    broken = broken_limits(goal)
+    told = {"status": IMPOSSIBLE, "reason": f"no web found that holds {'; '.join(broken)}"} if broken else {}
+    return {"limits_hold": not broken, **told}
+
+
+def _bound(data: Mapping[str, Any]) -> Json:
+    """What no web of the point's envelope can beat, named after its quantity."""
+    bound = data.get("bound") or {}
+    names = {
+        "mass": "mass_kg",
+        "torsion": "torsion_Nm_per_rad",
+        "bending": "bending_N_per_mm",
+        "torsion_per_mass": "torsion_per_mass_Nm_per_rad_kg",
+        "bending_per_mass": "bending_per_mass_N_per_mm_kg",
+    }
+    name = names.get(bound.get("quantity", ""))
+    return {} if name is None or bound.get("value") is None else {f"bound_{name}": bound["value"]}

@@ -1,0 +1,144 @@
+"""What varies in a sweep: a key of the scene with its values, or the two ends between which it is sampled."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid, shown
+from cranktopo.design.varying import key_parts
+
+Value = str | float | int | bool
+STAGE = "stage"
+"""Beside the keys of a scene, how far a point goes may vary."""
+_FORM = "must be KEY=A:B:N, KEY=A:B with samples, or KEY=a,b,c"
+_LIMIT = re.compile(r"(?P<sign>[<>]=)\s*(?P<numbers>[^\s:,]+:[^\s:,]+:[^\s:,]+)\s*(?P<unit>[^:,\d]*)")
+"""A limit of a goal with a range in place of its number: `>= 90:130:5 %`."""
+MOST = 100_000
+"""Points of a sweep; whoever asks for more has a slip in a count."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A key and what it takes.
+
+    Attributes:
+        key: path in the scene, `web.pocket[0].diameter_mm`, or `stage`.
+        values: in order; empty where the key is sampled between two ends.
+        ends: lowest and highest value of a sampled key.
+    """
+
+    key: str
+    values: tuple[Value, ...] = ()
+    ends: tuple[float, float] | None = None
+
+    def at(self, share: float) -> Value:
+        """The value at a share from 0 up to 1 of the range, or of the list."""
+        if self.ends is None:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        low, high = self.ends
+        return float(f"{low + share * (high - low):.6g}")
+
+
+def read_option(text: str) -> Variation:
+    """A variation as `--vary` takes it: `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`.
+
+    Raises:
+        CranktopoError: another form, or a range without numbers.
+    """
+    key, equals, rest = text.partition("=")
+    if not equals or not key.strip() or not rest.strip():
+        raise _refused(f"--vary {shown(text)}")
+    return read_text(key.strip(), rest.strip())
+
+
+def read_text(key: str, text: str) -> Variation:
+    """A variation from what stands behind its key.
+
+    Raises:
+        CranktopoError: no key path, or a range whose numbers make no sense.
+    """
+    key_parts(key)
+    limit = _LIMIT.fullmatch(text.strip())
+    if limit is not None:
+        numbers = _range(key, limit["numbers"].split(":")).values
+        return Variation(key, tuple(f"{limit['sign']} {n:g} {limit['unit']}".rstrip() for n in numbers))
+    parts = text.split(":")
+    if len(parts) in (2, 3) and all(_number(part) is not None for part in parts):
+        return _range(key, parts)
+    return Variation(key, _finite(key, [_value(part.strip()) for part in text.split(",")]))
+
+
+def read_entry(key: str, entry: object) -> Variation:
+    """A variation from the table `[vary]` of a file: text as on the command line, a list, or one value.
+
+    Raises:
+        CranktopoError: as `read_option`, or a list that holds no plain values.
+    """
+    if isinstance(entry, str):
+        return read_text(key, entry)
+    values: list[Any] = list(entry) if isinstance(entry, list | tuple) else [entry]
+    key_parts(key)
+    if not values or not all(isinstance(value, str | int | float) for value in values):
+        raise _refused(f"vary.{key} = {shown(entry)}")
+    return Variation(key, _finite(key, values))
+
+
+def as_json(variation: Variation) -> dict[str, Any]:
+    """Plain data that `from_json` reads."""
+    ends = {} if variation.ends is None else {"ends": list(variation.ends)}
+    return {"key": variation.key, "values": list(variation.values), **ends}
+
+
+def from_json(data: Mapping[str, Any]) -> Variation:
+    """A variation as `as_json` wrote it."""
+    ends = data.get("ends")
+    return Variation(str(data["key"]), tuple(data["values"]), None if ends is None else (ends[0], ends[1]))
+
+
+def _range(key: str, parts: list[str]) -> Variation:
+    numbers = [_number(part) for part in parts]
+    low, high = float(numbers[0] or 0), float(numbers[1] or 0)
+    if len(parts) == 2:
+        if not low < high:
+            raise _refused(f"{key} = {':'.join(parts)}", "the first end must be below the second")
+        return Variation(key, ends=(low, high))
+    count = numbers[2]
+    if not isinstance(count, int) or not 2 <= count <= MOST:
+        raise _refused(f"{key} = {':'.join(parts)}", f"N must be an integer >= 2 and <= {MOST}")
+    whole = all(isinstance(end, int) for end in numbers[:2]) and (high - low) % (count - 1) == 0
+    found = [float(f"{low + (high - low) * n / (count - 1):.12g}") for n in range(count)]
+    return Variation(key, tuple(int(value) for value in found) if whole else tuple(found))
+
+
+def _finite(key: str, values: list[Value]) -> tuple[Value, ...]:
+    wrong = [value for value in values if isinstance(value, float) and not math.isfinite(value)]
+    if wrong:
+        raise invalid(key, wrong[0], "must be a finite number")
+    return tuple(values)
+
+
+def _number(text: str) -> int | float | None:
+    value = _value(text.strip())
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return None
+    return value
+
+
+def _value(text: str) -> Value:
+    """A number, `true` or `false` as in TOML; anything else is text."""
+    try:
+        found = tomllib.loads(f"value = {text}")
+    except ValueError:
+        return text
+    value = found["value"]
+    return value if len(found) == 1 and isinstance(value, str | int | float) else text
+
+
+def _refused(what: str, why: str = _FORM) -> CranktopoError:
+    hint = 'Such as --vary "web.width_mm=44:56:7" or --vary "throw.crankpin.fillet_mm=2,2.5,3".'
+    return CranktopoError(f"{what}: {why}.", hint=hint, code=ExitCode.USAGE)

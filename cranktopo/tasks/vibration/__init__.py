@@ -1,0 +1,1 @@
+"""Torsional vibration of the whole shaft over its range of speeds."""

@@ -1,0 +1,73 @@
+"""`cranktopo vibration`
+
+Torsional vibration of the whole shaft: critical speeds, torque and stress by order.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import get_args
+
+import click
+
+from cranktopo.cli.completion import designs
+from cranktopo.cli.options import DEFAULT_DESIGN, bearings_option, body_options, seconds
+from cranktopo.cli.parameters import CELL_MM
+from cranktopo.cli.verbosity import info, verbosity_options
+
+
+@click.command()
+@click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
+@body_options
+@bearings_option
+@click.option("--element-size-mm", type=CELL_MM, help="General element size.")
+@click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a page with Campbell diagram and tables; HTML or Markdown.",
+)
+@click.option(
+    "--csv",
+    "csv_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the torque of every section by speed and order.",
+)
+@click.option(
+    "--run-up",
+    "run_up_s",
+    metavar="TIME",
+    callback=seconds,
+    help="Pass through the range of speeds in this time, such as 10s; by default steady vibration alone.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
+def command(
+    target: str,
+    design: str | None,
+    align: bool,
+    bearings: str,
+    element_size_mm: float | None,
+    report: Path | None,
+    csv_path: Path | None,
+    run_up_s: float | None,
+    as_json: bool,
+) -> None:
+    """Torsional vibration of TARGET's shaft: natural frequencies, critical speeds, torque and stress.
+
+    TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design). What is
+    joined to the crankshaft, its damping and the range of speeds are the design's [shaft].
+
+    Example: cranktopo vibration my-engine.toml --report vibration.html
+    """
+    from cranktopo.tasks.fea.targets import resolve_target
+    from cranktopo.tasks.shaft.assembly import Bearings
+    from cranktopo.tasks.vibration.stage import shaft_vibration, vibration_json
+    from cranktopo.tasks.vibration.text import vibration_text
+
+    resolved = resolve_target(target, design, align=align, whole=True)
+    support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
+    study = shaft_vibration(
+        resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s, info=info
+    )
+    click.echo(json.dumps(vibration_json(resolved, study), indent=2) if as_json else vibration_text(study))

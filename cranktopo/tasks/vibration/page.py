@@ -1,0 +1,73 @@
+"""The page of `cranktopo vibration`: Campbell diagram, critical speeds, torque and stress of the sections."""
+
+from __future__ import annotations
+
+from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.report.page import Fact, Page, Section
+from cranktopo.tasks.vibration.plots import vibration_pictures
+from cranktopo.tasks.vibration.text import (
+    barred_sentence,
+    critical_table,
+    modes_table,
+    run_up_sentence,
+    sections_table,
+    varying_sentence,
+    worst_sentence,
+)
+
+
+def vibration_page(study: VibrationStudy, written: str) -> Page:
+    """The vibration of a shaft as content; `written` is a date."""
+    campbell, torque, modes = vibration_pictures(study)
+    critical = critical_table(study)
+    return Page(
+        title=f"Torsional vibration: {study.scene.name}",
+        subtitle=f"stiffness of the throws: {study.stiffness_source}; {written}",
+        headline=worst_sentence(study),
+        facts=_facts(study),
+        sections=(
+            Section(
+                "critical-speeds",
+                "Critical speeds",
+                "Lines are orders of the rotation, blue where all cylinders have the same phase; where one "
+                f"meets a natural frequency the shaft resonates. {barred_sentence(study)} "
+                f"{run_up_sentence(study)}".rstrip(),
+                (("Critical speeds at which the cylinders help each other", critical),)
+                if critical.rows
+                else (),
+                (campbell, torque),
+            ),
+            Section(
+                "sections",
+                "Torque of every section",
+                "Half the range over the cycle, at the speed where it is largest; the stress is nominal, "
+                "in the weaker of main journal and crankpin.",
+                (("Sections from the free end to the takeoff", sections_table(study)),),
+            ),
+            Section(
+                "natural-vibrations",
+                "Natural vibrations",
+                varying_sentence(study),
+                (("Natural frequencies", modes_table(study)),),
+                (modes,),
+            ),
+        ),
+    )
+
+
+def _facts(study: VibrationStudy) -> tuple[Fact, ...]:
+    response = study.response
+    facts = [
+        Fact("First natural frequency", f"{study.modes[0].frequency_Hz:.0f} Hz", "", "neutral"),
+        Fact(
+            "Free end swings by",
+            f"+-{response.free_end_deg.max():.2f} deg",
+            f"at {response.speeds_rpm[int(response.free_end_deg.argmax())]:.0f} rpm, rotation included",
+            "neutral",
+        ),
+    ]
+    if study.barred_rpm is not None:
+        barred = ", ".join(f"{low:.0f} to {high:.0f} rpm" for low, high in study.barred_rpm)
+        facts.append(Fact("Barred", barred or "none", barred_sentence(study), "bad" if barred else "good"))
+    facts += [Fact("Warning", line.split(":")[0], line, "bad") for line in study.warnings]
+    return tuple(facts)

@@ -1,0 +1,100 @@
+"""Campbell diagram, torque over speed by order, and mode shapes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.report.axes_style import GREY, plain
+from cranktopo.report.plot import Picture, picture
+
+_MOST = 5
+"""Orders that a plot shows by themselves."""
+_MODES = 3
+
+
+def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
+    """The plots of a study, with their text."""
+    worst, response = study.response.worst, study.response
+    section = study.shaft.sections[worst.section]
+    frequencies = ", ".join(f"{mode.frequency_Hz:.0f}" for mode in study.modes)
+    low, high = response.speeds_rpm[[0, -1]]
+    return (
+        picture(
+            "campbell",
+            f"Campbell diagram: orders against natural frequencies {frequencies} Hz, {low:.0f} to "
+            f"{high:.0f} rpm",
+            _draw_campbell,
+            study,
+        ),
+        picture(
+            "torque-over-speed",
+            f"Torque amplitude of section {section} over speed, all orders and the largest ones; largest at "
+            f"{response.speeds_rpm[worst.speed_index]:.0f} rpm, order {worst.order:g}",
+            _draw_torque,
+            study,
+        ),
+        picture(
+            "mode-shapes", f"Shapes of the first natural vibrations: {frequencies} Hz", _draw_modes, study
+        ),
+    )
+
+
+def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
+    speeds = study.response.speeds_rpm[[0, -1]]
+    top = 1.15 * min(study.modes[-1].frequency_Hz, study.response.orders[-1] * speeds[-1] / 60)
+    majors = study.response.harmonics.in_phase()[1:]
+    for order, major in zip(study.response.orders, majors, strict=False):
+        line = order * speeds / 60
+        if line[0] > top or order % 1:
+            continue
+        axes.plot(speeds, line, color="C0" if major else "0.8", lw=1.0 if major else 0.6)
+        at = min(speeds[-1], 60 * top / order)
+        axes.annotate(f"{order:g}", (at, order * at / 60), fontsize=6, color=GREY, clip_on=False)
+    for number, mode in enumerate(study.modes, start=1):
+        if mode.frequency_Hz <= top:
+            axes.axhline(mode.frequency_Hz, color="C3", lw=1.2)
+            axes.annotate(
+                f"mode {number}", (speeds[0], mode.frequency_Hz), fontsize=7, color="C3", va="bottom"
+            )
+    shown = [found for found in study.critical if found.major]
+    heights = [found.order * found.speed_rpm / 60 for found in shown]
+    axes.plot([found.speed_rpm for found in shown], heights, "o", color="C3", ms=4)
+    axes.set(xlim=speeds, ylim=(0, top), xlabel="speed (rpm)", ylabel="frequency (Hz)")
+    plain(axes)
+
+
+def _draw_torque(axes: Any, study: VibrationStudy) -> None:
+    response, section = study.response, study.response.worst.section
+    axes.plot(response.speeds_rpm, response.torque_amplitude_Nm[:, section], "k", lw=1.4, label="all orders")
+    if study.run_up is not None:
+        passage = study.run_up.torque_amplitude_Nm[:, section]
+        label = f"run-up in {study.run_up.seconds:g} s"
+        axes.plot(study.run_up.speeds_rpm, passage, color=GREY, ls="--", lw=1.0, label=label)
+    single = np.abs(response.torque_Nm[:, :, section])
+    for index in sorted(np.argsort(-single.max(axis=0), kind="stable")[:_MOST]):
+        axes.plot(response.speeds_rpm, single[:, index], lw=0.9, label=f"order {response.orders[index]:g}")
+    for low, high in study.barred_rpm or ():
+        axes.axvspan(low, high, color="C3", alpha=0.15, lw=0)
+    axes.set(xlabel="speed (rpm)", ylabel="torque amplitude (N m)", ylim=(0, None))
+    axes.set_xlim(response.speeds_rpm[[0, -1]])
+    axes.legend(fontsize=7)
+    axes.grid(color="0.9", linewidth=0.8)
+    plain(axes)
+
+
+def _draw_modes(axes: Any, study: VibrationStudy) -> None:
+    places = range(len(study.shaft.names))
+    for mode in study.modes[:_MODES]:
+        axes.plot(places, mode.shape, "o-", ms=3, lw=1, label=f"{mode.frequency_Hz:.0f} Hz")
+    axes.axhline(0.0, color="0.5", lw=0.8)
+    axes.set_xticks(places, [_short(name) for name in study.shaft.names], fontsize=6)
+    axes.set_ylabel("twist over the largest")
+    axes.legend(fontsize=7)
+    plain(axes)
+
+
+def _short(name: str) -> str:
+    return name.removeprefix("throw ").replace(" ", "\n")

@@ -1,0 +1,108 @@
+"""Torsional vibration of a target's shaft, and its page and table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.files import replacing
+from cranktopo.design.assumed import LOADS, SHAFT, VIBRATION, among, assumed_json
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
+from cranktopo.engine.vibration.study import VibrationStudy, study_vibration
+from cranktopo.report.report_file import check_report_path, write_report
+from cranktopo.runs.destination import check_file
+from cranktopo.runs.manifest import timestamp
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.stage import print_assumed
+from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.shaft.assembly import Bearings
+from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables
+from cranktopo.tasks.vibration.page import vibration_page
+
+
+def shaft_vibration(
+    target: Target | str,
+    bearings: Bearings = "rigid",
+    element_size_mm: float | None = None,
+    report: Path | None = None,
+    csv: Path | None = None,
+    design: str | None = None,
+    align: bool = False,
+    run_up_s: float | None = None,
+    info: Info = lambda _: None,
+) -> VibrationStudy:
+    """Steady torsional vibration of a shaft over its range of speeds, by finite elements of its throw.
+
+    A design that gives `shaft.throw_stiffness_Nm_per_rad` needs no elements.
+
+    Args:
+        target: a design, a run, or an STL or STEP file of the half throw.
+        bearings: radial support of the mid-journal sections.
+        report: page to write, HTML or Markdown.
+        csv: file for the torque of every section by speed and order.
+        run_up_s: time in which the speed rises through its range; None for the steady vibration alone.
+
+    Raises:
+        CranktopoError: no engine or gas, a failed solve, or a file that cannot be written.
+    """
+    if report is not None:
+        check_report_path(report)
+    if csv is not None:
+        check_file(csv, "--csv")
+    resolved = resolve_target(target, design, align=align, whole=True) if isinstance(target, str) else target
+    _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
+    print_assumed([resolved], (*shaft_tables(resolved.scene, bearings), LOADS, VIBRATION), info)
+    study = _studied(resolved, bearings, element_size_mm, run_up_s, info)
+    for line in study.warnings:
+        info(f"warning: {resolved.name}: {line}")
+    if report is not None:
+        write_report(vibration_page(study, timestamp()[:10]), report)
+        info(str(report))
+    if csv is not None:
+        _write_orders(study, csv)
+        info(str(csv))
+    return study
+
+
+def vibration_json(target: Target, study: VibrationStudy) -> dict[str, Any]:
+    """The object that `vibration --json` prints."""
+    assumed = among(target.assumed, (*SHAFT, LOADS, VIBRATION))
+    return {**study.as_json(), "assumed": assumed_json(assumed)}
+
+
+def _studied(
+    target: Target, bearings: Bearings, size_mm: float | None, run_up_s: float | None, info: Info
+) -> VibrationStudy:
+    scene = target.scene
+    given = scene.shaft.throw_stiffness_Nm_per_rad if scene.shaft else None
+    if given is not None and target.file is None:
+        inertia = throw_balance(scene).inertia_kg_mm2
+        source = "shaft.throw_stiffness_Nm_per_rad"
+        return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)
+    info(f"{target.name}: condensing one throw")
+    shaft = evaluate_shaft(target, bearings, size_mm)
+    stiffness, inertia = shaft.stiffness.throws_Nm_per_rad, shaft.throw_inertia_kg_mm2
+    source = f"finite elements, {bearings} bearings, +-{shaft.error_percent:.2g} %"
+    return study_vibration(scene, shaft_chain(scene, inertia, stiffness), inertia, source, run_up_s)
+
+
+def _write_orders(study: VibrationStudy, path: Path) -> None:
+    """One row per speed and order: amplitude of the torque of every section."""
+    response = study.response
+    speeds, orders = (
+        grid.ravel() for grid in np.meshgrid(response.speeds_rpm, response.orders, indexing="ij")
+    )
+    torque = np.abs(response.torque_Nm).reshape(len(speeds), -1)
+    names = [f"{name.replace(' - ', ' to ').replace(' ', '_')}_Nm" for name in study.shaft.sections]
+    with replacing(path) as temporary:
+        np.savetxt(
+            temporary,
+            np.column_stack([speeds, orders, torque]),
+            fmt="%.8g",
+            delimiter=",",
+            header=",".join(["speed_rpm", "order", *names]),
+            comments="",
+        )

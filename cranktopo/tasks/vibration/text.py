@@ -1,0 +1,143 @@
+"""Torsional vibration as tables and text."""
+
+from __future__ import annotations
+
+from cranktopo.engine.torsional_stiffness import throw_stiffness_Nm_per_rad
+from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
+
+_WEAK = 0.05
+"""Share of the cylinders that help each other below which a critical speed is not listed."""
+
+
+def modes_table(study: VibrationStudy) -> ResultTable:
+    """Natural frequencies with their damping."""
+    chain = study.shaft.chain
+    rows: list[Row] = []
+    for number, mode in enumerate(study.modes, start=1):
+        where = study.shaft.names[int(abs(mode.shape).argmax())]
+        row: dict[str, Cell] = {"mode": str(number), "frequency_Hz": mode.frequency_Hz, "swings_most": where}
+        rows.append({**row, "damping_ratio_percent": 100 * chain.damping_ratio(mode)})
+    columns = {"mode": 0, "frequency_Hz": 1, "damping_ratio_percent": 2, "swings_most": 0}
+    return ResultTable(columns, tuple(rows))
+
+
+def critical_table(study: VibrationStudy) -> ResultTable:
+    """Critical speeds at which the cylinders help each other, with the torque that they cause."""
+    response = study.response
+    rows: list[Row] = []
+    for found in study.critical:
+        if found.share < _WEAK:
+            continue
+        low, high = found.speed_rpm, found.speed_rpm * (1 + study.varying.rise)
+        near = (response.speeds_rpm >= low) & (response.speeds_rpm <= high)
+        torque = float(response.torque_amplitude_Nm[near][:, list(study.shaft.in_crankshaft)].max())
+        row: dict[str, Cell] = {"speed_rpm": found.speed_rpm, "order": found.order, "mode": str(found.mode)}
+        row |= {"kind": "major" if found.major else "minor", "cylinders_helping_percent": 100 * found.share}
+        rows.append({**row, "torque_amplitude_Nm": torque, "shear_MPa": study.shaft.shear_MPa(torque)})
+    columns = {"speed_rpm": 0, "order": 1, "mode": 0, "kind": 0, "cylinders_helping_percent": 0}
+    return ResultTable({**columns, "torque_amplitude_Nm": 1, "shear_MPa": 1}, tuple(rows))
+
+
+def sections_table(study: VibrationStudy) -> ResultTable:
+    """Every section of the shaft at the speed where it swings most."""
+    response, shaft = study.response, study.shaft
+    rows: list[Row] = []
+    for index, name in enumerate(shaft.sections):
+        speed = int(response.torque_amplitude_Nm[:, index].argmax())
+        torque = float(response.torque_amplitude_Nm[speed, index])
+        row: dict[str, Cell] = {
+            "section": name,
+            "stiffness_kNm_per_rad": shaft.chain.stiffness_Nm_per_rad[index] / 1000,
+        }
+        row |= {"worst_at_rpm": float(response.speeds_rpm[speed]), "torque_amplitude_Nm": torque}
+        row["twist_amplitude_deg"] = float(response.twist_amplitude_deg[speed, index])
+        row["mean_torque_Nm"] = float(response.mean_torque_Nm[index])
+        rows.append({**row, "shear_MPa": shaft.shear_MPa(torque) if shaft.in_crankshaft[index] else None})
+    columns = {"section": 0, "stiffness_kNm_per_rad": 2, "worst_at_rpm": 0, "torque_amplitude_Nm": 1}
+    columns |= {"twist_amplitude_deg": 3, "mean_torque_Nm": 1, "shear_MPa": 1}
+    return ResultTable(columns, tuple(rows))
+
+
+def worst_sentence(study: VibrationStudy) -> str:
+    """The largest torque of the crankshaft in one sentence."""
+    worst, response = study.response.worst, study.response
+    amplitude = response.worst_Nm
+    return (
+        f"The crankshaft's torque swings most at {response.speeds_rpm[worst.speed_index]:.0f} rpm between "
+        f"{study.shaft.sections[worst.section].replace(' - ', ' and ')}: +-{amplitude:.1f} N m, "
+        f"+-{study.shaft.shear_MPa(amplitude):.1f} MPa nominal shear stress, mostly of order {worst.order:g}."
+    )
+
+
+def barred_sentence(study: VibrationStudy) -> str:
+    """The barred ranges of speed in one sentence."""
+    permitted = study.scene.shaft.permitted_shear_MPa if study.scene.shaft else None
+    if study.barred_rpm is None:
+        return "No range of speed is barred: shaft.permitted_shear_MPa is not given."
+    if not study.barred_rpm:
+        return f"No range of speed is barred: the stress stays below {permitted:g} MPa."
+    ranges = " and ".join(f"{low:.0f} to {high:.0f} rpm" for low, high in study.barred_rpm)
+    return f"Barred, above {permitted:g} MPa: {ranges}."
+
+
+def varying_sentence(study: VibrationStudy) -> str:
+    """Whether the varying inertia of rod and piston counts, by what estimate, and what it changes."""
+    part, threshold = study.varying, 100 * study.scene.effects.threshold
+    start = (
+        f"The inertia of rod and piston varies over a turn by +-{study.varying_inertia_percent:.1f} % of a "
+        f"throw's, +-{part.share_percent:.1f} % of what swings in a natural vibration"
+    )
+    change = study.varying_change_percent
+    if change is not None:
+        return (
+            f"{start}, above the threshold of {threshold:g} %: included, it changes the largest torque "
+            f"amplitude by {change:+.1f} %."
+        )
+    if part.share_percent < threshold:
+        return f"{start}, below the threshold of {threshold:g} %: they count with their mean inertia."
+    return f"{start}: left out without [shaft], they count with their mean inertia."
+
+
+def run_up_sentence(study: VibrationStudy) -> str:
+    """The largest torque of a passage through the range of speeds; empty when none was asked for."""
+    worst, passage = study.run_up_worst(), study.run_up
+    if worst is None or passage is None:
+        return ""
+    speed, section, torque = worst
+    steady = float(study.mean_response.torque_amplitude_Nm[:, section].max())
+    inertia = ", with mean inertia," if study.varying.included else ""
+    return (
+        f"In a run-up of {passage.seconds:g} s{inertia} it swings most at {speed:.0f} rpm between "
+        f"{study.shaft.sections[section].replace(' - ', ' and ')}: +-{torque:.1f} N m, "
+        f"{100 * torque / steady:.0f} % of the largest steady vibration there."
+    )
+
+
+def stiffness_sentence(study: VibrationStudy) -> str:
+    """What load cases take instead, where that is not what was given."""
+    scene, chain = study.scene, study.shaft.chain
+    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None or study.shaft.throws < 2:
+        return ""
+    first = study.shaft.first
+    found, estimated = chain.stiffness_Nm_per_rad[first], throw_stiffness_Nm_per_rad(scene)
+    return (
+        f"Load cases take {estimated:.4g} N m/rad for a throw, in closed form; to have them take that of "
+        f"this run write shaft.throw_stiffness_Nm_per_rad = {found:.4g}."
+    )
+
+
+def vibration_text(study: VibrationStudy) -> str:
+    """For the terminal."""
+    low, high = study.response.speeds_rpm[[0, -1]]
+    parts = [
+        f"{study.scene.name}: steady torsional vibration, {low:.0f} to {high:.0f} rpm, "
+        f"{len(study.response.orders)} orders\nstiffness of the throws: {study.stiffness_source}",
+        terminal(modes_table(study)),
+    ]
+    critical = critical_table(study)
+    parts.append(terminal(critical) if critical.rows else "No critical speed in this range.")
+    parts += [terminal(sections_table(study)), f"{worst_sentence(study)}\n{run_up_sentence(study)}".rstrip()]
+    parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
+    parts[-1] += f"\n{stiffness_sentence(study)}".rstrip()
+    return "\n\n".join(parts)

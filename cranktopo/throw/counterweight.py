@@ -1,0 +1,259 @@
+"""Counterweight opposite the crankpin: a sector about the crank axis that grows out of the web."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import Field
+from typing_extensions import override
+
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.table import Length
+from cranktopo.throw.corner_fillet import CornerFillet
+from cranktopo.throw.feature import Array, Body, Face, Feature, MirroredPrism, least_shoulder_mm
+from cranktopo.throw.primitives import Arc, Extrusion, FeatureDrawing, Line, Point, Solid, number_lines
+from cranktopo.throw.tangent_circle import OutlineSection, TangentCircle, largest_radius_mm, tangent_circle
+
+if TYPE_CHECKING:
+    from cranktopo.throw.throw_view import ThrowView
+
+LEAST_HALF_ANGLE_DEG = 5.0
+_NO_CORNER_MM = 1e-6
+_DRAWN, _SAMPLES = 61, 181
+"""Points of the arc in a drawing, and where it is compared with others."""
+
+
+class Counterweight(Feature):
+    """Counterweight opposite the crankpin: a sector about the crank axis, bounded inside by the web itself.
+
+    It is one piece with the web and counts wherever the web does, unless it has a density of its own. Then it
+    is a part that is bolted on or let in: its mass, unbalance and inertia count, its stiffness does not, nor
+    does its pull as a load, and solids, cells and meshes leave it out.
+    """
+
+    outer_radius_mm: Length = Field(examples=[60.0])
+    """Outer radius about the crank axis; beyond the web's outline, or nothing would be added."""
+    half_angle_deg: float = Field(ge=LEAST_HALF_ANGLE_DEG, le=90, examples=[60.0])
+    """Angle of each flank to the direction away from the crankpin; 90 = half a disc."""
+    thickness_mm: Length | None = Field(default=None, examples=[15.0])
+    """Thickness along the crank axis, at most that of the web, which it has by default."""
+    face: Face = "journal"
+    """Web face with which it is flush if it is thinner than the web."""
+    fillet_mm: Length | None = None
+    """Radius of the fillet between each flank and the side of the web; left out: a sharp corner."""
+    density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
+    """Density of a part that is bolted on or let in, of heavy metal say; left out: one piece with the web."""
+
+    @property
+    def bolted(self) -> bool:
+        """Whether it is a part of its own, which has mass and no stiffness."""
+        return self.density_kg_m3 is not None
+
+    def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
+        """Its body without the fillets to the web."""
+        start, end = scene.web_z_mm
+        thick = scene.web.thickness_mm if self.thickness_mm is None else self.thickness_mm
+        z_mm = (start, start + thick) if self.face == "journal" else (end - thick, end)
+        return Sector(key, z_mm, self.outer_radius_mm, math.radians(self.half_angle_deg))
+
+    def parts(self, scene: ThrowView, key: str = "web.counterweight") -> tuple[Sector | CornerFillet, ...]:
+        """Its sector, and the fillets that it has."""
+        sector = self.sector(scene, key)
+        circle = self.circle(scene)
+        return (sector,) if circle is None else (sector, CornerFillet(key, sector.z_mm, circle))
+
+    def circle(self, scene: ThrowView) -> TangentCircle | None:
+        """The circle of its fillets; None without."""
+        if self.fillet_mm is None:
+            return None
+        half_angle = math.radians(self.half_angle_deg)
+        return _circle(scene.web, scene.throw.radius_mm, half_angle, self.fillet_mm)
+
+    def outer_mm(self, scene: ThrowView, points: int = _SAMPLES) -> tuple[Array, Array]:
+        """Points of its arc and of its fillet at x >= 0, from the bottom on, which bound what it reaches."""
+        rim, circle = self.sector(scene).rim_mm(points), self.circle(scene)
+        if circle is None:
+            return rim
+        x, y = (np.concatenate(pair) for pair in zip(rim, circle.arc_mm(points), strict=True))
+        return x, y
+
+    def edge_mm(self, scene: ThrowView) -> tuple[Array, Array]:
+        """Points of its arc and of its flank beyond the main journal, at x >= 0."""
+        journal, (x, y) = scene.throw.main_journal, self.sector(scene).rim_mm()
+        share = np.linspace((journal.radius_mm + journal.fillet_mm) / self.outer_radius_mm, 1.0, _SAMPLES)
+        return np.concatenate([x, share * x[-1]]), np.concatenate([y, share * y[-1]])
+
+    @override
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        return () if self.bolted else self.parts(scene, key)
+
+    @override
+    def check_alone(self, scene: ThrowView, key: str) -> None:
+        web, journal = scene.web, scene.throw.main_journal
+        if self.thickness_mm is not None and self.thickness_mm > web.thickness_mm:
+            allowed = f"must be at most web.thickness_mm = {web.thickness_mm:g} mm"
+            raise invalid(f"{key}.thickness_mm", self.thickness_mm, allowed, "Leave it out for all of it.")
+        least = journal.radius_mm + journal.fillet_mm + least_shoulder_mm(scene.throw)
+        if self.outer_radius_mm <= least:
+            raise invalid(
+                f"{key}.outer_radius_mm",
+                self.outer_radius_mm,
+                f"must be larger than {least:.4g} mm, what the main journal needs for its radius and fillet",
+                "Enlarge it, or remove the counterweight.",
+            )
+        x, y = self.sector(scene).rim_mm()
+        if (x <= web.half_width_mm(scene.throw.radius_mm, y)).all():
+            raise invalid(
+                f"{key}.outer_radius_mm",
+                self.outer_radius_mm,
+                "lies within the web's outline and adds nothing",
+                "Enlarge it, or remove the counterweight.",
+            )
+        self._check_fillet(scene, key)
+
+    def _check_fillet(self, scene: ThrowView, key: str) -> None:
+        if self.fillet_mm is None:
+            return
+        if self.bolted:
+            allowed = "a part of its own (density_kg_m3) has no fillet to the web"
+            raise invalid(f"{key}.fillet_mm", self.fillet_mm, allowed, "Leave one of them out.")
+        outline, half_angle = _outline(scene.web, scene.throw.radius_mm), math.radians(self.half_angle_deg)
+        largest = largest_radius_mm(outline, half_angle, self.outer_radius_mm)
+        if largest < _NO_CORNER_MM:
+            raise invalid(
+                f"{key}.fillet_mm",
+                self.fillet_mm,
+                "has no corner: the counterweight's flanks end within the web's outline",
+                "Leave it out, or enlarge half_angle_deg or outer_radius_mm.",
+            )
+        if self.fillet_mm > largest:
+            raise invalid(
+                f"{key}.fillet_mm",
+                self.fillet_mm,
+                f"must be at most {math.floor(largest * 1e3) / 1e3:g} mm: there the flank ends",
+                "Reduce it, or enlarge the counterweight.",
+            )
+
+    @override
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
+        """Nothing that is cut from the outline's end or sides runs into it: it would leave a hollow."""
+        for name, bevel in enumerate(scene.web.bevel):
+            if bevel.face == "pin":
+                raise CranktopoError(
+                    f"web.bevel[{name}]: bevels the main journal's end of the web, where {key} is.",
+                    hint="Remove one of them.",
+                )
+        parts = self.parts(scene, key)
+        for path, pocket in scene.web.features():
+            side = pocket.bodies(scene, path)[:1] if getattr(pocket, "shape", "") == "side" else ()
+            if any(_meets(tool, part) for tool in side for part in parts):
+                raise CranktopoError(
+                    f"{path}: runs into {key}, which is wider than the web's outline there.",
+                    hint="Move the pocket toward the crankpin, or narrow the counterweight.",
+                )
+
+    @override
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
+        x, y = self.outer_mm(scene, _DRAWN)
+        right = list(zip(x.tolist(), y.tolist(), strict=True))
+        middle = (0.0, max(0.0, float(y[-1])) if self.fillet_mm else 0.0)
+        edge = (middle, *((-a, b) for a, b in right[::-1]), *right)
+        numbers = self.model_dump(exclude={"face", "density_kg_m3"}, exclude_none=True)
+        title = (
+            "COUNTERWEIGHT"
+            if self.thickness_mm is None
+            else f"COUNTERWEIGHT, flush with the {self.face} face"
+        )
+        part = f"   bolted on, {self.density_kg_m3:g} kg/m³" if self.bolted else ""
+        return FeatureDrawing(added=edge, lines=(*number_lines(title, numbers), *filter(None, [part])))
+
+
+@dataclass(frozen=True)
+class Sector(MirroredPrism):
+    """A sector about the crank axis, symmetric about the direction away from the crankpin.
+
+    Attributes:
+        radius_mm: of its arc.
+        half_angle: of each flank to that direction, rad, at most a right angle.
+    """
+
+    radius_mm: float
+    half_angle: float
+
+    @override
+    def half_width_mm(self, y_mm: Array) -> Array:
+        chord = np.sqrt(np.maximum(self.radius_mm**2 - y_mm**2, 0.0))
+        return np.asarray(np.minimum(chord, np.maximum(-y_mm, 0.0) * math.tan(self.half_angle)))
+
+    def inside_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Signed distance of points of a section from the nearer of flank and arc, positive inside."""
+        return np.minimum(self.below_rim_mm(x_mm, y_mm), self.inside_flank_mm(x_mm, y_mm))
+
+    def below_rim_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Distance from the outer cylinder, positive inside it."""
+        return np.asarray(self.radius_mm - np.hypot(x_mm, y_mm))
+
+    def inside_flank_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Distance from the flank on the points' side of x = 0, positive between both flanks."""
+        return np.asarray(-y_mm * math.sin(self.half_angle) - np.abs(x_mm) * math.cos(self.half_angle))
+
+    def rim_mm(self, points: int = _SAMPLES) -> tuple[Array, Array]:
+        """Points of its arc at x >= 0, from the bottom to the flank."""
+        angle = self.half_angle * np.linspace(0.0, 1.0, points)
+        return self.radius_mm * np.sin(angle), -self.radius_mm * np.cos(angle)
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        return -self.radius_mm, 0.0
+
+    @property
+    @override
+    def y_breaks_mm(self) -> tuple[float, ...]:
+        return -self.radius_mm, -self.radius_mm * math.cos(self.half_angle), 0.0
+
+    @property
+    @override
+    def x_range_mm(self) -> tuple[float, float]:
+        half = self.radius_mm * math.sin(self.half_angle)
+        return -half, half
+
+    @override
+    def solids(self) -> tuple[Solid, ...]:
+        low, high = self.z_mm
+        x, y = self.radius_mm * math.sin(self.half_angle), -self.radius_mm * math.cos(self.half_angle)
+        apex, bottom = (0.0, 0.0, low), (0.0, -self.radius_mm, low)
+        left: Point = (-x, y, low)
+        right: Point = (x, y, low)
+        contour = (
+            Line(apex, left),
+            Arc(left, apex, bottom),
+            Arc(bottom, apex, right),
+            Line(right, apex),
+        )
+        return (Extrusion(contour, (0.0, 0.0, high - low)),)
+
+
+@lru_cache(maxsize=16)
+def _outline(web: Any, throw_radius_mm: float) -> OutlineSection:
+    """The outline of a web table."""
+    return OutlineSection(lambda y: web.half_width_mm(throw_radius_mm, y), web.y_range_mm(throw_radius_mm))
+
+
+@lru_cache(maxsize=64)
+def _circle(web: Any, throw_radius_mm: float, half_angle: float, radius_mm: float) -> TangentCircle:
+    return tangent_circle(_outline(web, throw_radius_mm), half_angle, radius_mm)
+
+
+def _meets(slot: Body, part: Sector | CornerFillet) -> bool:
+    """Whether the tool of a side pocket ends in a part of the counterweight."""
+    low, high = (max(slot.z_mm[0], part.z_mm[0]), min(slot.z_mm[1], part.z_mm[1]))
+    if low >= high:
+        return False
+    y = np.linspace(*slot.y_range_mm, 401)
+    reach = np.max([end for _, end in slot.spans(y, np.asarray(sum(slot.z_mm) / 2))], axis=0)
+    return bool((part.half_width_mm(y) > reach - 1e-9).any())

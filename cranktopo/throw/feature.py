@@ -1,0 +1,158 @@
+"""What every feature of a web can say about itself: the table in the scene, and its bodies in the web.
+
+A feature knows neither meshes nor cells nor pages: rooms above loop over features and ask.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from cranktopo.base.spans import Span, holds
+from cranktopo.base.table import SceneTable
+from cranktopo.throw.primitives import FeatureDrawing, Solid
+
+if TYPE_CHECKING:
+    from cranktopo.throw.geometry import Throw
+    from cranktopo.throw.throw_view import ThrowView
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Face = Literal["journal", "pin"]
+_SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
+"""Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
+ROUNDING_MM = 1e-9
+"""The largest dimension that a message names must itself be accepted."""
+_SAMPLES = 2001
+
+
+def least_shoulder_mm(throw: Throw) -> float:
+    """Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
+    thinner = min(journal.outer_diameter_mm for journal, _ in throw.journals)
+    return min(_SHOULDER_MM, _SHOULDER_SHARE * thinner)
+
+
+@dataclass(frozen=True)
+class Body(ABC):
+    """A body that a feature adds to the web or takes from it; z counts from the mid-main-journal plane.
+
+    Attributes:
+        key: key path of the feature in the scene, for messages.
+        z_mm: its extent along the crank axis.
+        adds: whether it is material; otherwise it is taken away.
+    """
+
+    key: str
+    z_mm: tuple[float, float]
+    adds: ClassVar[bool] = False
+
+    @abstractmethod
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        """Lateral intervals that the body takes at places along the throw and heights, broadcastable."""
+
+    @property
+    @abstractmethod
+    def y_range_mm(self) -> tuple[float, float]:
+        """Extent along the throw."""
+
+    @property
+    def x_range_mm(self) -> tuple[float, float]:
+        """Lateral extent of a body that adds material, which the cells must hold."""
+        raise NotImplementedError
+
+    @abstractmethod
+    def solids(self) -> tuple[Solid, ...]:
+        """The exact body; it may reach beyond the web, if nothing of the web is there."""
+
+    @property
+    def y_breaks_mm(self) -> tuple[float, ...]:
+        """Places along the throw where its section has kinks; its extent by default."""
+        return self.y_range_mm
+
+    def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
+        """Heights at which its lateral interval has kinks, for each place along the throw.
+
+        Args:
+            half_width_mm: of the outline there.
+        """
+        return [np.full(y_mm.shape, z) for z in self.z_mm]
+
+    @property
+    def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of height, its ends among them, in which its section changes; none for a prism."""
+        return ()
+
+    def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
+        """Whether points at a height within its extent lie in the body, its surface included."""
+        return holds(self.spans(y_mm, np.asarray(z_mm)), x_mm)
+
+    def distance_mm(self, y_mm: float, z_mm: float) -> float:
+        """Distance of its section at a height from the axis (0, y), by samples along the throw."""
+        y = np.linspace(*self.y_range_mm, _SAMPLES)
+        spans = self.spans(y, np.asarray(z_mm))
+        nearest = np.min(
+            [np.where(a < b, np.maximum(np.maximum(a, -b), 0), np.inf) for a, b in spans], axis=0
+        )
+        return float(np.hypot(nearest, y - y_mm).min())
+
+    def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:
+        """A prism of its section at the face it opens at, over an axial range from there; none by default."""
+        return ()
+
+
+@dataclass(frozen=True)
+class MirroredPrism(Body):
+    """Material between both its heights that is symmetric in x, of one section."""
+
+    adds: ClassVar[bool] = True
+
+    @abstractmethod
+    def half_width_mm(self, y_mm: Array) -> Array:
+        """Half of its width at places along the throw; 0 beyond its ends."""
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        half = np.where((z_mm >= self.z_mm[0]) & (z_mm <= self.z_mm[1]), self.half_width_mm(y_mm), 0.0)
+        return [(-half, half)]
+
+
+class Feature(SceneTable, ABC):
+    """A table of the web that adds material or takes it away."""
+
+    @abstractmethod
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        """Its bodies in the web.
+
+        Args:
+            key: key path of the table.
+        """
+
+    @abstractmethod
+    def check_alone(self, scene: ThrowView, key: str) -> None:
+        """Refuse dimensions that no outline makes sound; before any body is asked for.
+
+        Raises:
+            CranktopoError: first inconsistency found.
+        """
+
+    @abstractmethod
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
+        """Refuse what does not go with the outline, the journals and other features.
+
+        Raises:
+            CranktopoError: first inconsistency found.
+        """
+
+    @abstractmethod
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
+        """How it appears in the drawing."""
+
+    def mirrored(self) -> Self:
+        """Its mirror image in x = 0; itself for most."""
+        return self

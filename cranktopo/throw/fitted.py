@@ -1,0 +1,239 @@
+"""What a feature says so that the re-model can fit it: parameters, signed distance, constraints, tables."""
+
+from __future__ import annotations
+
+import functools
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
+
+import numpy as np
+
+from cranktopo.throw.feature import Array, Face, Feature, Mask
+
+if TYPE_CHECKING:
+    from cranktopo.throw.bevel_arc import BevelArc
+    from cranktopo.throw.throw_view import ThrowView
+
+Named = dict[str, Any]
+"""Values of a feature's parameters by name, mm or degrees."""
+Frame = tuple[float, float, float]
+"""Of an outline: least and largest y, largest half-width, mm."""
+Rule = tuple[str, Any]
+"""A manufacturing rule: its name in plain English with its value, and what is kept where it is <= 0."""
+Axes = tuple[Array, Array, Array]
+"""x, y and z of the cell centres, mm; x > 0 only."""
+RESOLUTION_MM = 0.01
+"""Parameters are rounded to this in the scene; the constraints keep as much clear."""
+CLEAR_MM = 2 * RESOLUTION_MM
+JOURNALS = ("main journal", "crankpin")
+"""What the journals are called in a sentence, in the order of the throw."""
+LEAST_MM = 3.0
+"""Least size of a pocket."""
+_STEP = 1e-6
+"""Step of the derivatives by the parameters, mm or degrees."""
+
+
+class Limits(Protocol):
+    """What a die or a mill can make."""
+
+    @property
+    def min_wall_mm(self) -> float:
+        """Least wall between bores, pockets, bevels and the outline."""
+
+    @property
+    def min_draft_deg(self) -> float:
+        """Least slope of the walls of a side pocket."""
+
+
+class Cells(Protocol):
+    """Which cells the extracted body fills; x > 0 only."""
+
+    @property
+    def x_mm(self) -> Array:
+        """Cell centres across the throw."""
+
+    @property
+    def y_mm(self) -> Array:
+        """Cell centres along the throw."""
+
+    @property
+    def cell_mm(self) -> Array:
+        """Edges of a cell, (3,)."""
+
+    @property
+    def solid(self) -> Mask:
+        """Which cells are filled for the most part, (nx, ny, nz)."""
+
+
+class Region(Protocol):
+    """A connected region that the body lacks and the web has, its part at x >= 0."""
+
+    @property
+    def kind(self) -> str:
+        """`window` where it is open at both web faces."""
+
+    @property
+    def volume_mm3(self) -> float:
+        """Volume on both sides of x = 0."""
+
+    @property
+    def low_mm(self) -> tuple[float, float, float]:
+        """Least corner of its bounding box."""
+
+    @property
+    def high_mm(self) -> tuple[float, float, float]:
+        """Largest corner of its bounding box."""
+
+    @property
+    def pair(self) -> bool:
+        """It does not reach x = 0."""
+
+    @property
+    def face(self) -> Face | None:
+        """The only web face at which it is open."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the constraints on a feature refer to.
+
+    Attributes:
+        scene: journals and thickness.
+        limits: what is to be kept.
+        points_mm: (n, 2) points of the outline's right half, from end to end.
+        arcs: end bevels of the web.
+    """
+
+    scene: ThrowView
+    limits: Limits
+    points_mm: Array
+    arcs: tuple[BevelArc, ...] = ()
+
+    @property
+    def widest_mm(self) -> float:
+        """Largest half-width of the outline."""
+        return float(self.points_mm[:, 0].max())
+
+    @property
+    def wall_mm(self) -> float:
+        """Least wall, with what rounding may take."""
+        return self.limits.min_wall_mm + CLEAR_MM
+
+
+class FittedFeature(ABC):
+    """A kind of feature with free parameters; compared by its label."""
+
+    table: ClassVar[str] = "pocket"
+    """Key of the web under which its tables go."""
+    follows_ends: ClassVar[bool] = False
+    """Whether its surface moves with the ends of the outline."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Short name, such as `bevel-journal` or `cylinder-through-pair`."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What it is called in a sentence, such as `journal bevel`."""
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of its parameters: mm, draft in degrees."""
+
+    @abstractmethod
+    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
+        """Lower and upper bound of each parameter."""
+
+    def possible(self, scene: ThrowView) -> bool:
+        """Whether the web of a scene may have one, whatever its values."""
+        return True
+
+    @abstractmethod
+    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        """Signed distance of points from each of its faces, positive on the side of the material.
+
+        A point is in the material where the largest is positive. Each is smooth near its face.
+
+        Args:
+            ends: least and largest y of the outline, mm.
+            at: x > 0, y and z of the points, broadcastable.
+        """
+
+    @abstractmethod
+    def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
+        """Walls, shoulders and access of a tool, mm."""
+
+    @abstractmethod
+    def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
+        """Its tables in the scene."""
+
+    @classmethod
+    @abstractmethod
+    def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
+        """The kind and the values whose `tables` a table of the scene is; None for one of another kind.
+
+        Args:
+            pair: whether its mirror image is there as well; then it is the one at x > 0.
+        """
+
+    def box_mm(self, named: Named, around: Surroundings) -> Array | None:
+        """Corners of the box around it at x > 0, (2, 3), z from the journal face; None if no wall is kept."""
+        return None
+
+    def arc(self, named: Named, ends: Array) -> BevelArc | None:
+        """The end bevel that it is; None for others."""
+        return None
+
+    def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+        """Signed distance of the cells, positive where it leaves material, broadcastable to (nx, ny, nz).
+
+        Args:
+            values: in the order of `names`.
+            ends: least and largest y of the outline, mm.
+        """
+        named = dict(zip(self.names, values, strict=True))
+        at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
+        return functools.reduce(np.maximum, self.faces_mm(named, ends, at, web_z_mm))
+
+    def pulled_back(
+        self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array
+    ) -> tuple[Array, Array]:
+        """Derivative of sum(weight * field_mm) by the values and by the ends, by central differences."""
+        both, across = np.concatenate([values, ends]), weight.sum(axis=0, keepdims=True)
+        count, slopes = len(both) if self.follows_ends else len(values), np.zeros(len(both))
+        for i, step in enumerate(_STEP * np.eye(len(both))[:count]):
+            above, below = (
+                self.field_mm(shifted[: len(values)], shifted[len(values) :], axes, web_z_mm)
+                for shifted in (both + step, both - step)
+            )
+            change = above - below
+            slopes[i] = float((change * (across if len(change) == 1 else weight)).sum()) / (2 * _STEP)
+        return slopes[: len(values)], slopes[len(values) :]
+
+
+class FittedToSections(FittedFeature):
+    """A kind whose initial values are read from cross-sections of the body."""
+
+    @abstractmethod
+    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
+        """Initial values; None where the body shows no such feature."""
+
+
+def wall_rule(between: str, least_mm: float) -> str:
+    """Name of the rule that keeps a wall."""
+    return f"least wall {between}, {least_mm:.3g} mm"
+
+
+def shoulder_rule(journal: str) -> str:
+    """Name of the rule that keeps a flat shoulder beyond a journal's fillet."""
+    return f"shoulder beside the fillet of the {journal}"
+
+
+def depth_mm(face: str, z_mm: Any, web_z_mm: tuple[float, float]) -> Any:
+    """Depth of heights below a web face."""
+    return z_mm - web_z_mm[0] if face == "journal" else web_z_mm[1] - z_mm

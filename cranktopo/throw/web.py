@@ -1,0 +1,156 @@
+"""The web table: thickness, and every kind of feature. A new kind is registered here, by one field.
+
+Outlines are tables of their own that extend it; `cranktopo.throw.outline` lists them.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+from pydantic import Field
+from typing_extensions import override
+
+from cranktopo.base.spans import Span, material
+from cranktopo.base.table import Length, SceneTable
+from cranktopo.throw.bevel import EndBevel, FittedBevel
+from cranktopo.throw.box_pocket import BoxPocket, FittedBox
+from cranktopo.throw.counterweight import Counterweight
+from cranktopo.throw.cylinder_pocket import CylinderPocket, FittedCylinder
+from cranktopo.throw.feature import Array, Body, Feature
+from cranktopo.throw.fitted import FittedFeature, FittedToSections
+from cranktopo.throw.fitted_pocket import FittedPocket
+from cranktopo.throw.hole import bore_holes
+from cranktopo.throw.primitives import Curve, Extrusion, Solid
+from cranktopo.throw.side_pocket import FittedSlot, SidePocket
+
+if TYPE_CHECKING:
+    from cranktopo.throw.throw_view import ThrowView
+
+Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
+FITTED_TO_SECTIONS: tuple[tuple[FittedToSections, ...], ...] = (
+    (FittedBevel("journal"),),
+    (FittedBevel("pin"),),
+    (FittedSlot(), FittedSlot(through=True)),
+)
+"""Features whose initial values the re-model reads from cross-sections; of each group the best is tried."""
+FITTED_TO_REGIONS: tuple[type[FittedPocket], ...] = (FittedCylinder, FittedBox)
+"""Features that the re-model places where the body has a hole that the web lacks."""
+FITTED: tuple[type[FittedFeature], ...] = (FittedBevel, FittedSlot, *FITTED_TO_REGIONS)
+"""Kinds that a table of the web can be read back as."""
+
+
+class WebTable(SceneTable, ABC):
+    """What all webs have: thickness and features; an outline extends it by its own dimensions."""
+
+    thickness_mm: Length = Field(examples=[19.0])
+    """Thickness along the crank axis."""
+    bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
+    pocket: tuple[Pocket, ...] = ()
+    """What is taken out of the outline's solid; `shape` chooses the kind."""
+    counterweight: Counterweight | None = None
+
+    feature_keys: ClassVar[tuple[str, ...]] = ("bevel", "pocket")
+    """Keys that hold lists of features."""
+
+    @abstractmethod
+    def half_width_mm(self, throw_radius_mm: float, y_mm: Array) -> Array:
+        """Half-width of the outline, without its features, at places along the throw; 0 beyond its ends."""
+
+    @abstractmethod
+    def y_range_mm(self, throw_radius_mm: float) -> tuple[float, float]:
+        """Range of the outline along the throw."""
+
+    @property
+    @abstractmethod
+    def largest_half_width_mm(self) -> float:
+        """Half of the outline's largest width; side pockets are measured from it."""
+
+    @abstractmethod
+    def contour(self, throw_radius_mm: float, z_mm: float) -> tuple[Curve, ...]:
+        """The exact outline at a height, a closed loop."""
+
+    def kinks_mm(self, throw_radius_mm: float) -> tuple[float, ...]:
+        """Positions along the throw between its ends where the half-width is not smooth."""
+        return ()
+
+    def check_outline(self, throw_radius_mm: float) -> None:
+        """Refuse dimensions that give no outline.
+
+        Raises:
+            CranktopoError: first inconsistency found.
+        """
+
+    def features(self) -> Iterator[tuple[str, Feature]]:
+        """Each feature with its key path in the scene."""
+        for key in self.feature_keys:
+            for index, feature in enumerate(getattr(self, key)):
+                yield f"web.{key}[{index}]", feature
+        if self.counterweight is not None:
+            yield "web.counterweight", self.counterweight
+
+
+@dataclass(frozen=True)
+class OutlineBody(Body):
+    """The web before its features: the outline between both faces."""
+
+    web: WebTable
+    throw_radius_mm: float
+    adds: ClassVar[bool] = True
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        half = self.web.half_width_mm(self.throw_radius_mm, y_mm)
+        return [(-half, half)]
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        return self.web.y_range_mm(self.throw_radius_mm)
+
+    @property
+    @override
+    def y_breaks_mm(self) -> tuple[float, ...]:
+        return (*self.y_range_mm, *self.web.kinks_mm(self.throw_radius_mm))
+
+    @property
+    @override
+    def x_range_mm(self) -> tuple[float, float]:
+        half = self.web.largest_half_width_mm
+        return -half, half
+
+    @override
+    def solids(self) -> tuple[Solid, ...]:
+        low, high = self.z_mm
+        return (Extrusion(self.web.contour(self.throw_radius_mm, low), (0.0, 0.0, high - low)),)
+
+
+def web_bodies(scene: ThrowView) -> list[Body]:
+    """What the web is made of: its outline, the bores through it, its features."""
+    outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
+    return [outline, *bore_holes(scene), *feature_bodies(scene)]
+
+
+def feature_bodies(scene: ThrowView) -> list[Body]:
+    """The bodies of all features of the web in the order of the scene."""
+    return [body for key, feature in scene.web.features() for body in feature.bodies(scene, key)]
+
+
+def kept_bodies(scene: ThrowView) -> tuple[Body, ...]:
+    """What no optimiser takes away: the sector of a counterweight that is one piece with the web.
+
+    Its fillets follow the scene's outline, which an optimiser replaces.
+    """
+    weight = scene.web.counterweight
+    return () if weight is None or weight.bolted else (weight.sector(scene),)
+
+
+def web_spans(bodies: Sequence[Body], y_mm: Array, z_mm: Array) -> tuple[Array, Array]:
+    """Ends (intervals, ...) of the material that bodies leave at places along the throw and heights."""
+    added, removed = (
+        [span for body in bodies if body.adds == adds for span in body.spans(y_mm, z_mm)]
+        for adds in (True, False)
+    )
+    return material(added, removed)
