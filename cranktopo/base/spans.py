@@ -11,7 +11,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cranktopo.base.arrays import Array
+
 Span = tuple[Array, Array]
 """Lateral interval (from, to), mm; empty where from >= to."""
 Section = Callable[[Array, Array], Sequence[Span]]

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Z
 from cranktopo.design.schema import Scene
 
-Array = NDArray[np.float64]
 _ROUNDING = 1e-6
 
 

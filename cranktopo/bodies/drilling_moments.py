@@ -14,15 +14,14 @@ from functools import lru_cache
 from typing import Literal, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.web_moments import Moments, integrate
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling import Channel, Mouth, channels
 from cranktopo.throw.drilling_outlet import ring_points
 from cranktopo.throw.throw_view import ThrowView
 
-Array = NDArray[np.float64]
 Part = Literal["main_journal", "web", "crankpin"]
 PARTS: tuple[Part, ...] = "main_journal", "web", "crankpin"
 _ENDLESS = 1e3

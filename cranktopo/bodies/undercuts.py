@@ -9,12 +9,12 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X, Y, Z
 from cranktopo.bodies.prisms import envelope_holes, journal_ends, web_bores, web_region
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 
-Array = NDArray[np.float64]
 NEGLIGIBLE_SHARE = 1e-4
 """Undercuts below this share of the web are grazing slivers that the triangles themselves do not resolve."""
 _BEYOND_MM = 1.0

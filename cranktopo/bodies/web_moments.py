@@ -12,14 +12,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import Body
 from cranktopo.throw.web import web_bodies, web_spans
 
-Array = NDArray[np.float64]
 _HEIGHTS, _PLACES = 8, 12
 """Gauss points of an interval along the crank axis and along the throw."""
 _TOLERANCE = 1e-11

@@ -13,12 +13,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.design.schema import Scene
 
-Array = NDArray[np.float64]
 PISTON, CRANKCASE = "piston skirt", "crankcase"
 _DIRECTIONS, _CRANK_ANGLES = 721, 1441
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.engine import Engine
@@ -20,7 +21,7 @@ from cranktopo.engine.forces import (
     throw_forces,
 )
 from cranktopo.engine.gas import PressureCurve, pressure_curve
-from cranktopo.engine.kinematics import Array, exact_motion, series_motion
+from cranktopo.engine.kinematics import exact_motion, series_motion
 from cranktopo.engine.rods_on_pin import RodsOnPin, rods_on_pins
 from cranktopo.engine.torque import ShaftTorque, shaft_torque
 from cranktopo.engine.vibration.vibrating_torque import vibrating_torque, worst_speed_rpm

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.units import N_PER_KN
 from cranktopo.design.schema import Scene
 from cranktopo.design.supports import RollerBearing
 from cranktopo.engine.gas import gas_force_N, pressure_curve
-from cranktopo.engine.kinematics import Array
 
 LIFE_EXPONENT = 10 / 3
 """Of line contact, ISO 281."""

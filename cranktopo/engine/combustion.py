@@ -18,9 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.design.engine import Gas
-from cranktopo.engine.kinematics import Array, exact_motion
+from cranktopo.engine.kinematics import exact_motion
 
 WIEBE_EFFICIENCY = 6.908  # -ln(1 - 0.999)
 OVERLAP_DEG = 20.0  # width of the change from exhaust to intake pressure after gas-exchange dead centre

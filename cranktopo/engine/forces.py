@@ -6,11 +6,12 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.engine.balance.throw import ThrowBalance
 from cranktopo.engine.gas import PressureCurve, gas_force_N
-from cranktopo.engine.kinematics import Array, exact_motion, force_ratios
+from cranktopo.engine.kinematics import exact_motion, force_ratios
 
 INERTIA_EFFECTS = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.indicator import read_indicator
-from cranktopo.engine.kinematics import Array
 
 STEP_DEG = 0.25
 

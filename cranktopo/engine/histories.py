@@ -7,13 +7,13 @@ from typing import Literal
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
-from cranktopo.engine.kinematics import Array
 from cranktopo.engine.states import extreme_states
 
 HistoryKind = Literal["extremes", "cycle"]

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, shown
 from cranktopo.base.reading import read_text
 from cranktopo.base.units import MPA_PER_BAR
-from cranktopo.engine.kinematics import Array
 
 _HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pressure_MPa)."
 _PRESSURE_UNITS = {"bar": MPA_PER_BAR, "mpa": 1.0}

@@ -9,9 +9,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 
-Array = NDArray[np.float64]
 Curve = TypeVar("Curve", Array, NDArray[np.complex128])
 """Values at evenly spaced crank angles of a cycle."""
 _HARMONIC_POINTS = 4096

@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.forces import ThrowForces
-from cranktopo.engine.kinematics import Array, later
+from cranktopo.engine.kinematics import later
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.engine.kinematics import Array, later
+from cranktopo.base.arrays import Array
+from cranktopo.engine.kinematics import later
 
 
 @dataclass(frozen=True)

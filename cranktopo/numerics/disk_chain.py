@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cranktopo.base.arrays import Array
+
 ComplexArray = NDArray[np.complex128]
 
 _RIGID = 1e-12

@@ -15,9 +15,9 @@ from matplotlib.collections import TriMesh
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 
-Array = NDArray[np.float64]
 Colour = tuple[float, float, float]
 WEB_COLOUR = (0.30, 0.52, 0.80)
 JOURNAL_COLOUR = (0.78, 0.79, 0.81)

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.files import replacing
 
-Array = NDArray[np.float64]
 # Corners of a hexahedron in the order of VTK_HEXAHEDRON: the lower face counter-clockwise, then the upper.
 _CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 

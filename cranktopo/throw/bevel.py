@@ -12,11 +12,12 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Span
 from cranktopo.base.table import Length, Place
 from cranktopo.throw.bevel_arc import BevelArc
-from cranktopo.throw.feature import ROUNDING_MM, Array, Body, Face, Feature, least_shoulder_mm
+from cranktopo.throw.feature import ROUNDING_MM, Body, Face, Feature, least_shoulder_mm
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     Axes,

@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.table import Length, Place
 from cranktopo.throw.face_pocket import FacePocket
-from cranktopo.throw.feature import Array, Body
+from cranktopo.throw.feature import Body
 from cranktopo.throw.fitted import Named, Region
 from cranktopo.throw.fitted_pocket import FittedPocket
 from cranktopo.throw.hole import RectangularHole, check_depth, depth_range_mm

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.throw.feature import Array, MirroredPrism
+from cranktopo.base.arrays import Array
+from cranktopo.throw.feature import MirroredPrism
 from cranktopo.throw.primitives import Arc, Extrusion, Line, Point, Solid
 from cranktopo.throw.tangent_circle import TangentCircle
 

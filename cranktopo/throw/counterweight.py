@@ -11,10 +11,11 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import Length
 from cranktopo.throw.corner_fillet import CornerFillet
-from cranktopo.throw.feature import Array, Body, Face, Feature, MirroredPrism, least_shoulder_mm
+from cranktopo.throw.feature import Body, Face, Feature, MirroredPrism, least_shoulder_mm
 from cranktopo.throw.primitives import Arc, Extrusion, FeatureDrawing, Line, Point, Solid, number_lines
 from cranktopo.throw.tangent_circle import OutlineSection, TangentCircle, largest_radius_mm, tangent_circle
 

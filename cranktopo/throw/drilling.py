@@ -12,9 +12,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, Self, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Section, Span
 from cranktopo.base.table import Length, LengthOrZero, SceneTable
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from cranktopo.throw.geometry import Journal, Throw
     from cranktopo.throw.throw_view import ThrowView
 
-Array = NDArray[np.float64]
 Surface = Literal["main_journal", "crankpin", "main_journal_bore", "crankpin_bore"]
 SURFACES: tuple[Surface, ...] = get_args(Surface)
 _BORE = "_bore"

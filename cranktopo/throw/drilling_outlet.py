@@ -9,11 +9,9 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.throw.drilling import Mouth, across
-
-Array = NDArray[np.float64]
 
 
 def ring_points(radius_mm: float, mouth: Mouth, turn: Array, arc: Array, out: Array) -> Array:

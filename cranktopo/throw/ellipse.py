@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.table import Length
-from cranktopo.throw.feature import Array
 from cranktopo.throw.primitives import Curve, Ellipse
 from cranktopo.throw.web import WebTable
 

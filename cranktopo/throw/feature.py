@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span, holds
 from cranktopo.base.table import SceneTable
 from cranktopo.throw.primitives import FeatureDrawing, Solid
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from cranktopo.throw.geometry import Throw
     from cranktopo.throw.throw_view import ThrowView
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
 _SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cranktopo.base.arrays import Array
+
 ASPECT = (0.5, 2.5)
 """Axial over radial semi-axis: beyond, one end of the arc is nearly a sharp edge."""
 

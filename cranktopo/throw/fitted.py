@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import numpy as np
 
-from cranktopo.throw.feature import Array, Face, Feature, Mask
+from cranktopo.base.arrays import Array
+from cranktopo.throw.feature import Face, Feature, Mask
 
 if TYPE_CHECKING:
     from cranktopo.throw.bevel_arc import BevelArc

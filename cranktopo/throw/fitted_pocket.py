@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.throw.face_pocket import FacePocket
-from cranktopo.throw.feature import Array, Feature, least_shoulder_mm
+from cranktopo.throw.feature import Feature, least_shoulder_mm
 from cranktopo.throw.fitted import (
     JOURNALS,
     LEAST_MM,

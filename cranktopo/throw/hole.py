@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.spans import Span
-from cranktopo.throw.feature import Array, Body, Mask, least_shoulder_mm
+from cranktopo.throw.feature import Body, Mask, least_shoulder_mm
 from cranktopo.throw.primitives import Box, Cylinder, Solid
 
 if TYPE_CHECKING:

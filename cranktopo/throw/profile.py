@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.table import LengthOrZero, Place
-from cranktopo.throw.feature import Array
 from cranktopo.throw.flank import Flank, flank_half_width_mm, flank_through, largest_half_width_mm
 from cranktopo.throw.primitives import Bezier, Curve, Line
 from cranktopo.throw.web import WebTable

@@ -8,9 +8,9 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.table import Length, LengthOrZero
-from cranktopo.throw.feature import Array
 from cranktopo.throw.primitives import Curve, Rectangle
 from cranktopo.throw.web import WebTable
 

@@ -11,10 +11,11 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length, Place
 from cranktopo.throw.bevel import height_range_mm
-from cranktopo.throw.feature import Array, Body, Feature
+from cranktopo.throw.feature import Body, Feature
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     JOURNALS,

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span
-from cranktopo.throw.feature import Array, Body
+from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import Box, Frustum, Solid
 
 BEYOND_MM = 1.0

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 
-Array = NDArray[np.float64]
 HalfWidth = Callable[[Array], Array]
 _SAMPLES, _POINTS, _ROUNDS = 801, 65, 7
 """Places at which the search for the nearest begins; places in an interval, and how often it is narrowed."""

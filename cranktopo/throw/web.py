@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span, material
 from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.bevel import EndBevel, FittedBevel
 from cranktopo.throw.box_pocket import BoxPocket, FittedBox
 from cranktopo.throw.counterweight import Counterweight
 from cranktopo.throw.cylinder_pocket import CylinderPocket, FittedCylinder
-from cranktopo.throw.feature import Array, Body, Feature
+from cranktopo.throw.feature import Body, Feature
 from cranktopo.throw.fitted import FittedFeature, FittedToSections
 from cranktopo.throw.fitted_pocket import FittedPocket
 from cranktopo.throw.hole import bore_holes

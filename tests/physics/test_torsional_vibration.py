@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize, minimize_scalar
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
@@ -18,7 +19,7 @@ from cranktopo.engine.vibration.run_up import run_up
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import critical_speeds, on_disks, speeds_to_solve, vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
-from cranktopo.numerics.disk_chain import Array, DiskChain, supplied_J
+from cranktopo.numerics.disk_chain import DiskChain, supplied_J
 
 DAMPED = {
     "throw_damping_Nms_per_rad": 8.0,

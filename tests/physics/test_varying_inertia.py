@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
@@ -20,7 +21,7 @@ from cranktopo.engine.vibration.varying_inertia import (
     varying_part,
     varying_share_percent,
 )
-from cranktopo.numerics.disk_chain import Array, ComplexArray, DiskChain, supplied_J
+from cranktopo.numerics.disk_chain import ComplexArray, DiskChain, supplied_J
 
 SCENE = load_scene("mikron-iiic")
 OWN, HELD, ORDERS = 0.002, 1e7, 40

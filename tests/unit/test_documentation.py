@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.app.main import COMMANDS
+from tests.unit.test_structure import FLOORS, TASKS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ROOT / "docs" / "pages"
@@ -98,18 +99,17 @@ def test_all_python_examples_run(
     assert (tmp_path / "web.stl").is_file()
 
 
-def test_every_room_is_explained() -> None:
-    explained = re.findall(r"(?m)^\| `(\w+)/` \| (.+) \|$", (PAGES / "rooms.md").read_text(encoding="utf-8"))
-    rooms = [folder.name for folder in PACKAGE.iterdir() if (folder / "__init__.py").is_file()]
-    assert sorted(name for name, _ in explained) == sorted(rooms)
-    assert all(len(task) > 20 for _, task in explained)
-
-
-def test_rooms_are_in_the_order_of_imports() -> None:
-    from tests.unit.test_structure import ORDER
-
-    rooms = re.findall(r"(?m)^\| `(\w+)/`", (PAGES / "rooms.md").read_text(encoding="utf-8"))
-    assert [room for room in rooms if room != "store"] == [room for room in ORDER if room in rooms]
+def test_every_room_is_explained_in_the_order_of_imports() -> None:
+    text = (PAGES / "rooms.md").read_text(encoding="utf-8")
+    storeys = re.findall(r"(?m)^\| (\d?) ?\| `(\w+)/` \| (.+) \|$", text)
+    floors: list[set[str]] = []
+    for number, room, said in storeys:
+        assert len(said) > 20
+        floors = [{room}, *floors] if number else [floors[0] | {room}, *floors[1:]]
+    assert floors == list(FLOORS)
+    tasks = re.findall(r"(?m)^\| `(\w+)/` \| (.+) \| (?:`(\w+)` )?\|$", text)
+    assert [name for name, _, _ in tasks] == list(TASKS)
+    assert {command for _, _, command in tasks if command} == set(COMMANDS)
 
 
 @pytest.mark.parametrize("module", sorted(set(re.findall(r"python -m (tests\.benchmarks\.\w+)", TEXT))))

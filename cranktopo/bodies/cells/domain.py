@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
 from cranktopo.bodies.cells.drilled_cells import drill_cells
@@ -27,8 +27,6 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 from cranktopo.throw.web import web_bodies
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

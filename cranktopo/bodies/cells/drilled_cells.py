@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section, common, holds, together, without
 from cranktopo.bodies.cells.envelope_section import envelope_section
@@ -21,7 +21,6 @@ from cranktopo.bodies.cells.plane_fractions import slab_fractions
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling import Channel, channels
 
-Array = NDArray[np.float64]
 WALL = 1.0
 """Thickness of the wall over the drilling's radius."""
 _ROUNDING = 1e-6

@@ -11,12 +11,11 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Section, Span
 from cranktopo.bodies.web_moments import gauss_rule
 
-Array = NDArray[np.float64]
 _PARTS, _PLACES = 4, 5
 """Parts of a cell along the throw to begin with, and points of the quadrature in each, with its ends."""
 _TOLERANCE = 1e-6

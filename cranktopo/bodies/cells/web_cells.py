@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
-
-Array = NDArray[np.float64]
 
 
 def centres_mm(domain: Domain) -> tuple[Array, Array, Array]:

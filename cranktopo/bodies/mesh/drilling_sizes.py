@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling import Channel, Mouth, channels
 
-Array = NDArray[np.float64]
 _GROWTH = 0.5
 """Growth of the element size per mm of distance."""
 _ALONG, _OUTLET = 1.0, 0.5

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
@@ -17,7 +18,6 @@ from cranktopo.throw.feature import Body, least_shoulder_mm
 from cranktopo.throw.geometry import Journal
 from cranktopo.throw.web import web_bodies
 
-Array = NDArray[np.float64]
 LARGEST_SHARE = 0.4
 """Largest diameter of a drilling over that of the thinnest journal it opens in."""
 LARGEST_OBLIQUITY_DEG = 50.0

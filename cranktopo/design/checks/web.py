@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section, holds
@@ -11,8 +10,6 @@ from cranktopo.design.checks.drilling import check_drillings
 from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import ROUNDING_MM, least_shoulder_mm
 from cranktopo.throw.geometry import Journal
-
-Array = NDArray[np.float64]
 
 
 def check_solid(scene: Scene) -> None:

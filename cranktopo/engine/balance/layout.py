@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.kinematics import Array
 
 
 @dataclass(frozen=True)

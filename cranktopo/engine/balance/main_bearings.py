@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
@@ -15,7 +16,7 @@ from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import throw_forces
 from cranktopo.engine.gas import STEP_DEG, PressureCurve, pressure_curve
-from cranktopo.engine.kinematics import Array, later
+from cranktopo.engine.kinematics import later
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.drilling_moments import drilled
 from cranktopo.bodies.web_moments import Moments, bolted_mass, counterweight_mass, web_moments
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.geometry import Journal
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

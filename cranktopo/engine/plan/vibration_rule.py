@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.checks.shaft import is_damped, speed_range_rpm
 from cranktopo.design.schema import Scene
@@ -17,7 +18,6 @@ from cranktopo.engine.plan.estimate import Estimate
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import ORDERS
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
-from cranktopo.numerics.disk_chain import Array
 
 _NEAR = np.linspace(0.5, 1.3, 81)
 """Frequencies looked at, over the natural one; a damper's ring lowers the peak's."""

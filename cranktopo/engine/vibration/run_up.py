@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.steady import ORDERS
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics
-from cranktopo.numerics.disk_chain import Array, Mode
+from cranktopo.numerics.disk_chain import Mode
 
 _STEPS_PER_PERIOD = 24
 """Of the highest order at the highest speed; the integration itself is exact between the steps."""

@@ -8,12 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, throw_forces
 from cranktopo.engine.gas import pressure_curve
-from cranktopo.numerics.disk_chain import Array, ComplexArray
+from cranktopo.numerics.disk_chain import ComplexArray
 
 _ANY_SPEED_RPM = 1000.0
 """Inertia torque goes with the square of the speed, whatever speed it is computed at."""

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM2_PER_M2
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics
-from cranktopo.numerics.disk_chain import Array, ComplexArray, Mode
+from cranktopo.numerics.disk_chain import ComplexArray, Mode
 
 HARMONICS = 4
 """Harmonics of the inertia that count: the fifth is below a thousandth of a reciprocating mass."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.checks.shaft import speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
@@ -16,7 +17,7 @@ from cranktopo.engine.vibration.steady import (
 )
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics
 from cranktopo.engine.vibration.varying_inertia import VaryingPart, varying_part
-from cranktopo.numerics.disk_chain import Array, Mode
+from cranktopo.numerics.disk_chain import Mode
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.design.schema import Scene
 from cranktopo.engine.torque import ShaftTorque
@@ -11,7 +12,6 @@ from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import on_disks, section_curves_Nm
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import VibratingShaft, vibrating_shaft
-from cranktopo.numerics.disk_chain import Array
 
 
 def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:

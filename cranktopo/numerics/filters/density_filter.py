@@ -8,10 +8,10 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
-Array = NDArray[np.float64]
+from cranktopo.base.arrays import Array
+
 Shape = tuple[int, ...]
 # Sums by Fourier transform are rounded by 1e-15 of the largest one: less than this is nothing.
 _NOTHING, _DIGITS = 1e-12, 13

@@ -13,12 +13,10 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.lattice import Cells, Lattice
 from cranktopo.numerics.grid.partition import WHOLE, Partition
-
-Array = NDArray[np.float64]
 
 # Rigid motions of a section about its centre on the crank axis.
 MOTIONS = ("tx", "ty", "tz", "rx", "ry", "rz")

@@ -9,13 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import strain_energy_densities
 from cranktopo.numerics.grid.partition import WHOLE
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Across = Literal["corners", "faces"]
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cranktopo.base.arrays import Array
 
 CORNERS = np.array(list(product((0, 1), repeat=3)))
 _GAUSS = (-1 / np.sqrt(3), 1 / np.sqrt(3))

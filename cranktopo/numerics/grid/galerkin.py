@@ -15,8 +15,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.element import CORNERS
-from cranktopo.numerics.grid.lattice import Array, Cells, Lattice, layer_stiffness
+from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_stiffness
 from cranktopo.numerics.grid.slabs import add_slabs
 from cranktopo.numerics.kernels.registry import by_kernel, coupled
 from cranktopo.numerics.kernels.stencil import OFFSETS

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.element import hexahedron_stiffness, reflection_blocks
 
-Array = NDArray[np.float64]
 Cells = tuple[int, int, int]
 
 # The dense inverse of the coarsest grid takes about as long as one V-cycle at this size.

@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.boundary_conditions import (
     BoundaryConditions,
     add_section,
@@ -28,7 +29,7 @@ from cranktopo.numerics.grid.galerkin import (
     stencil_diagonal,
 )
 from cranktopo.numerics.grid.lanczos import largest_eigenvalues
-from cranktopo.numerics.grid.lattice import Array, Cells, Lattice, layer_blocks, layer_stiffness
+from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.numerics.grid.partition import WHOLE, Partition
 from cranktopo.numerics.grid.smoothing import Smoother, Smoothing, steps_of

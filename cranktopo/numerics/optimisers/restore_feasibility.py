@@ -6,9 +6,9 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cranktopo.base.arrays import Array
+
 _FAR = 5.0
 """Excess of a rule that a search may be too short for, mm or what the rule is told in."""
 _FEASIBLE, _STEP, _STEPS = 1e-6, 1e-3, 100

@@ -9,9 +9,9 @@ import numpy as np
 from manifold3d import Manifold, Mesh64
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 
-Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 DEGENERATE_MM2 = 1e-12
 _NOTHING_MM = 1e-9

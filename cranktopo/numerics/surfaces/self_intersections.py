@@ -6,11 +6,9 @@ from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
-
-Array = NDArray[np.float64]
 
 
 @lru_cache(maxsize=1)

@@ -7,9 +7,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
-
-Array = NDArray[np.float64]
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 """Corners of the edges of a ten-node tetrahedron, VTK order."""

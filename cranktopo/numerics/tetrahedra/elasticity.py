@@ -9,13 +9,12 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 
-Array = NDArray[np.float64]
 Order = Literal[1, 2]
 """Degree of the displacements in an element; its shape is quadratic in either case."""
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cranktopo.base.arrays import Array
 
 DEVIATOR = np.zeros((6, 6))
 DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5

@@ -12,12 +12,10 @@ from collections.abc import Callable
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as sla
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.reproducible import SEED
-
-Array = NDArray[np.float64]
 
 DIRECT_LIMIT = 12_000
 """Most unknowns for the direct solver."""

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.numerics.surfaces.shells import shells
 from cranktopo.numerics.tetrahedra.curving import EDGES
 
-Array = NDArray[np.float64]
 Tetrahedra = NDArray[np.int64]
 SizeField = Callable[[Array], Array]
 

@@ -9,10 +9,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-
-Array = NDArray[np.float64]
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _ORDER = 2

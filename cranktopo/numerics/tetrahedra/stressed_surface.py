@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.curving import EDGES, shape_gradients
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
 from cranktopo.numerics.tetrahedra.stress import NodalStress
 
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _CORNERS = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))

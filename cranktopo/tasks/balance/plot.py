@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.engine.balance.free_forces import ORDERS, Complex
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS, EngineBalance
-from cranktopo.engine.kinematics import Array
 from cranktopo.report.axes_style import GREY
 from cranktopo.report.plot import Picture, picture
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.boundary_conditions import section_coordinates
 from cranktopo.numerics.grid.lattice import layer_blocks
 from cranktopo.numerics.grid.operator import strain_energy_densities
@@ -21,7 +21,6 @@ from cranktopo.tasks.bound.webs import Webs
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel
 
-Array = NDArray[np.float64]
 ROUNDING = 128 * float(np.finfo(np.float64).eps)
 """Above the rounding, over the sum of the terms' sizes, of an energy from the displacements of eight corners,
 of a pairwise sum of up to 1e9 terms, and of displacements on a rigid section."""

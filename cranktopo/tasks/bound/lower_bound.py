@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.web_cells import on_cells
@@ -31,7 +31,6 @@ from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import solve
 
-Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 _STEPS = 40
 _TOLERANCE = 1e-2

@@ -12,12 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.bound.proof import Plane, Proof, best_proof
 from cranktopo.tasks.bound.requirements import Ceiling
 
-Array = NDArray[np.float64]
 _LINES = 13
 _SPAN = 3.0
 _ROUNDING = 1e-12

@@ -16,13 +16,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.bound.energies import ROUNDING, Energies
 from cranktopo.tasks.bound.requirements import Ceiling
 from cranktopo.tasks.bound.webs import Webs
 
-Array = NDArray[np.float64]
 _CUTS = 60
 _ENOUGH = 1e-4
 """Share of the bound by which better weights could still raise it when their search ends."""

@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.bound.proof import Plane
 from cranktopo.tasks.bound.requirements import Ceiling
 
-Array = NDArray[np.float64]
 LEAST = 1e-3
 """Least density while the displacements are sought, so that cells can come back."""
 _MOVE = 0.3

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.schema import Scene
@@ -24,7 +25,6 @@ from cranktopo.tasks.density.manufacturing import designable, is_manufactured, p
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.responses import Design, Response, quantities
 
-Array = NDArray[np.float64]
 _TINY = 1e-300
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.web_moments import bolted_mass
@@ -18,7 +18,6 @@ from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.response import compliances, solve, stiffness
 from cranktopo.tasks.density.responses import Design, quantities, values_of
 
-Array = NDArray[np.float64]
 TOLERANCE = 1e-8
 
 

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.resolution import WALL_CELLS, thinnest_wall_mm
 from cranktopo.bodies.cells.web_cells import on_cells
@@ -23,8 +23,6 @@ from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.length_scale import LEAST_CELLS, filter_radius_mm
 from cranktopo.tasks.density.problem import DensityProblem, Progress
 from cranktopo.tasks.density.state import CoarseStart, State
-
-Array = NDArray[np.float64]
 
 # Below so many cells the programs of a second grid take longer to compile than they save.
 _FINE_CELLS = 200_000

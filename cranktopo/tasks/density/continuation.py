@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.density.problem import DensityProblem, Schedule
 from cranktopo.tasks.density.state import Record, Round, State
-
-Array = NDArray[np.float64]
 
 # A stage has settled, and the last one converged, when the objective changes by less over the window.
 STAGE_PLATEAU, FINAL_PLATEAU = 5e-3, 1e-3

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.equilibrium import Solution
 from cranktopo.tasks.density.continuation import advance, tolerance_at
 from cranktopo.tasks.density.material import (
@@ -30,8 +30,6 @@ from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.response import compliances, solve
 from cranktopo.tasks.density.responses import Design, on_material
 from cranktopo.tasks.density.state import Record, State
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X, Z
 from cranktopo.base.polygons import polygon_section
 from cranktopo.base.spans import holds
@@ -23,7 +24,6 @@ from cranktopo.numerics.filters.forging import Die, Parting, reachable
 from cranktopo.numerics.filters.tool_access import ONE_CELL, Direction, Offsets, ToolAccess
 from cranktopo.tasks.density.material import web_cell_mm
 
-Array = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 _SOLID = 0.5
 _RAMP_CELLS, _RIM_CELLS = 3.0, 0.25

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_tonne_per_mm3
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
@@ -22,8 +22,6 @@ from cranktopo.numerics.grid.boundary_conditions import (
     build_supports,
 )
 from cranktopo.numerics.grid.lattice import Lattice
-
-Array = NDArray[np.float64]
 
 # Motions of a section that are even under x -> -x; the others are odd.
 _EVEN_IN_X = ("ty", "tz", "rx")

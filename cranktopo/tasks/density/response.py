@@ -13,8 +13,8 @@ import math
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.grid.conjugate_gradients import System
@@ -25,8 +25,6 @@ from cranktopo.numerics.grid.operator import strain_energy_densities, strain_ene
 from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.precision import Precision
 from cranktopo.tasks.density.model import ThrowModel, case_forces, cell_volumes_mm3
-
-Array = NDArray[np.float64]
 
 
 def solve(

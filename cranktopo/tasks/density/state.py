@@ -7,10 +7,8 @@ from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from cranktopo.base.arrays import Array
 
-Array = NDArray[np.float64]
 ARRAY_FIELDS = ("x", "evaluated", "displacements")
 MEMORY = "memory."
 Status = Literal["running", "converged", "stopped", "infeasible"]

@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.prisms import web_region
 from cranktopo.design.schema import Scene
 from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
@@ -23,7 +23,6 @@ from cranktopo.throw.profile import ProfileWeb
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-Array = NDArray[np.float64]
 _POINTS = 400
 _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
@@ -17,8 +15,6 @@ from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
 from cranktopo.tasks.extraction.surface_checks import SurfaceReport, check_surface
 from cranktopo.tasks.extraction.walls import measure
 from cranktopo.tasks.extraction.web_fields import web_fields
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import X, Y, Z
 from cranktopo.bodies.density_grid import DensityGrid, is_x_symmetric
@@ -27,7 +28,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.extraction.isosurface import FineField, iso_solid, resample, unsmoothed_solid
 from cranktopo.tasks.extraction.release import released
 
-Array = NDArray[np.float64]
 SIMPLIFY_MM = 0.02
 _VOLUME_TOLERANCE = 1e-4
 _JUMP_TOLERANCE = 1e-3

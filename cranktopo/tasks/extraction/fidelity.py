@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
 from cranktopo.tasks.extraction.half_throw import WebSurface
 from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
-
-Array = NDArray[np.float64]
 
 
 def iso_distance_mm(

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.frames import Z
 from cranktopo.bodies.density_grid import DensityGrid
@@ -15,8 +13,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
 from cranktopo.tasks.extraction.sound_throw import sound_throw
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from manifold3d import Manifold
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.extraction.cutter import Cutter
 from cranktopo.tasks.extraction.isosurface import FineField, unsmoothed_solid
 
-Array = NDArray[np.float64]
 _FACETS_ALONG = 100
 """Facets that a surface's longest extent is cut into at least."""
 _NEIGHBOURS = 24

@@ -17,10 +17,10 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 
-Array = NDArray[np.float64]
 _PAD_CELLS = 3
 REFINE = 2
 """Points of the lattice per cell and axis."""

@@ -11,11 +11,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X, Y
 from cranktopo.bodies.undercuts import Way, way_of
 from cranktopo.design.schema import Scene
-
-Array = NDArray[np.float64]
 
 
 def released(

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Manifold
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.prisms import ON_MIRROR_MM, journal_halves, web_region
 from cranktopo.design.schema import Scene
@@ -25,7 +25,6 @@ from cranktopo.tasks.extraction.cutter import Cutter, find_iso
 from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
 from cranktopo.tasks.extraction.isosurface import REFINE, FineField, blurred
 
-Array = NDArray[np.float64]
 SLIVERS_MM = (1e-3, 1e-4, 1e-5, 0.0)
 """How far taking out the slivers of a boolean may move the surface, from attempt to attempt."""
 VOLUME_SHARE = 2.5e-3

@@ -12,13 +12,13 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Z
 from cranktopo.bodies.undercuts import Way, way_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.extraction.iso_distance import distances_mm
 
-Array = NDArray[np.float64]
 _ON_MM = 0.02
 _MOST_POINTS = 5_000
 _BALL_STEPS = 40

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.tasks.density.loop import WebDensities
-
-Array = NDArray[np.float64]
 
 
 def web_fields(domain: Domain, design: WebDensities) -> tuple[DensityGrid, Array, Array]:

@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.fillet import FilletSection
 
-Array = NDArray[np.float64]
 Fillet = Literal["journal", "pin"]
 _OFF_MM = 1e-4
 """Largest distance from the fillet's surface of a node on it, for curved elements."""

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.fatigue.local_stress import LocalStress
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

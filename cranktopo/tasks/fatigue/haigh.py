@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.fatigue.fkm import fkm
 from cranktopo.tasks.fatigue.local_stress import LocalStress
 from cranktopo.tasks.fatigue.safety_field import FatigueField, fkm_strength
 
-Array = NDArray[np.float64]
 _HALVINGS = 60
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.files import write_bytes
 from cranktopo.design.halves import halves
 from cranktopo.report.png import png
@@ -19,7 +19,6 @@ from cranktopo.tasks.fatigue.vtu import throw_surface
 if TYPE_CHECKING:
     from cranktopo.report.shading import ShadedMesh
 
-Array = NDArray[np.float64]
 
 _VIEWS = (
     ("pin fillet", (0.45, -0.55, 0.9)),

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import drilled_alike, halves
@@ -32,8 +31,6 @@ from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
@@ -25,7 +26,6 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
-Array = NDArray[np.float64]
 FieldMethod = Literal["lsa", "fkm"]
 PointSafety = tuple[Array, Array, Array, dict[str, Array]]
 """Safety, fully reversed strength, share of the amplitude, and factors by name, each of shape (n,)."""

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
@@ -29,8 +30,6 @@ from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, unit_fields
-
-Array = NDArray[np.float64]
 
 RULE_FRACTION = 0.17
 """Element size in a fillet over its radius that keeps edges below a quarter (IACS UR M53, Appendix III)."""

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.equivalent_stress import DEVIATOR, von_mises
 from cranktopo.numerics.tetrahedra.stressed_surface import SurfaceStress
 from cranktopo.tasks.fatigue.local_stress import LocalStress
 
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _CHUNK = 4096

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.files import replacing
 from cranktopo.tasks.fatigue.safety_field import FatigueField
-
-Array = NDArray[np.float64]
 
 
 def write_fatigue_vtu(path: Path, field: FatigueField) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.scale import default_element_size_mm
@@ -18,8 +18,6 @@ from cranktopo.numerics.tetrahedra.stress import nodal_stress
 from cranktopo.tasks.fea.evaluation import Info, mesh_target
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind, unit_fields
-
-Array = NDArray[np.float64]
 
 _NEIGHBOURS = 4
 _HAIR_MM = 1e-6

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.clearance import ClearanceLimit
-from cranktopo.engine.kinematics import Array
 from cranktopo.report.axes_style import GREY, plain
 
 _LIMITS = {"crankcase": "#7a5195", "piston skirt": "#d1632a"}

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.clearance import clearance_limit, obstacles, rooms_of_points_mm, rooms_text
 from cranktopo.design.schema import Scene
-from cranktopo.engine.kinematics import Array
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.report.page import Section
 from cranktopo.report.plot import picture

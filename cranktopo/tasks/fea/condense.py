@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Span
 from cranktopo.design.halves import halves
@@ -23,7 +24,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
 from cranktopo.numerics.tetrahedra.linear_solve import RESIDUAL_LIMIT, symmetric_solver
 
-Array = NDArray[np.float64]
 Lateral = Literal["even", "odd", "none"]
 
 UX, UY, UZ, RX, RY, RZ = range(6)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
@@ -15,8 +13,6 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.tasks.fea.condense import Condensed, loaded_mm
 from cranktopo.tasks.fea.hierarchical_estimator import energy_surplus
 from cranktopo.tasks.fea.straightened import straightened
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.fea.condense import Condensed
 from cranktopo.tasks.fea.discretisation_error import MissedEnergy
 from cranktopo.tasks.fea.support_stiffness import (
@@ -19,8 +19,6 @@ from cranktopo.tasks.fea.support_stiffness import (
     torque_ends,
     torsion_motion,
 )
-
-Array = NDArray[np.float64]
 
 SURPLUS_FACTOR = 2.2
 """Bound over the cubic surplus.

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.elasticity import LOAD_ORDER, STIFFNESS_ORDER, Elasticity, beyond
 from cranktopo.numerics.tetrahedra.stress import hooke, tensor_strain
 from cranktopo.tasks.fea.condense import RX, RY, RZ, plane_nodes, section_motions
 
-Array = NDArray[np.float64]
 _CHUNK = 4000
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Places of a symmetric tensor's entries among the six components."""

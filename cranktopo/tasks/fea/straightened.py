@@ -11,12 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.tasks.fea.condense import Condensed
 from cranktopo.tasks.fea.node_gradients import chunks, section_slopes, shape_slopes, work_slopes
-
-Array = NDArray[np.float64]
 
 
 def straightened(

@@ -6,12 +6,11 @@ from collections.abc import Set
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ, Condensed
 
-Array = NDArray[np.float64]
 TorsionSupport = Literal["free", "held", "spring"]
 BendingSupport = Literal["pinned", "clamped", "spring"]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import density_tonne_per_mm3
@@ -18,9 +18,6 @@ from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
 from cranktopo.tasks.fea.condense import RX, Condensed, Lateral, condense, loaded_mm
 from cranktopo.tasks.fea.support_stiffness import bending_motion, torque_ends, torsion_motion
-
-Array = NDArray[np.float64]
-
 
 FieldKind = LoadKind | Literal["moment"]
 _PARITY: dict[FieldKind, Lateral] = {

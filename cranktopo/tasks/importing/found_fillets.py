@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
 from cranktopo.throw.fillet import ASPECT, FilletSection
 
-Array = NDArray[np.float64]
 _FIT_MM = 1e-3
 """Largest distance of a face's points from a circle or ellipse turned about the axis of a journal."""
 _TANGENT_MM = 0.02

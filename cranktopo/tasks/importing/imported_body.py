@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
@@ -27,7 +27,6 @@ from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
 
-Array = NDArray[np.float64]
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
 _SNAP_MM = 0.05

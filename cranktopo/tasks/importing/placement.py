@@ -14,8 +14,8 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
@@ -25,7 +25,6 @@ from cranktopo.throw.geometry import Journal
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-Array = NDArray[np.float64]
 _PLACE = 0.005
 """Allowed distance of a section's centre from its axis over the journal's diameter: 0.2 mm at 42 mm."""
 _SIZE = 0.015

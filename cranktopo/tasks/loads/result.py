@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.clearance import clearance_text, rooms_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.cases import load_cases
-from cranktopo.engine.kinematics import Array
 from cranktopo.engine.states import extreme_states
 
 SCHEMA_VERSION = 1

@@ -6,8 +6,8 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.drilling_rules import drilling_rules
@@ -24,7 +24,6 @@ from cranktopo.throw.fitted import (
 )
 from cranktopo.throw.flank import Flank
 
-Array = NDArray[np.float64]
 _CHECKS, _POINTS = 8, 16
 _LEAST_RISE = 0.01
 """Least rise in y per mm along the outline, which keeps its half-width single-valued."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
@@ -18,7 +18,6 @@ from cranktopo.throw.fitted import CLEAR_MM, Axes, Rule
 from cranktopo.throw.flank import flank_half_width_mm
 from cranktopo.throw.tangent_circle import OutlineSection, TangentCircle, flank_directions, tangent_circle
 
-Array = NDArray[np.float64]
 _STEP = 1e-6
 """Step of central differences of the half-width by its stations, mm."""
 _DEPTH = 4.0

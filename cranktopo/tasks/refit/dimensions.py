@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import (
     DIMENSIONS,
     DimensionName,
@@ -23,7 +23,6 @@ from cranktopo.throw.feature import least_shoulder_mm
 from cranktopo.throw.fillet import ASPECT
 from cranktopo.throw.fitted import CLEAR_MM, JOURNALS, FittedFeature, Rule, wall_rule
 
-Array = NDArray[np.float64]
 _DECIMALS = 2
 _LEAST_BORE, _FIRST_BORE = 0.05, 0.3
 """Over the journal's diameter: the least bore, as one that is there does not close; the first of a solid

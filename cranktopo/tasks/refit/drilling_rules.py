@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.throw.drilling import Channel, channels
 from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
 
-Array = NDArray[np.float64]
 _POINTS = 33
 """Points along the axis of a drilling."""
 NamedBox = tuple[str, Array]

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.throw.fitted import LEAST_MM, FittedFeature, Frame, Named
 from cranktopo.throw.flank import Flank, flank_through, largest_half_width_mm
 
-Array = NDArray[np.float64]
 DECIMALS = 2
 """Of the dimensions in a scene, mm and degrees; the constraints keep as much clear."""
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first
 from cranktopo.base.reproducible import SEED
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
-Array = NDArray[np.float64]
 _SEARCH_CELL_MM, _SCALED_DOWN_CELL_MM = 2.0, 4.0
 """Cells of the search for features and stations; of throws of usual size, and of those scaled down, which
 have the largest usual journals and so get as many cells across as the smallest."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.refit.constraints import reaches_mm
 from cranktopo.tasks.refit.family import Layout, flank_of, station_shares
 from cranktopo.tasks.refit.model_fill import added_mm
 from cranktopo.tasks.refit.search import FitProblem
 from cranktopo.throw.flank import flank_half_width_mm
 
-Array = NDArray[np.float64]
 _TYPICAL = 0.75
 """Quantile over the height at which a lateral extent counts: pockets and bevels narrow some sections."""
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import own_values
 from cranktopo.throw.counterweight import Sector
@@ -21,7 +22,6 @@ ADDED, FILLET = -1, -2
 """Numbers of the fields of a counterweight and of its fillets."""
 CHORDS = 48
 """Chords of the outline's right half in the distance field."""
-Array = NDArray[np.float64]
 
 
 class Fill:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
@@ -18,7 +19,6 @@ from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, added_mm
 from cranktopo.throw.fitted import Axes, Rule
 
-Array = NDArray[np.float64]
 _COMPLEX = 1e-30
 _DIFFERENCE = 1e-6
 """Steps of the derivatives of outline and walls, mm or degrees."""

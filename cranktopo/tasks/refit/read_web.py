@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
@@ -17,7 +17,6 @@ from cranktopo.throw.fitted import FittedFeature, Frame
 from cranktopo.throw.profile import ProfileWeb
 from cranktopo.throw.web import FITTED
 
-Array = NDArray[np.float64]
 _ROUNDED = 0.51 * 10**-DECIMALS
 """How far rounding may move a station, mm."""
 

@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.near_ties import best_first
 from cranktopo.tasks.refit.search import FitProblem
 from cranktopo.tasks.refit.voxel_fill import MOST
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _LEAST_SHARE = 0.002
 """Least volume of a residual region that is reported, over that of the web."""

@@ -6,8 +6,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
@@ -15,7 +15,6 @@ from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.voxel_fill import VoxelFill
 
-Array = NDArray[np.float64]
 _TOLERANCE = 1e-4
 _FLAT = 1e-8
 _FEASIBLE = 1e-6

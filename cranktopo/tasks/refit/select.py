@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.tasks.refit.family import Layout
@@ -17,7 +17,6 @@ from cranktopo.tasks.refit.search import Fit, FitProblem, search
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.web import FITTED_TO_REGIONS, FITTED_TO_SECTIONS
 
-Array = NDArray[np.float64]
 _FIRST_STATIONS = 7
 _LEAST_STATIONS = 5
 _SHARP = 0.5

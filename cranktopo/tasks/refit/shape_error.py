@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.reproducible import SEED
 from cranktopo.bodies.prisms import web_region
 from cranktopo.bodies.solid.files import surface_of
@@ -18,7 +18,6 @@ from cranktopo.tasks.extraction.iso_distance import distances_mm
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-Array = NDArray[np.float64]
 _SAMPLES = 10_000
 
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-Array = NDArray[np.float64]
 MOST = 0.5 + 1e-6
 """Share of a cell that is most of it; a plane through its middle leaves half of it but for rounding."""
 _MARGIN_CELLS = 3

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, Condensed, Lateral, condense
 
-Array = NDArray[np.float64]
 Bearings = Literal["free", "rigid", "spring"]
 
 _MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.memory import check_element_size
@@ -39,8 +37,6 @@ from cranktopo.tasks.shaft.assembly import (
     throw_matrix,
 )
 from cranktopo.tasks.shaft.torsional import disk_model
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

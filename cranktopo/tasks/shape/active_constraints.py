@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import unit_of
@@ -15,7 +15,6 @@ from cranktopo.tasks.shape.rules import Rules
 from cranktopo.tasks.shape.search import Quantities
 from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
 
-Array = NDArray[np.float64]
 _NEAR_MM = 0.1
 """A rule holds a dimension that may move by less before it breaks; of throws of usual size."""
 _NEAR_LIMIT = 2e-3

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.spans import holds
 from cranktopo.bodies.cells.envelope_section import envelope_bounds_mm, envelope_section, envelope_sections
 from cranktopo.design.clearance import clearance_limit
@@ -18,7 +18,6 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.throw.fitted import CLEAR_MM
 from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Envelope
 
-Array = NDArray[np.float64]
 _RIM = 25
 """Points of a counterweight's arc, and of its fillet's."""
 _STEP = 1e-6

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.moved import model_error, without_error
@@ -25,7 +25,6 @@ from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 
-Array = NDArray[np.float64]
 LEAST_GAIN = 2e-3
 """Least gain in the goal, relative to the original, that a feature or a station must bring."""
 _CLEAR_GAIN = 0.015

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.design.free_dimensions import (
     DimensionName,
@@ -21,8 +21,6 @@ from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.refit.dimensions import free_dimensions, scene_at
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
-
-Array = NDArray[np.float64]
 
 
 def free_bores(scene: Scene) -> tuple[DimensionName, ...]:

@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
@@ -37,7 +38,6 @@ from cranktopo.tasks.fea.support_stiffness import bending_motion, torsion_motion
 from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
 from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 
-Array = NDArray[np.float64]
 _POWER = 40.0
 _NEGLIGIBLE = 1e-8
 """Weight of a node in the p-norm below which its derivative is left out."""

@@ -10,8 +10,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
@@ -30,7 +30,6 @@ from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.mesh_stiffness import bending_slopes, torsion_slopes
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 
-Array = NDArray[np.float64]
 _RESIDUAL = 1e-4
 """Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
 _ByNodes = dict[str, tuple[float, Array]]

@@ -6,9 +6,7 @@ its derivative is that of the energy, and the supports are algebra on the conden
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
@@ -21,8 +19,6 @@ from cranktopo.tasks.fea.support_stiffness import (
     torsional_stiffness_Nm_per_rad,
 )
 from cranktopo.tasks.fea.unit_fields import support_spring
-
-Array = NDArray[np.float64]
 
 
 def torsion_slopes(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.progress import Json
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
@@ -20,8 +20,6 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.free_bores import kept_features
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
-
-Array = NDArray[np.float64]
 
 
 class MeshedWebs:

@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.free_dimensions import move_journals
 from cranktopo.design.schema import Scene
@@ -24,7 +25,6 @@ from cranktopo.numerics.tetrahedra.stressed_surface import boundary_faces
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.web_faces import Contact, FilletFace, WebFace, web_faces
 
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 _ON_FACE_MM = 1e-3
 """Nodes of a mesh lie on the exact surface to the accuracy of the CAD kernel's edges."""

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.optimisers.multipliers import Prices
 from cranktopo.tasks.refit.dimensions import with_part
 from cranktopo.tasks.shape.search import Found
@@ -17,7 +17,6 @@ from cranktopo.throw.box_pocket import FittedBox
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.fitted_pocket import FittedPocket
 
-Array = NDArray[np.float64]
 _SIZES = (0.4, 0.25), (0.6, 0.5)
 """Edge and depth of first pockets over the web's thickness: a search from the smaller one may close it where
 one from the larger one finds a pocket that pays."""

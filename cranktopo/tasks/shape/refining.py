@@ -11,8 +11,8 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Work
 from cranktopo.design.schema import Scene
@@ -21,7 +21,6 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.search import Effort, Quantities, Webs, best_values
 from cranktopo.tasks.shape.search_goal import SearchGoal
 
-Array = NDArray[np.float64]
 _MISSED = 1.0
 """What a relative excess of a limit costs in the goal when two webs are compared: above usual prices."""
 SHORTER = 0.25

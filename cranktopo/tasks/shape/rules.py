@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.constraints import NO_LENGTHS
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.envelope_clearance import EnvelopeRoom
 
-Array = NDArray[np.float64]
 ENVELOPE = "room of the envelope"
 _BROKEN_MM = 0.05
 

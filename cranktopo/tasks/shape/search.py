@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
@@ -24,7 +24,6 @@ from cranktopo.tasks.shape.rules import rules_at, rules_of
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.web_model import Responses, WebModel
 
-Array = NDArray[np.float64]
 EVALUATIONS = 20
 _REACH = 15.0
 """How far a parameter may move in one search, mm or degrees."""

@@ -7,12 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.goal.moved import size_of, with_error
 from cranktopo.design.goal.quantities import quantity_named
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cranktopo.base.arrays import Array
 from cranktopo.tasks.refit.family import unit_of
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 
-Array = NDArray[np.float64]
 SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety")
 _AT_BOUND = 0.02
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
@@ -36,7 +36,6 @@ from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 
-Array = NDArray[np.float64]
 _SETTLED = 2e-3
 """Gain in the goal, over the original's, that is worth an evaluation beside a web that keeps the limits."""
 _FINISH = Effort(20, 0.8, nearest=True)

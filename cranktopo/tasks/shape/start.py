@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import (
     DIMENSIONS,
     DimensionName,
@@ -26,7 +26,6 @@ from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.side_pocket import FittedSlot
 
-Array = NDArray[np.float64]
 STATIONS = 7
 _GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
 """Of a first groove: its floor over the half-width, and its draft."""

@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.curving import shape_gradients
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity
 from cranktopo.numerics.tetrahedra.stress import NodalStress, hooke, nodes_from_points
 from cranktopo.numerics.tetrahedra.stressed_surface import Surface, node_points, triangle_gradients
 from cranktopo.tasks.fea.node_gradients import displacement_slopes, full_tensor, gather, shape_slopes
 
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 _BOTH_HALVES = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 """A component off the diagonal stands at two places of the tensor."""

@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.throw.counterweight import Sector
 from cranktopo.throw.drilling import channels
 
-Array = NDArray[np.float64]
 DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""
 _BESIDE_MM = 1e-3

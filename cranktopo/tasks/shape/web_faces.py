@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
@@ -25,7 +26,6 @@ from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.flank import Flank
 from cranktopo.throw.tangent_circle import flank_directions
 
-Array = NDArray[np.float64]
 _STEP = 1e-6
 """Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
 _COMPLEX = 1e-30

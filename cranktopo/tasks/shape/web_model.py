@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.bodies.web_moments import bolted_mass
@@ -30,7 +30,6 @@ from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.free_bores import FreeBores, domain_without_free_bores
 
-Array = NDArray[np.float64]
 _TOLERANCE = 1e-5
 """Relative residual of the search; the error of a compliance is its square."""
 _TOLERANCE_ORIGINAL = 1e-8
