@@ -1,0 +1,69 @@
+"""Results of stages: frozen models that are their own JSON, written by one stage and read by the next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import read_json
+
+
+def left_out(value: object) -> bool:
+    """Tell whether an optional key stays out of the JSON."""
+    return value is None
+
+
+UNLESS_NONE: Any = Field(default=None, exclude_if=left_out)
+"""Default of a key that the JSON has only where there is a value; elsewhere None is written as null."""
+
+
+class Result(BaseModel):
+    """What a stage returns, and what its command prints with `--json`: fields are keys, units in their names.
+
+    Keys that a newer version added are ignored when a file is read.
+    """
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="ignore",
+        use_attribute_docstrings=True,
+        serialize_by_alias=True,
+        validate_by_name=True,
+    )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result as plain data, keys in the order of the fields."""
+        return self.model_dump(mode="python")
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Any], where: str) -> Self:
+        """Return the result that plain data hold.
+
+        Args:
+            where: what is read, for the message, as in `run 'runs/a'`.
+
+        Raises:
+            CranktopoError: a key is missing or holds something else.
+        """
+        try:
+            return cls.model_validate(data)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            key = ".".join(str(part) for part in first["loc"])
+            raise CranktopoError(
+                f"{where}: {key}: {first['msg'].lower()}.",
+                hint="It was written by another version or damaged; make it again.",
+            ) from None
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Return the result that a JSON file holds.
+
+        Raises:
+            CranktopoError: the file cannot be read, or holds something else.
+        """
+        return cls.of_json(read_json(path), f"'{path}'")
