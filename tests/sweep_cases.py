@@ -6,9 +6,11 @@ import os
 import signal
 import time
 from pathlib import Path
+from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.sweep.result import PointResult
 from cranktopo.throw.hull import ObroundWeb
 
 TRACE, HELD = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS"
@@ -50,3 +52,11 @@ def deadly(scene: Scene) -> dict[str, float]:
         once.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return empty(scene)
+
+
+def point_result(name: str, **told: Any) -> PointResult:
+    """A point that ended, with numbers by name; what it is made of does not matter."""
+    known = {"stage": "evaluate", "design": "mikron-iiic", "varied": {}, "status": "done", "reason": ""}
+    return PointResult(
+        **{"id": name, "sha256": name, "run": f"points/{name}", "version": "0", **known, **told}
+    )

@@ -13,7 +13,7 @@ from cranktopo.report.plot import Picture
 from cranktopo.report.png import png
 from cranktopo.report.viewer.scene3d import SCRIPT, packed
 
-_TEMPLATES = Path(__file__).parent / "template"
+TEMPLATES = Path(__file__).parent / "template"
 # Greys of the plots that follow the theme of the page.
 _THEME = {
     "#000000": "currentColor",
@@ -34,10 +34,10 @@ def html(page: Page) -> str:
     from jinja2 import Environment, FileSystemLoader
     from markupsafe import Markup
 
-    environment = Environment(loader=FileSystemLoader(_TEMPLATES), autoescape=True)
+    environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
     return environment.get_template("report.html.j2").render(
         page=page,
-        style=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
+        style=Markup((TEMPLATES / "report.css").read_text(encoding="utf-8")),
         script=Markup(SCRIPT.read_text(encoding="utf-8")),
         scene3d=Markup(packed(page.scene3d)) if page.scene3d else "",
         still=Markup(_inline_png(page.picture)) if page.picture else "",

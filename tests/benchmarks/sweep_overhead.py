@@ -38,9 +38,9 @@ def timed(work: Callable[[], object]) -> float:
 
 def written(done: SweptRun, folder: Path) -> None:
     """Front, table and page of a finished sweep once more."""
-    front_of([row for row in done.data["points"] if row["status"] == "done"])
-    write_tables(frame_of(done.data["points"], done.data["front"]), folder, "again")
-    sweep_html(done.data, {})
+    front_of([row for row in done.result.points if row.status == "done"])
+    write_tables(frame_of(done.result.points, done.result.front), folder, "again")
+    sweep_html(done.result, {})
 
 
 def main(workers: int, points: int) -> None:

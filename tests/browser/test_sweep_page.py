@@ -23,7 +23,9 @@ from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.sweep.front import front_of, picks_of
 from cranktopo.tasks.sweep.page import sweep_html
+from cranktopo.tasks.sweep.result import PointResult, SweepFiles, SweepResult, SweepSeconds
 from cranktopo.tasks.sweep.web_view import web_view
+from tests.sweep_cases import point_result
 
 POINTS, MOST_BYTES, MOST_MS = 500, 10_000_000, 100.0
 NARROW_MM, WIDE_MM = 48.0, 60.0
@@ -56,8 +58,8 @@ TIMED = """() => {{
 }}"""
 
 
-def points() -> list[dict[str, Any]]:
-    draw, rows = random.Random(5), []
+def points() -> list[PointResult]:
+    draw, rows = random.Random(5), list[dict[str, Any]]()
     for number in range(POINTS):
         width, thickness = draw.uniform(44, 60), draw.uniform(16, 22)
         mass, safety = 0.9 + 0.008 * width * thickness / 15, 1.2 + draw.gauss(0, 0.1)
@@ -83,41 +85,38 @@ def points() -> list[dict[str, Any]]:
     rows[7] |= {"status": "impossible", "reason": "web.width_mm = 3: </script> <b>too thin</b> & more."}
     for name in [name for name in rows[7] if name.endswith(("_kg", "_rad", "_mm", "_safety", "_percent"))]:
         del rows[7][name]
-    return rows
+    return [point_result(str(row.pop("id")), **row) for row in rows]
 
 
 @pytest.fixture(scope="module")
-def record() -> dict[str, Any]:
+def record() -> SweepResult:
     rows = points()
-    finished = [row for row in rows if row["status"] == "done"]
-    original = {
-        **rows[0],
-        "id": "original",
-        "mass_kg": 1.6,
-        TORSION: 130_000.0,
-        "bending_N_per_mm": 100_000.0,
-    }
+    finished = [row for row in rows if row.status == "done"]
+    other = {"id": "original", "mass_kg": 1.6, TORSION: 130_000.0, "bending_N_per_mm": 100_000.0}
+    original = PointResult(**{**rows[0].as_json(), **other})
     front, objectives = front_of(finished)
-    return {
-        "run": "a-sweep",
-        "design": "mikron-iiic",
-        "varied": ["web.width_mm", "web.thickness_mm"],
-        "points": rows,
-        "ends": {"done": POINTS - 1, "impossible": 1},
-        "original": original,
-        "objectives": dict.fromkeys(objectives, "more"),
-        "front": front,
-        "picks": picks_of(finished, original),
-        "files": {"table": "table.csv"},
-    }
+    return SweepResult(
+        run="a-sweep",
+        design="mikron-iiic",
+        varied=("web.width_mm", "web.thickness_mm"),
+        sampling="grid",
+        points=tuple(rows),
+        ends={"done": POINTS - 1, "impossible": 1},
+        original=original,
+        objectives=dict.fromkeys(objectives, "more"),
+        front=tuple(front),
+        picks=picks_of(finished, original),
+        files=SweepFiles(table="table.csv", parquet="table.parquet", page="report.html"),
+        seconds=SweepSeconds(total=1.0),
+    )
 
 
 @pytest.fixture(scope="module")
-def webs(record: dict[str, Any]) -> dict[str, str]:
+def webs(record: SweepResult) -> dict[str, str]:
     """A web for every point that has one: by turns a narrow one, a wide one, and one with bumps."""
     exact = [web_view(Target("web", scene)) for scene in map(with_width, (NARROW_MM, WIDE_MM))]
     kinds = [*exact, packed_web(rough_web())]
-    done = [row["id"] for row in record["points"] if row["status"] == "done"]
+    done = [row.id for row in record.points if row.status == "done"]
     return {"original": exact[0], **dict(zip(done, itertools.cycle(kinds), strict=False))}
 
 
@@ -135,7 +134,7 @@ def rough_web() -> ShownBody:
 
 
 @pytest.fixture(scope="module")
-def page_file(record: dict[str, Any], webs: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page_file(record: SweepResult, webs: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("sweep") / "report.html"
     path.write_text(sweep_html(record, webs), encoding="utf-8")
     assert path.stat().st_size < MOST_BYTES
@@ -173,15 +172,15 @@ def table_ids(page: Any) -> list[str]:
     return found
 
 
-def test_plots_and_table_show_the_points(opened: Any, record: dict[str, Any]) -> None:
+def test_plots_and_table_show_the_points(opened: Any, record: SweepResult) -> None:
     page = opened()
     assert page.locator("[data-scatter] circle:not(.ring)").count() == POINTS - 1
-    assert page.locator("[data-scatter] circle.front").count() == len(record["front"])
-    assert page.locator("[data-scatter] .error").count() == len(record["front"]), "of the torsion"
+    assert page.locator("[data-scatter] circle.front").count() == len(record.front)
+    assert page.locator("[data-scatter] .error").count() == len(record.front), "of the torsion"
     assert page.locator("[data-scatter] .original").count() == 1
     assert page.locator("[data-scatter] .bound").count() == 1, "of the mass, which is across"
     assert page.locator("[data-parallel] path.row").count() == POINTS
-    assert table_ids(page)[0] == record["points"][0]["id"]
+    assert table_ids(page)[0] == record.points[0].id
     reason = page.locator("[data-table] td.reason").nth(7).inner_text()
     assert reason == "impossible: web.width_mm = 3: </script> <b>too thin</b> & more."
     line = page.locator("[data-front]").get_attribute("d")
@@ -189,7 +188,7 @@ def test_plots_and_table_show_the_points(opened: Any, record: dict[str, Any]) ->
     assert reached == sorted(reached, reverse=True), "the front goes up with the mass"
 
 
-def test_filter_sort_and_hover_are_linked_and_quick(opened: Any, record: dict[str, Any]) -> None:
+def test_filter_sort_and_hover_are_linked_and_quick(opened: Any, record: SweepResult) -> None:
     page = opened()
     names = page.evaluate(
         'JSON.parse(document.getElementById("sweep-data").textContent).columns.map((c) => c.name)'
@@ -197,14 +196,14 @@ def test_filter_sort_and_hover_are_linked_and_quick(opened: Any, record: dict[st
     mass, torsion = names.index("mass_kg"), names.index(TORSION)
     sort = f"() => document.querySelector('[data-sort=\"{torsion}\"]').click()"
     assert timed(page, sort) < MOST_MS
-    rows = [row for row in record["points"] if TORSION in row]
-    highest = sorted(rows, key=lambda row: -float(f"{row[TORSION]:.6g}"))
-    assert table_ids(page)[:3] == [row["id"] for row in highest[:3]]
+    rows = [row for row in record.points if row.number(TORSION) is not None]
+    highest = sorted(rows, key=lambda row: -float(f"{row.number(TORSION):.6g}"))
+    assert table_ids(page)[:3] == [row.id for row in highest[:3]]
     field = f'document.querySelector(\'[data-filter="{mass}"][data-end="1"]\')'
     told = "dispatchEvent(new Event('input', {bubbles: true}))"
     put = f"() => {{ const field = {field}; field.value = 1.4; field.{told}; }}"
     assert timed(page, put) < MOST_MS
-    light = [row for row in rows if row["mass_kg"] <= 1.4]
+    light = [row for row in rows if row.number("mass_kg") <= 1.4]
     assert page.locator("[data-count]").inner_text() == f"{len(light)} of {POINTS} points"
     assert page.locator("[data-scatter] circle:not(.out):not(.ring)").count() == len(light)
     assert page.locator("[data-parallel] path.row:not(.out)").count() == len(light)
@@ -213,7 +212,7 @@ def test_filter_sort_and_hover_are_linked_and_quick(opened: Any, record: dict[st
     box = dot.bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     shown = page.locator("[data-detail] .title").inner_text().split(",")[0]
-    assert shown in {row["id"] for row in light}
+    assert shown in {row.id for row in light}
     assert page.locator("[data-mark] .error").count() == 1, "the error of the torsion"
     spot = f"clientX: {box['x']} + 9 * Math.random(), clientY: {box['y']}, bubbles: true"
     moved = f"new PointerEvent('pointermove', {{{spot}}})"
@@ -244,12 +243,12 @@ def test_the_web_under_the_cursor_is_drawn_at_once(opened: Any) -> None:
     assert widths[1] / widths[0] == pytest.approx(WIDE_MM / NARROW_MM, rel=0.03)
 
 
-def test_keys_and_rows_lead_to_the_web(opened: Any, record: dict[str, Any]) -> None:
-    page, rows = opened(), record["points"]
+def test_keys_and_rows_lead_to_the_web(opened: Any, record: SweepResult) -> None:
+    page, rows = opened(), record.points
     page.locator("[data-scatter]").focus()
     for _ in range(2):
         page.keyboard.press("ArrowRight")
-    by_mass = sorted((i for i in range(POINTS) if i != 7), key=lambda i: rows[i]["mass_kg"])
+    by_mass = sorted((i for i in range(POINTS) if i != 7), key=lambda i: rows[i].number("mass_kg"))
     page.wait_for_selector(f"#viewer[data-web='{by_mass[1]}']")
     page.keyboard.press("Enter")
     page.locator("[data-table] tr[data-i='7']").focus()
@@ -272,12 +271,12 @@ def test_a_touch_shows_the_web(opened: Any) -> None:
     assert page.locator("[data-web-of]").inner_text() == f"web of {shown}"
 
 
-def test_a_page_without_room_keeps_the_webs_of_picks_and_front(record: dict[str, Any]) -> None:
-    large = {row["id"]: "x" * 300_000 for row in [*record["points"], record["original"]]}
+def test_a_page_without_room_keeps_the_webs_of_picks_and_front(record: SweepResult) -> None:
+    large = {row.id: "x" * 300_000 for row in [*record.points, record.original]}
     text = sweep_html(record, large)
     assert len(text) < MOST_BYTES
     kept = json.loads(text.split('id="sweep-webs" type="application/json">')[1].split("</script>")[0])
-    first = list(dict.fromkeys([*record["picks"].values(), *record["front"]]))[:20]
+    first = list(dict.fromkeys([*record.picks.values(), *record.front]))[:20]
     assert all(kept[int(one, 16)] for one in first)
     assert kept.count(None) > 400
     assert 'id="viewer"' not in sweep_html(record, {})
@@ -298,9 +297,9 @@ def test_a_range_is_dragged_along_an_axis(opened: Any) -> None:
     assert page.locator("[data-count]").inner_text().startswith(f"{POINTS} of")
 
 
-def test_picks_lead_to_their_point(opened: Any, record: dict[str, Any]) -> None:
+def test_picks_lead_to_their_point(opened: Any, record: SweepResult) -> None:
     page = opened()
-    for number, one in enumerate(record["picks"].values()):
+    for number, one in enumerate(record.picks.values()):
         page.locator("[data-pick]").nth(number).click()
         assert page.locator("[data-detail] .title").inner_text().startswith(one)
 
@@ -308,7 +307,7 @@ def test_picks_lead_to_their_point(opened: Any, record: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "window", [{}, {"color_scheme": "dark"}, {"viewport": {"width": 360, "height": 740}}]
 )
-def test_screens_and_paper(opened: Any, record: dict[str, Any], window: dict[str, Any]) -> None:
+def test_screens_and_paper(opened: Any, record: SweepResult, window: dict[str, Any]) -> None:
     page = opened(**window)
     width = page.viewport_size["width"]
     assert page.evaluate("document.documentElement.scrollWidth") <= width
@@ -318,4 +317,4 @@ def test_screens_and_paper(opened: Any, record: dict[str, Any], window: dict[str
     page.emulate_media(media="print")
     assert page.locator("#filters").is_hidden()
     shown = page.locator("[data-table] tbody tr:visible")
-    assert shown.count() == 1 + len(record["front"]), "the original and the front"
+    assert shown.count() == 1 + len(record.front), "the original and the front"

@@ -4,31 +4,25 @@ from __future__ import annotations
 
 import itertools
 import random
-from typing import Any
 
 from cranktopo.tasks.sweep.front import front_of, picks_of
+from cranktopo.tasks.sweep.result import PointResult
 from cranktopo.tasks.sweep.text import point_words
+from tests.sweep_cases import point_result
 
-Row = dict[str, Any]
 
-
-def row(name: str, mass_kg: float, torsion: float, bending: float = 1.0, **more: float) -> Row:
+def row(name: str, mass_kg: float, torsion: float, bending: float = 1.0, **more: float) -> PointResult:
     ratio = {"torsion_per_mass_Nm_per_rad_kg": torsion / mass_kg}
-    return {
-        "id": name,
-        "mass_kg": mass_kg,
-        "torsion_Nm_per_rad": torsion,
-        "bending_N_per_mm": bending,
-        **ratio,
-        **more,
-    }
+    known = {"mass_kg": mass_kg, "torsion_Nm_per_rad": torsion, "bending_N_per_mm": bending}
+    return point_result(name, **known, **ratio, **more)
 
 
 def test_front_is_that_of_the_definition() -> None:
     """Against every pair, on numbers with few values so that there are ties."""
     draw = random.Random(3)
     rows = [row(str(n), *(draw.randint(1, 9) for _ in range(3))) for n in range(80)]
-    values = {r["id"]: (-r["mass_kg"], r["torsion_Nm_per_rad"], r["bending_N_per_mm"]) for r in rows}
+    names = ("torsion_Nm_per_rad", "bending_N_per_mm")
+    values = {r.id: (-r.number("mass_kg"), *(r.number(name) for name in names)) for r in rows}
     beaten = {
         b
         for a, b in itertools.permutations(values, 2)
@@ -48,7 +42,7 @@ def test_of_points_that_differ_in_the_fifth_digit_the_first_counts() -> None:
 def test_safety_counts_where_every_point_tells_it() -> None:
     rows = [row("a", 1.0, 2.0, fatigue_safety=1.1), row("b", 1.1, 1.9, fatigue_safety=1.3)]
     assert front_of(rows)[0] == ["a", "b"]
-    del rows[1]["fatigue_safety"]
+    rows[1] = row("b", 1.1, 1.9)
     assert front_of(rows)[0] == ["a"]
     assert front_of([]) == ([], [])
 
@@ -70,8 +64,8 @@ def test_picks() -> None:
 
 
 def test_points_of_several_designs_are_told_with_their_design() -> None:
-    rows = [{"design": name, "varied": {"web.width_mm": 50.0}} for name in ("one", "other")]
-    assert point_words({"points": rows}, rows[1]) == "other, web.width_mm = 50"
-    assert point_words({"points": rows[:1]}, rows[0]) == "web.width_mm = 50"
-    bare = {"design": "one", "varied": {}}
-    assert point_words({"points": [bare]}, bare) == "one"
+    rows = [point_result(name, design=name, varied={"web.width_mm": 50.0}) for name in ("one", "other")]
+    assert point_words(rows, rows[1]) == "other, web.width_mm = 50"
+    assert point_words(rows[:1], rows[0]) == "web.width_mm = 50"
+    bare = point_result("one", design="one")
+    assert point_words([bare], bare) == "one"

@@ -9,21 +9,22 @@ from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.front import front_of
 from cranktopo.tasks.sweep.points import Point
 from cranktopo.tasks.sweep.refine import worth_refining
+from cranktopo.tasks.sweep.result import PointResult
+from tests.sweep_cases import point_result
 
-Row = dict[str, Any]
 ERRORS = {"torsion_error_percent": 1.0, "bending_error_percent": 1.2}
 
 
-def row(mass_kg: float, torsion: float, bending: float, **more: Any) -> Row:
+def row(mass_kg: float, torsion: float, bending: float, **more: Any) -> PointResult:
     known = {"mass_kg": mass_kg, "torsion_Nm_per_rad": torsion, "bending_N_per_mm": bending}
-    return {"status": "done", "stage": "evaluate", "id": "of the look", **known, **ERRORS, **more}
+    return point_result("of the look", **{**known, **ERRORS, **more})
 
 
-def look(name: str, result: Row) -> tuple[Point, Row]:
+def look(name: str, result: PointResult) -> tuple[Point, PointResult]:
     return Point(name, name, "evaluate", {}, "mikron-iiic", {}, Fineness()), result
 
 
-def names(looks: list[tuple[Point, Row]], full: dict[str, Row] | None = None) -> list[str]:
+def names(looks: list[tuple[Point, PointResult]], full: dict[str, PointResult] | None = None) -> list[str]:
     return [point.id for point in worth_refining(looks, full or {}, row(1.6, 100.0, 100.0))]
 
 
@@ -49,9 +50,9 @@ def test_what_differences_were_seen_to_change_by_counts_too() -> None:
 
 
 def test_what_has_no_numbers_yet_is_tried_and_what_is_known_is_not() -> None:
-    failed = look("failed", {"status": "failed"})
+    failed = look("failed", point_result("f", status="failed"))
     assert names([look("a", row(1.0, 100.0, 100.0)), failed]) == ["a", "failed"]
-    assert names([failed], {"failed": {"status": "failed"}}) == []
+    assert names([failed], {"failed": point_result("f", status="failed")}) == []
 
 
 def test_the_front_of_all_points_is_among_them() -> None:
@@ -64,7 +65,8 @@ def test_the_front_of_all_points_is_among_them() -> None:
             mass, torsion, bending = draw.uniform(1, 1.1), draw.uniform(100, 102), draw.uniform(100, 102)
             looks.append(look(str(number), row(mass, torsion, bending)))
             errors = [draw.uniform(1.0, 1.0014) for _ in range(2)]
-            fine.append({**row(mass, torsion / errors[0], bending / errors[1]), "id": str(number)})
+            exact = row(mass, torsion / errors[0], bending / errors[1])
+            fine.append(exact.model_copy(update={"id": str(number)}))
         kept = names(looks)
         assert set(front_of(fine)[0]) <= set(kept)
         saved += 60 - len(kept)

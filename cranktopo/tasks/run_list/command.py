@@ -62,6 +62,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     from cranktopo.tasks.iterate.text import loop_summary
     from cranktopo.tasks.optimise.text import run_summary
     from cranktopo.tasks.shape.text import shape_summary
+    from cranktopo.tasks.sweep.result import SweepResult
     from cranktopo.tasks.sweep.text import sweep_summary
 
     found = open_run(run, root)
@@ -76,8 +77,11 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
         with shown_results(found):
-            summaries = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
-            text = summaries.get(kind, run_summary)(result, found.path)
+            if kind == SWEEP:
+                text = sweep_summary(SweepResult.of_json(result, f"run '{run}'"), found.path)
+            else:
+                summaries = {LOOP: loop_summary, SHAPE: shape_summary}
+                text = summaries.get(kind, run_summary)(result, found.path)
         click.echo(text)
 
 

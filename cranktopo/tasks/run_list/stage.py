@@ -11,6 +11,7 @@ from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
 from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, shown_results
 from cranktopo.tasks.designs.run_webs import best_row, row_words
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
+from cranktopo.tasks.sweep.result import SweepResult
 
 
 def summarise_runs(root: Path = RUNS) -> list[dict[str, Any]]:
@@ -91,8 +92,9 @@ def _shape_result(shape: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _sweep_result(sweep: Mapping[str, Any]) -> dict[str, Any]:
-    ends = ", ".join(f"{count} {end}" for end, count in sweep["ends"].items())
-    return {"result": f"{ends}; {len(sweep['front'])} on the front"}
+    found = SweepResult.of_json(sweep, "sweep.json")
+    ends = ", ".join(f"{count} {end}" for end, count in found.ends.items())
+    return {"result": f"{ends}; {len(found.front)} on the front"}
 
 
 _RESULTS = {"optimise": _run_result, LOOP: _loop_result, SHAPE: _shape_result, SWEEP: _sweep_result}

@@ -112,7 +112,7 @@ def command(
     else:
         plan = _plan(target or DEFAULT_DESIGN, **asked)
         done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]], info)
-    click.echo(json.dumps(done.data) if as_json else sweep_summary(done.data, done.folder))
+    click.echo(json.dumps(done.result.as_json()) if as_json else sweep_summary(done.result, done.folder))
     return ExitCode.SOLVER if done.failed else ExitCode.DONE
 
 

@@ -7,20 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.cores import usable_cores
-from cranktopo.base.progress import Json
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.executor import Engine, compute
-from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, row_of
+from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, result_of
 from cranktopo.tasks.sweep.plan import SweepPlan
 from cranktopo.tasks.sweep.points import Point
 from cranktopo.tasks.sweep.progress import Progress
 from cranktopo.tasks.sweep.refine import worth_refining
-from cranktopo.tasks.sweep.stages import FAILED, IMPOSSIBLE
-from cranktopo.tasks.sweep.web_view import VIEW
+from cranktopo.tasks.sweep.result import COARSE, FAILED, FULL, IMPOSSIBLE, VIEW, PointResult
 from cranktopo.tasks.sweep.workers import point_memory_MiB, workers_for
-
-COARSE, FULL = "coarse", "full"
-"""The accuracy at which a row stands, where points are computed coarse first."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +35,8 @@ class Computed:
         undecided: ids of points that may be on the front, for which the budget left no time.
     """
 
-    rows: tuple[Json, ...]
-    original: Json
+    rows: tuple[PointResult, ...]
+    original: PointResult
     webs: Mapping[str, str]
     undecided: tuple[str, ...] = ()
 
@@ -87,34 +82,34 @@ class Session:
             self.info(f"full accuracy: {len(todo)} points that may be on the front")
             full |= self._results(todo, end)
         rows = [
-            {**_row(point, full[point.id]), "accuracy": FULL}
+            _row(point, full[point.id], accuracy=FULL)
             if point.id in full
-            else {**_row(point, look), "accuracy": COARSE}
+            else _row(point, look, accuracy=COARSE)
             for point, look in pairs
         ]
         names = {point.id: look.id for point, look in zip(points, looks, strict=True)}
         undecided = tuple(names[point.id] for point in todo)
         return Computed(tuple(rows), _row(original, reference), _webs({**coarse, **full}), undecided)
 
-    def _results(self, points: Sequence[Point], end: float = float("inf")) -> dict[str, Json]:
+    def _results(self, points: Sequence[Point], end: float = float("inf")) -> dict[str, PointResult]:
         """The result of every point by its id: kept, impossible from the start, or computed now.
 
         Args:
             end: time of the monotonic clock at which the rest is left.
         """
         jobs = [Job(point, self.root, self.function) for point in {p.id: p for p in points}.values()]
-        found: dict[str, Json] = {}
+        found: dict[str, PointResult] = {}
         for job in jobs:
-            kept = row_of(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
+            kept = result_of(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
             if kept is not None:
                 found[job.point.id] = kept
         progress = Progress(len(jobs), len(found), self.info)
 
-        def done(job: Job, result: Json) -> None:
-            if result["status"] != FAILED or "seconds" in result:
+        def done(job: Job, result: PointResult) -> None:
+            if result.status != FAILED or result.number("seconds") is not None:
                 keep_result(job, result)
             found[job.point.id] = result
-            progress.add(result["status"])
+            progress.add(result.status)
 
         left = [job for job in jobs if job.point.id not in found]
         if left:
@@ -130,11 +125,11 @@ class Session:
         return Engine(workers, max(1, usable_cores() // workers))
 
 
-def _webs(found: Mapping[str, Json]) -> dict[str, str]:
-    return {one: result[VIEW] for one, result in found.items() if VIEW in result}
+def _webs(found: Mapping[str, PointResult]) -> dict[str, str]:
+    return {one: view for one, result in found.items() if (view := result.number(VIEW))}
 
 
-def _row(point: Point, result: Json) -> Json:
-    """The result as of this point; `original` and a point of the same scene share one."""
-    told = {name: value for name, value in result.items() if name != VIEW}
-    return {**told, "varied": dict(point.varied), "design": point.design}
+def _row(point: Point, result: PointResult, **more: str) -> PointResult:
+    """Return the result as of this point; `original` and a point of the same scene share one."""
+    kept = {name: value for name, value in result.as_json().items() if name != VIEW}
+    return PointResult(**{**kept, "varied": dict(point.varied), "design": point.design, **more})

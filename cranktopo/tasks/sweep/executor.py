@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.progress import Json
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.sweep.job import Job, do_job, row_of
-from cranktopo.tasks.sweep.stages import FAILED
+from cranktopo.tasks.sweep.job import Job, do_job, result_of
+from cranktopo.tasks.sweep.result import FAILED, PointResult
 
 INSTALL = "pip install dask distributed bokeh pandas pyarrow"
 _BATCH = 500
@@ -36,7 +35,7 @@ _SETTINGS = {
     # By default a worker gives back all memory that it frees, and waits for the pages of its next array.
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
 }
-Done = Callable[[Job, Json], None]
+Done = Callable[[Job, PointResult], None]
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ def compute(
     left = {job.point.id: job for job in jobs}
     patience = _FIRST_S
 
-    def told(job: Job, result: Json) -> None:
+    def told(job: Job, result: PointResult) -> None:
         del left[job.point.id]
         done(job, result)
 
@@ -123,7 +122,7 @@ def _submit(client: Any, jobs: Sequence[Job], told: Done, enough: Callable[[], b
                     raise error
                 died = isinstance(error, KilledWorker)
                 reason = f"its worker died more than {_DEATHS} times" if died else _told(error)
-                told(by_key[future.key], row_of(by_key[future.key], FAILED, reason))
+                told(by_key[future.key], result_of(by_key[future.key], FAILED, reason))
             future.release()
             if enough():
                 client.cancel(futures, force=True)

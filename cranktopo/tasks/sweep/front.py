@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
-Rows = Sequence[Mapping[str, Any]]
+from cranktopo.tasks.sweep.result import PointResult
+
+Rows = Sequence[PointResult]
 OBJECTIVES: Mapping[str, int] = {
     "mass_kg": -1,
     "torsion_Nm_per_rad": 1,
@@ -31,17 +32,17 @@ def front_of(rows: Rows, objectives: Mapping[str, int] | None = None) -> tuple[l
     known = {
         name: sign
         for name, sign in (objectives or OBJECTIVES).items()
-        if rows and all(_finite(row.get(name)) for row in rows)
+        if rows and all(_finite(row.number(name)) for row in rows)
     }
     if not known:
         return [], []
-    scores = [tuple(sign * rounded(row[name]) for name, sign in known.items()) for row in rows]
+    scores = [tuple(sign * rounded(row.number(name)) for name, sign in known.items()) for row in rows]
     first = {score: place for place, score in reversed(list(enumerate(scores)))}
     front = [score for score in first if not any(_beats(other, score) for other in first)]
-    return [rows[place]["id"] for place in sorted(first[score] for score in front)], list(known)
+    return [rows[place].id for place in sorted(first[score] for score in front)], list(known)
 
 
-def picks_of(rows: Rows, original: Mapping[str, Any] | None) -> dict[str, str]:
+def picks_of(rows: Rows, original: PointResult | None) -> dict[str, str]:
     """Ids of the points that most users look for; of equal ones the first.
 
     Args:
@@ -62,18 +63,18 @@ def rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-def _no_softer(row: Mapping[str, Any], original: Mapping[str, Any]) -> bool:
+def _no_softer(row: PointResult, original: PointResult) -> bool:
     names = ("torsion_Nm_per_rad", "bending_N_per_mm")
-    if not all(_finite(one.get(name)) for one in (row, original) for name in names):
+    if not all(_finite(one.number(name)) for one in (row, original) for name in names):
         return False
-    return all(rounded(row[name]) >= rounded(original[name]) for name in names)
+    return all(rounded(row.number(name)) >= rounded(original.number(name)) for name in names)
 
 
 def _best(rows: Rows, name: str, sign: int) -> str | None:
-    known = [row for row in rows if _finite(row.get(name))]
+    known = [row for row in rows if _finite(row.number(name))]
     if not known:
         return None
-    return str(max(known, key=lambda row: sign * rounded(row[name]))["id"])
+    return max(known, key=lambda row: sign * rounded(row.number(name))).id
 
 
 def _beats(one: tuple[float, ...], other: tuple[float, ...]) -> bool:

@@ -74,5 +74,5 @@ def sweep(
         folder = None if out is None else Path(out)
         done = run_sweep(plan, place, folder, ("cranktopo.sweep",), info, function)
     frame = done.frame
-    frame.attrs |= {"run": str(done.folder), "front": done.data["front"], "picks": done.data["picks"]}
+    frame.attrs |= {"run": str(done.folder), "front": list(done.result.front), "picks": done.result.picks}
     return frame

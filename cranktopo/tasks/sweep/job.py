@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import UnwritableError, read_json, unwritable, write_json
-from cranktopo.base.progress import Json
+from cranktopo.base.files import UnwritableError, unwritable, write_json
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.runs.lock import locked
 from cranktopo.tasks.sweep.points import Point
-from cranktopo.tasks.sweep.stages import DONE, FAILED, IMPOSSIBLE, run_stage
+from cranktopo.tasks.sweep.result import DONE, FAILED, IMPOSSIBLE, PointResult
+from cranktopo.tasks.sweep.stages import run_stage
 
 POINTS, RESULT = "points", "point.json"
 PointFunction = Callable[[Scene], Mapping[str, Any]]
@@ -27,7 +27,6 @@ _WAIT_S = 1.0
 _TRY_AGAIN = (ExitCode.MISSING_TOOL, ExitCode.INTERRUPTED)
 _NO_WEB = (ExitCode.INVALID_INPUT, ExitCode.CRITERION_NOT_MET, ExitCode.NOT_CONVERGED)
 _FULL = (errno.ENOSPC, errno.EDQUOT)
-_FIELDS = ("id", "stage", "design", "varied", "sha256")
 
 
 @dataclass(frozen=True)
@@ -49,20 +48,20 @@ class Job:
         return Path(self.root) / POINTS / self.point.id
 
 
-def kept_result(job: Job) -> Json | None:
+def kept_result(job: Job) -> PointResult | None:
     """What a finished point told; None where it is still to be computed."""
     file = job.folder / RESULT
-    return read_json(file) if file.is_file() else None
+    return PointResult.read(file) if file.is_file() else None
 
 
-def keep_result(job: Job, result: Json) -> None:
+def keep_result(job: Job, result: PointResult) -> None:
     """Keep a result that was computed where the directory of the sweep cannot be seen."""
     if not (job.folder / RESULT).is_file():
         _make(job.folder)
-        write_json(job.folder / RESULT, result)
+        write_json(job.folder / RESULT, result.as_json())
 
 
-def do_job(job: Job) -> Json:
+def do_job(job: Job) -> PointResult:
     """The result of a point, computed now unless it is kept already.
 
     A worker that does not see the directory of the sweep computes in a folder of its own; whoever asked
@@ -82,31 +81,38 @@ def do_job(job: Job) -> Json:
         raise
 
 
-def _kept_or_computed(job: Job) -> Json:
+def _kept_or_computed(job: Job) -> PointResult:
     _make(job.folder)
     with _alone(job.folder):
         kept = kept_result(job)
         if kept is None:
             kept = _computed(job, job.folder)
-            write_json(job.folder / RESULT, kept)
+            write_json(job.folder / RESULT, kept.as_json())
         return kept
 
 
-def row_of(job: Job, status: str, reason: str = "") -> Json:
-    """What is known of a point that has no numbers."""
+def result_of(job: Job, status: str, reason: str = "", **numbers: Any) -> PointResult:
+    """Return how a point ended.
+
+    Args:
+        numbers: what its stage told, by name; a stage may say of a web that it is no answer after all.
+    """
     point = job.point
-    told = {name: getattr(point, name) for name in _FIELDS}
-    return {
-        **told,
+    known = {
+        "id": point.id,
+        "stage": point.stage,
+        "design": point.design,
         "varied": dict(point.varied),
+        "sha256": point.sha256,
         "run": "" if point.reason else f"{POINTS}/{point.id}",
         "status": status,
         "reason": reason,
         "version": metadata.version("cranktopo"),
     }
+    return PointResult(**{**known, **numbers})
 
 
-def _computed(job: Job, folder: Path) -> Json:
+def _computed(job: Job, folder: Path) -> PointResult:
     began, point = time.perf_counter(), job.point
     try:
         scene = _named(scene_from_dict(dict(point.tables), point.design, whole=True), point.id)
@@ -119,8 +125,8 @@ def _computed(job: Job, folder: Path) -> Json:
     except CranktopoError as error:
         if error.code in _TRY_AGAIN:
             raise
-        return row_of(job, IMPOSSIBLE if error.code in _NO_WEB else FAILED, str(error))
-    return {**row_of(job, DONE), **found, "seconds": time.perf_counter() - began}
+        return result_of(job, IMPOSSIBLE if error.code in _NO_WEB else FAILED, str(error))
+    return result_of(job, DONE, **{**found, "seconds": time.perf_counter() - began})
 
 
 def _named(scene: Scene, identity: str) -> Scene:

@@ -9,12 +9,14 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from cranktopo.report.html import TEMPLATES
 from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import SCRIPT
+from cranktopo.tasks.sweep.result import COARSE, PointResult, SweepResult
 from cranktopo.tasks.sweep.text import point_words
 
-_TEMPLATES = Path(__file__).parent / "template"
-_SCRIPT = SCRIPT.with_name("sweep.js")
+_FOLDER = Path(__file__).parent
+_TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
 _MOST_LETTERS = 9_400_000
 """Of the page's data; what does not fit has no picture in the page, and says so."""
 _DIGITS = 6
@@ -40,27 +42,27 @@ _ERRORS = {
 _TOLD_APART = ("id", "varied", "run", "reason", "sha256", "version", "target", "status", "design", "stage")
 
 
-def sweep_html(data: Mapping[str, Any], webs: Mapping[str, str]) -> str:
+def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
     """The page as the text of an HTML file.
 
     Args:
-        data: as sweep.json holds it.
         webs: bodies by the id of their point, from `packed_web`; those of picks and front go first where
             the page cannot hold all; without that of the original the page has no 3D view.
     """
     from jinja2 import Environment, FileSystemLoader
     from markupsafe import Markup
 
-    environment = Environment(loader=FileSystemLoader(_TEMPLATES), autoescape=True)
-    style = "".join((_TEMPLATES / name).read_text(encoding="utf-8") for name in ("report.css", "sweep.css"))
+    environment = Environment(loader=FileSystemLoader([_TEMPLATES, TEMPLATES]), autoescape=True)
+    sheets = (TEMPLATES / "report.css", _TEMPLATES / "sweep.css")
+    style = "".join(sheet.read_text(encoding="utf-8") for sheet in sheets)
     numbers = _text(page_data(data))
-    original = webs.get(data["original"]["id"], "")
-    rows = {row["id"]: row for row in data["points"]}
+    original = webs.get(data.original.id, "")
+    rows = {row.id: row for row in data.points}
     scripts = [SCRIPT, _SCRIPT] if original else [_SCRIPT]
     return environment.get_template("sweep.html.j2").render(
         data=data,
-        objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data["objectives"]),
-        picks=[(name, point_words(data, rows[one])) for name, one in data["picks"].items()],
+        objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives),
+        picks=[(name, point_words(data.points, rows[one])) for name, one in data.picks.items()],
         style=Markup(style),
         script=Markup("".join(path.read_text(encoding="utf-8") for path in scripts)),
         points=Markup(numbers),
@@ -70,7 +72,7 @@ def sweep_html(data: Mapping[str, Any], webs: Mapping[str, str]) -> str:
     )
 
 
-def page_data(data: Mapping[str, Any]) -> dict[str, Any]:
+def page_data(data: SweepResult) -> dict[str, Any]:
     """What the page's program reads: columns, rows of cells, and which rows are what.
 
     Returns:
@@ -78,17 +80,17 @@ def page_data(data: Mapping[str, Any]) -> dict[str, Any]:
         bound; `rows`, `original`: one cell per column; `about`: id, status, directory and reason of each row;
         `coarse`: rows of a first look, which read too stiff and belong to no front.
     """
-    rows = data["points"]
+    rows = data.points
     names = _columns(data)
-    place = {row["id"]: number for number, row in enumerate(rows)}
+    place = {row.id: number for number, row in enumerate(rows)}
     return {
         "columns": [_column(name, names, data) for name in names],
         "rows": [[_cell(_value(row, name)) for name in names] for row in rows],
-        "about": [[row["id"], row["status"], row["run"], row["reason"]] for row in rows],
-        "original": [_cell(_value(data["original"], name)) for name in names],
-        "front": [place[one] for one in data["front"]],
-        "coarse": [number for number, row in enumerate(rows) if row.get("accuracy") == "coarse"],
-        "picks": [[name, place[one]] for name, one in data["picks"].items()],
+        "about": [[row.id, row.status, row.run, row.reason] for row in rows],
+        "original": [_cell(_value(data.original, name)) for name in names],
+        "front": [place[one] for one in data.front],
+        "coarse": [number for number, row in enumerate(rows) if row.number("accuracy") == COARSE],
+        "picks": [[name, place[one]] for name, one in data.picks.items()],
     }
 
 
@@ -98,46 +100,47 @@ def _text(data: object) -> str:
     return text.replace("</", "<\\/").replace("<!--", "<\\!--")
 
 
-def _fitting(data: Mapping[str, Any], webs: Mapping[str, str], letters: int) -> list[str | None]:
+def _fitting(data: SweepResult, webs: Mapping[str, str], letters: int) -> list[str | None]:
     """The web of each row, as far as so many letters go: first those of picks and front, then by rows."""
-    rows = [row["id"] for row in data["points"]]
+    rows = [row.id for row in data.points]
     kept: dict[str, str] = {}
-    for one in dict.fromkeys([*data["picks"].values(), *data["front"], *rows]):
+    for one in dict.fromkeys([*data.picks.values(), *data.front, *rows]):
         letters -= len(webs.get(one, ""))
         if one in webs and letters > 0:
             kept[one] = webs[one]
     return [kept.get(one) for one in rows]
 
 
-def _columns(data: Mapping[str, Any]) -> list[str]:
+def _columns(data: SweepResult) -> list[str]:
     """What varied, what is compared, and the rest, as far as any point tells it."""
-    rows: Sequence[Mapping[str, Any]] = data["points"]
+    rows = [point.row() for point in data.points]
     told = dict.fromkeys(name for row in rows for name in row)
     apart = [name for name in ("design", "stage") if len({row[name] for row in rows}) > 1]
     compared = [name for name in _SENSES if name in told]
-    varied = [*data["varied"], *(name for name in apart if name not in data["varied"])]
+    varied = [*data.varied, *(name for name in apart if name not in data.varied)]
     rest = [name for name in told if name not in (*_TOLD_APART, *varied, *compared)]
     return [*varied, *compared, *(name for name in rest if not name.startswith("bound_"))]
 
 
-def _column(name: str, names: Sequence[str], data: Mapping[str, Any]) -> dict[str, Any]:
+def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any]:
     label, unit = ResultTable({}, ()).head(name)
     error = _ERRORS.get(name)
-    bounds = [row[f"bound_{name}"] for row in data["points"] if f"bound_{name}" in row]
+    bounds = [bound for row in data.points if (bound := row.number(f"bound_{name}")) is not None]
     sense = _SENSES.get(name, 0)
     return {
         "name": name,
         "label": label,
         "unit": unit,
-        "varied": name in data["varied"],
+        "varied": name in data.varied,
         "sense": sense,
         "error": names.index(error) if error in names else None,
         "bound": _cell((min if sense < 0 else max)(bounds)) if bounds else None,
     }
 
 
-def _value(row: Mapping[str, Any], name: str) -> Any:
-    return row["varied"].get(name, row.get(name)) if name not in _SENSES else row.get(name)
+def _value(point: PointResult, name: str) -> Any:
+    told = point.row().get(name)
+    return told if name in _SENSES else point.varied.get(name, told)
 
 
 def _cell(value: Any) -> Any:

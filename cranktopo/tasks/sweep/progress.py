@@ -6,7 +6,7 @@ import time
 from collections import Counter
 
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.sweep.stages import DONE
+from cranktopo.tasks.sweep.result import DONE
 
 _EVERY_S = 5.0
 

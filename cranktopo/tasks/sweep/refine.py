@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
-from cranktopo.base.progress import Json
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
 from cranktopo.tasks.sweep.points import Point
-from cranktopo.tasks.sweep.stages import DONE
+from cranktopo.tasks.sweep.result import DONE, PointResult
 
-Looks = Sequence[tuple[Point, Json]]
+Looks = Sequence[tuple[Point, PointResult]]
 """Every point as it is computed at full accuracy, with the result of its coarse first look."""
 _ERRORS = {"torsion_Nm_per_rad": "torsion_error_percent", "bending_N_per_mm": "bending_error_percent"}
 _TOLD_APART_PERCENT = 0.2
@@ -20,7 +18,7 @@ _OF_TRIANGLES = "optimise"
 """The stage whose bodies are surfaces, which meshes replace each in its own way."""
 
 
-def worth_refining(looks: Looks, full: Mapping[str, Json], original: Json) -> list[Point]:
+def worth_refining(looks: Looks, full: Mapping[str, PointResult], original: PointResult) -> list[Point]:
     """Points without full accuracy that may be on the front with it, those that matter most first.
 
     A point is left out where another one beats it by more than the bound of the error of their difference, or
@@ -31,37 +29,42 @@ def worth_refining(looks: Looks, full: Mapping[str, Json], original: Json) -> li
         full: results at full accuracy that are there already, by id.
         original: what picks refer to.
     """
-    rows = [{**row, "id": point.id} for point, row in looks if row["status"] == DONE]
+    rows = [row.model_copy(update={"id": point.id}) for point, row in looks if row.status == DONE]
     seen = _seen_percent(looks, full)
     front, objectives = front_of(rows)
-    leading = [row for row in rows if row["id"] in set(front)]
-    kept = (row["id"] for row in rows if not any(_beats(one, row, objectives, seen) for one in leading))
+    leading = [row for row in rows if row.id in set(front)]
+    kept = (row.id for row in rows if not any(_beats(one, row, objectives, seen) for one in leading))
     picks = picks_of(leading, original).values()
-    unknown = (point.id for point, row in looks if row["status"] != DONE)
+    unknown = (point.id for point, row in looks if row.status != DONE)
     order = dict.fromkeys([*picks, *front, *kept, *unknown])
     points = {point.id: point for point, _ in looks}
     return [points[one] for one in order if one not in full]
 
 
-def _beats(one: Json, other: Json, objectives: Sequence[str], seen: Mapping[str, float]) -> bool:
+def _beats(
+    one: PointResult, other: PointResult, objectives: Sequence[str], seen: Mapping[str, float]
+) -> bool:
     """Whether a point is for certain no worse in any quantity, and better in one, at full accuracy."""
     leads = [
-        OBJECTIVES[name] * 100 * (one[name] / other[name] - 1) - _margin_percent(one, other, name, seen)
+        OBJECTIVES[name] * 100 * (one.number(name) / other.number(name) - 1)
+        - _margin_percent(one, other, name, seen)
         for name in objectives
     ]
     return min(leads) >= 0 and max(leads) >= _TOLD_APART_PERCENT
 
 
-def _margin_percent(one: Json, other: Json, name: str, seen: Mapping[str, float]) -> float:
+def _margin_percent(one: PointResult, other: PointResult, name: str, seen: Mapping[str, float]) -> float:
     """What the relative difference between two first looks may be wrong by."""
     if name not in _ERRORS:
         return seen.get(name, 0.0)
-    triangles = _OF_TRIANGLES in (one["stage"], other["stage"])
-    bound = difference_bound_percent(one[_ERRORS[name]], other[_ERRORS[name]], triangles=triangles)
+    triangles = _OF_TRIANGLES in (one.stage, other.stage)
+    bound = difference_bound_percent(
+        *(row.number(_ERRORS[name]) for row in (one, other)), triangles=triangles
+    )
     return max(bound, seen.get(name, 0.0))
 
 
-def _seen_percent(looks: Looks, full: Mapping[str, Json]) -> dict[str, float]:
+def _seen_percent(looks: Looks, full: Mapping[str, PointResult]) -> dict[str, float]:
     """How much the points that have both accuracies changed in relation to each other, by quantity."""
     both = [(row, full[point.id]) for point, row in looks if point.id in full]
     found = {}
@@ -71,8 +74,8 @@ def _seen_percent(looks: Looks, full: Mapping[str, Json]) -> dict[str, float]:
     return found
 
 
-def _changes_percent(both: Sequence[tuple[Json, Json]], name: str) -> Iterator[float]:
+def _changes_percent(both: Sequence[tuple[PointResult, PointResult]], name: str) -> Iterator[float]:
     for coarse, fine in both:
-        values: list[Any] = [row.get(name) for row in (coarse, fine) if row["status"] == DONE]
+        values = [row.number(name) for row in (coarse, fine) if row.status == DONE]
         if len(values) == 2 and None not in values:
             yield 100 * (values[1] / values[0] - 1)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.files import write_json, write_text
-from cranktopo.base.progress import Json
 from cranktopo.design.new_run import new_run
 from cranktopo.design.varying import value_at
 from cranktopo.report.report_file import REPORT
@@ -19,39 +18,46 @@ from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind
 from cranktopo.runs.status import working_in
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.sweep.computed import COARSE, Computed, Session, Workplace
+from cranktopo.tasks.sweep.computed import Computed, Session, Workplace
 from cranktopo.tasks.sweep.executor import check_scheduler
 from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, plan_from_json
 from cranktopo.tasks.sweep.points import Point, original_of, points_of
-from cranktopo.tasks.sweep.stages import DONE, FAILED
+from cranktopo.tasks.sweep.result import (
+    COARSE,
+    DONE,
+    FAILED,
+    PointResult,
+    SweepFiles,
+    SweepResult,
+    SweepSeconds,
+)
 from cranktopo.tasks.sweep.table import frame_of, write_tables
 
 if TYPE_CHECKING:
     import pandas
 
-SCHEMA_VERSION = 1
 TABLE = "table"
 
 
 @dataclass(frozen=True)
 class SweptRun:
-    """A finished sweep; `data` is the content of sweep.json."""
+    """A finished sweep in its directory."""
 
     folder: Path
-    data: Json
+    result: SweepResult
 
     @property
     def frame(self) -> pandas.DataFrame:
         """One row per point, units in the column names."""
-        return frame_of(self.data["points"], self.data["front"])
+        return frame_of(self.result.points, self.result.front)
 
     @property
     def failed(self) -> int:
         """Points that failed, of webs that may well be possible."""
-        return sum(row["status"] == FAILED for row in self.data["points"])
+        return sum(point.status == FAILED for point in self.result.points)
 
 
 def run_sweep(
@@ -136,36 +142,46 @@ def _worked(
         session = Session(str(run.path.resolve()), plan, place, info, function)
         found = session.computed(points, looks, original)
         check()
-        data = _told(run, plan, found)
-        frame = frame_of(data["points"], data["front"])
-        data["files"] = {**write_tables(frame, run.path, TABLE), "page": REPORT}
-        write_text(run.path / REPORT, sweep_html(data, found.webs))
-        data["seconds"] = {"total": time.perf_counter() - began}
-        write_json(run.path / RESULT_FILES[SWEEP], data)
-    run.log(", ".join(f"{count} {status}" for status, count in data["ends"].items()))
-    return SweptRun(run.path, data)
+        front, objectives = front_of(_finished(found.rows))
+        files = SweepFiles(**write_tables(frame_of(found.rows, front), run.path, TABLE), page=REPORT)
+        result = _result(run, plan, found, front, objectives, files)
+        write_text(run.path / REPORT, sweep_html(result, found.webs))
+        seconds = SweepSeconds(total=time.perf_counter() - began)
+        result = result.model_copy(update={"seconds": seconds})
+        write_json(run.path / RESULT_FILES[SWEEP], result.as_json())
+    run.log(", ".join(f"{count} {status}" for status, count in result.ends.items()))
+    return SweptRun(run.path, result)
 
 
-def _told(run: RunStore, plan: SweepPlan, found: Computed) -> Json:
-    """The content of sweep.json but for files and seconds; coarse numbers have no say in front and picks."""
-    rows = list(found.rows)
-    finished = [row for row in rows if row["status"] == DONE and row.get("accuracy") != COARSE]
+def _finished(rows: Sequence[PointResult]) -> list[PointResult]:
+    """Return the points that count for front and picks; coarse numbers have no say."""
+    return [row for row in rows if row.status == DONE and row.number("accuracy") != COARSE]
+
+
+def _result(
+    run: RunStore,
+    plan: SweepPlan,
+    found: Computed,
+    front: Sequence[str],
+    objectives: Sequence[str],
+    files: SweepFiles,
+) -> SweepResult:
     own = plan.original.model_dump(mode="json")
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
-    reference = {**found.original, "varied": varied}
-    known = reference if reference["status"] == DONE else None
-    front, objectives = front_of(finished)
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "run": run.name,
-        "design": plan.designs[0],
-        "varied": [variation.key for variation in plan.vary],
-        "sampling": plan.sampling,
-        "points": rows,
-        "ends": dict(Counter(row["status"] for row in rows)),
-        "original": reference,
-        "objectives": {name: "less" if OBJECTIVES[name] < 0 else "more" for name in objectives},
-        "front": front,
-        "picks": picks_of([row for row in finished if row["id"] in set(front)], known),
-        **({"undecided": list(found.undecided)} if plan.refine == "front" else {}),
-    }
+    original = found.original.model_copy(update={"varied": varied})
+    leading = [row for row in _finished(found.rows) if row.id in set(front)]
+    return SweepResult(
+        run=run.name,
+        design=plan.designs[0],
+        varied=tuple(variation.key for variation in plan.vary),
+        sampling=plan.sampling,
+        points=found.rows,
+        ends=dict(Counter(row.status for row in found.rows)),
+        original=original,
+        objectives={name: "less" if OBJECTIVES[name] < 0 else "more" for name in objectives},
+        front=tuple(front),
+        picks=picks_of(leading, original if original.status == DONE else None),
+        undecided=found.undecided if plan.refine == "front" else None,
+        files=files,
+        seconds=SweepSeconds(total=0.0),
+    )

@@ -19,12 +19,11 @@ from cranktopo.runs.kind import SHAPE, RunKind, read_result
 from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
-from cranktopo.tasks.sweep.web_view import VIEW, web_view
+from cranktopo.tasks.sweep.result import IMPOSSIBLE, VIEW
+from cranktopo.tasks.sweep.web_view import web_view
 
 DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
 """In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
-DONE, IMPOSSIBLE, FAILED = "done", "impossible", "failed"
-"""How a point ended: with numbers, with a reason why there is no such web, by a failed solve or worker."""
 COMMAND = ("cranktopo", "sweep")
 """In the manifests of the runs below a sweep; the sweep's own manifest has the whole line."""
 StageFunction = Callable[[Scene, Path, Fineness], Json]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import replacing, write_text
+from cranktopo.tasks.sweep.result import PointResult
 
 if TYPE_CHECKING:
     import pandas
@@ -18,16 +19,16 @@ _LAST = ("optimiser_status", "iterations", "limits_hold", "seconds", "reason", "
 _LEFT_OUT = ("varied", "target")
 
 
-def frame_of(rows: Sequence[Mapping[str, Any]], front: Sequence[str] = ()) -> pandas.DataFrame:
+def frame_of(rows: Sequence[PointResult], front: Sequence[str] = ()) -> pandas.DataFrame:
     """A frame with one row per point: its keys, its quantities, how it ended, its hash and version.
 
     Args:
-        rows: points as sweep.json holds them.
+        rows: one per point.
         front: ids of the Pareto front, told in a column of its own.
     """
     import pandas as pd
 
-    flat = [_flat(row) | {"on_front": row["id"] in set(front)} for row in rows]
+    flat = [_flat(row) | {"on_front": row.id in set(front)} for row in rows]
     names = list(dict.fromkeys(name for row in flat for name in row))
     middle = [name for name in names if name not in (*_FIRST, *_LAST)]
     order = [name for name in (*_FIRST, *middle, *_LAST) if name in names]
@@ -57,10 +58,10 @@ def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, 
     return files
 
 
-def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
+def _flat(point: PointResult) -> dict[str, Any]:
     """What varied beside what came of it; a quantity that is called like a key is the quantity."""
-    told = {name: value for name, value in row.items() if name not in _LEFT_OUT}
-    return {**{name: told[name] for name in _FIRST if name in told}, **row["varied"], **told}
+    told = {name: value for name, value in point.row().items() if name not in _LEFT_OUT}
+    return {**{name: told[name] for name in _FIRST if name in told}, **point.varied, **told}
 
 
 def _plain(column: pandas.Series) -> pandas.Series:

@@ -9,6 +9,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import builtin_designs
 from cranktopo.runs.directories import RunStore, open_run, runs_named
 from cranktopo.runs.kind import SWEEP, kind_of, read_result, resume_command, shown_results
+from cranktopo.tasks.sweep.result import SweepResult
 
 
 def with_picks(targets: Sequence[str]) -> list[str]:
@@ -40,9 +41,10 @@ def _picked(run: RunStore) -> list[str]:
             f"run '{run.path}': is not finished.", hint=f"Continue it: {resume_command(run)}"
         )
     with shown_results(run):
-        rows = {row["id"]: row for row in data["points"]}
-        picked = [rows[one] for one in data["picks"].values()]
-        found = [str(run.path / row["run"] / row["target"]) for row in picked if "target" in row]
+        result = SweepResult.of_json(data, f"run '{run.path}'")
+        points = {point.id: point for point in result.points}
+        picked = [points[one] for one in result.picks.values()]
+        found = [str(run.path / p.run / target) for p in picked if (target := p.number("target"))]
     if not found:
         raise CranktopoError(
             f"run '{run.path}': its points have no webs to compare.",

@@ -11,8 +11,6 @@ from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 
-VIEW = "view"
-"""What a result calls it; only the page shows it, tables leave it out."""
 _COARSER = 2
 """Than what a page shows of a single web: a quarter of the triangles, in half the time."""
 
