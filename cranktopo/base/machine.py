@@ -1,7 +1,8 @@
-"""The machine that levels are timed on, its speed, and the memory that a process takes."""
+"""The machine: its cores, its speed, and the memory that a process takes."""
 
 from __future__ import annotations
 
+import os
 import platform
 import resource
 import sys
@@ -10,8 +11,6 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
-
-from cranktopo.base.cores import usable_cores
 
 _NUMBERS, _REPEATS = 1_000_000, 5
 
@@ -31,6 +30,12 @@ class Machine:
     def same_kind(self, other: Machine) -> bool:
         """Whether times of one hold for the other but for a common factor."""
         return (self.processor, self.cores) == (other.processor, other.cores)
+
+
+def usable_cores() -> int:
+    """Cores that this process may use."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return usable or 1
 
 
 def this_machine() -> Machine:

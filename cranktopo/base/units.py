@@ -28,3 +28,47 @@ def density_kg_per_mm3(density_kg_m3: float) -> float:
 def angular_speed_rad_s(speed_rpm: float) -> float:
     """Angular speed (rad/s) from revolutions per minute."""
     return speed_rpm * 2.0 * math.pi / 60.0
+
+
+UNITS = {
+    "N_per_mm": "N/mm",
+    "N_per_mm_kg": "N/mm/kg",
+    "kN_per_mm": "kN/mm",
+    "kN_per_mm_kg": "kN/mm/kg",
+    "Nm_per_rad": "N m/rad",
+    "Nm_per_rad_kg": "N m/rad/kg",
+    "kNm_per_rad": "kN m/rad",
+    "kNm_per_rad_kg": "kN m/rad/kg",
+    "Nms_per_rad": "N m s/rad",
+    "kg": "kg",
+    "kg_mm": "kg mm",
+    "kg_mm2": "kg mm2",
+    "kg_m2": "kg m²",
+    "kg_m3": "kg/m³",
+    "GPa": "GPa",
+    "MPa": "MPa",
+    "N": "N",
+    "kN": "kN",
+    "Nm": "N m",
+    "N_mm": "N mm",
+    "kW": "kW",
+    "percent": "%",
+    "Hz": "Hz",
+    "rpm": "rpm",
+    "deg": "deg",
+    "um": "µm",
+    "mm": "mm",
+    "mm3": "mm3",
+    "per_mm": "1/mm",
+    "s": "s",
+    "h": "h",
+    "MiB": "MiB",
+}
+"""Units by the last words of a name: of scene keys, JSON keys and columns of tables. The only such table."""
+_LONGEST_FIRST = sorted(UNITS, key=len, reverse=True)
+
+
+def stem_and_unit(name: str) -> tuple[str, str]:
+    """Return a name without its unit, and the unit: `torsion_kNm_per_rad` gives ("torsion", "kN m/rad")."""
+    suffix = next((suffix for suffix in _LONGEST_FIRST if name.endswith(f"_{suffix}")), "")
+    return (name[: -len(suffix) - 1], UNITS[suffix]) if suffix else (name, "")

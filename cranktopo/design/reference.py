@@ -6,28 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from cranktopo.base.units import stem_and_unit
 from cranktopo.design.schema import Scene
 
-_UNITS = {
-    "_N_per_mm": "N/mm",
-    "_kNm_per_rad": "kN m/rad",
-    "_Nms_per_rad": "N m s/rad",
-    "_Nm_per_rad": "N m/rad",
-    "_kg_m2": "kg m²",
-    "_kg_m3": "kg/m³",
-    "_kg_mm": "kg mm",
-    "_GPa": "GPa",
-    "_MPa": "MPa",
-    "_Nm": "N m",
-    "_rpm": "rpm",
-    "_deg": "deg",
-    "_um": "µm",
-    "_mm": "mm",
-    "_kg": "kg",
-    "_kN": "kN",
-    "_kW": "kW",
-    "_N": "N",
-}
 _TYPES = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 
 
@@ -76,11 +57,6 @@ class TableReference:
     empty: bool
     repeated: bool
     keys: tuple[KeyReference, ...]
-
-
-def unit_of(key: str) -> str:
-    """Unit in the name of a key; empty where it has none."""
-    return next((unit for suffix, unit in _UNITS.items() if key.endswith(suffix)), "")
 
 
 def scene_reference() -> list[TableReference]:
@@ -157,7 +133,7 @@ def _key(name: str, node: dict[str, Any], required: bool) -> KeyReference:
         name=name,
         meaning=" ".join(node.get("description", "").split()),
         kind=_kind(node),
-        unit=unit_of(name),
+        unit=stem_and_unit(name)[1],
         allowed=_allowed(node) or _allowed(node.get("items", {})),
         required=required,
         unless=node.get("unless", ""),

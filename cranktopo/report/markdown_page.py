@@ -6,11 +6,10 @@ from pathlib import Path
 from urllib.parse import quote
 
 from cranktopo.base.files import write_bytes, write_text
-from cranktopo.report.markdown_text import escaped
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import Picture
 from cranktopo.report.png import png
-from cranktopo.report.result_table import markdown
+from cranktopo.report.result_table import escaped, markdown
 
 _DPI = 150
 

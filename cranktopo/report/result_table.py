@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from cranktopo.report.markdown_text import escaped
+from cranktopo.base.units import stem_and_unit
 
+_SPECIAL = re.compile(r"([\\`*_|\[\]<>~&$#])")
+"""What Markdown and its tables read as a sign of their own anywhere in a line."""
+_LIST = re.compile(r"^(\d*)([+.)-])(?=[\s-]|$)")
+"""What begins a list, or is a rule, at the start of a line."""
 T = TypeVar("T")
 Cell = str | float | None
 Row = Mapping[str, Cell]
@@ -32,10 +37,8 @@ class ResultTable:
 
     def head(self, column: str) -> tuple[str, str]:
         """Label and unit of a column: `torsion_kNm_per_rad` gives ("torsion", "kN m/rad")."""
-        for suffix in sorted(_UNITS, key=len, reverse=True):
-            if column.endswith(f"_{suffix}"):
-                return column[: -len(suffix) - 1].replace("_", " "), _UNITS[suffix]
-        return column.replace("_", " "), ""
+        stem, unit = stem_and_unit(column)
+        return stem.replace("_", " "), unit
 
     def is_text(self, column: str) -> bool:
         """Whether a column holds words."""
@@ -104,6 +107,11 @@ def _markdown_cell(table: ResultTable, row: int, column: str) -> str:
     return escaped(text.removesuffix("*") if best else text) + "*" * best
 
 
+def escaped(text: str) -> str:
+    """The text on one line, so that Markdown shows it as it is."""
+    return _LIST.sub(r"\1\\\2", _SPECIAL.sub(r"\\\1", " ".join(text.split())))
+
+
 def comma_separated(table: ResultTable) -> str:
     """The table as CSV with machine names and full precision."""
     stream = io.StringIO()
@@ -116,35 +124,6 @@ def comma_separated(table: ResultTable) -> str:
 def records(table: ResultTable) -> list[dict[str, Any]]:
     """The rows as objects keyed by machine name, full precision."""
     return [dict(row) for row in table.rows]
-
-
-_UNITS = {
-    "kg": "kg",
-    "kg_mm": "kg mm",
-    "kg_mm2": "kg mm2",
-    "Nm_per_rad": "N m/rad",
-    "Nm_per_rad_kg": "N m/rad/kg",
-    "N_per_mm": "N/mm",
-    "N_per_mm_kg": "N/mm/kg",
-    "kNm_per_rad": "kN m/rad",
-    "kNm_per_rad_kg": "kN m/rad/kg",
-    "kN_per_mm": "kN/mm",
-    "kN_per_mm_kg": "kN/mm/kg",
-    "N_mm": "N mm",
-    "N": "N",
-    "Nm": "N m",
-    "percent": "%",
-    "Hz": "Hz",
-    "rpm": "rpm",
-    "mm": "mm",
-    "mm3": "mm3",
-    "s": "s",
-    "h": "h",
-    "deg": "deg",
-    "MPa": "MPa",
-    "MiB": "MiB",
-    "per_mm": "1/mm",
-}
 
 
 def _align(cells: Sequence[str], widths: Sequence[int]) -> str:

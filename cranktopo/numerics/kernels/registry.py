@@ -13,7 +13,7 @@ from typing import TypeVar
 import jax
 import llvmlite.ir as ir
 
-from cranktopo.base.cores import usable_cores
+from cranktopo.base.machine import usable_cores
 from cranktopo.numerics.kernels.energy import write_energies
 from cranktopo.numerics.kernels.epilogues import FreeForces, Smooth, Store
 from cranktopo.numerics.kernels.ir_builder import POINTER, VectorCode

@@ -13,7 +13,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
-from cranktopo.base.cores import usable_cores
+from cranktopo.base.machine import usable_cores
 
 _EXAMPLE = "mikron-iiic"
 """Its default optimisation is what the memory must hold."""

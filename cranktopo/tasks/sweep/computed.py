@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cranktopo.base.cores import usable_cores
+from cranktopo.base.machine import usable_cores
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.executor import Engine, compute
 from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, result_of
