@@ -133,7 +133,7 @@ def test_every_numeric_option_refuses(value: str, capsys: pytest.CaptureFixture[
 
 LAUNCHED = """
 import os, sys
-from cranktopo.cli import launch, main
+from cranktopo.app import launch, main
 assert "numpy" not in sys.modules
 main.main = lambda: print(os.environ["OPENBLAS_NUM_THREADS"])
 launch.main()

@@ -23,7 +23,7 @@ WORK = (
     "gmsh.initialize",
     "cranktopo.tasks.optimise.stage.build_problem",
     "cranktopo.runs.directories.new_manifest",
-    "cranktopo.runs.RunStore.resume",
+    "cranktopo.runs.directories.RunStore.resume",
 )
 
 

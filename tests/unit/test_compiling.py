@@ -32,10 +32,10 @@ EVENT = "/jax/core/compile/backend_compile_duration"
 MEMORY = """
 import json
 import jax.numpy as jnp
-from cranktopo.fem import compiling
-from cranktopo.fem.conjugate_gradients import System
-from cranktopo.fem.multigrid import build_tables
-from cranktopo.fem.precision import double_precision
+from cranktopo.numerics.grid import compiling
+from cranktopo.numerics.grid.conjugate_gradients import System
+from cranktopo.numerics.grid.multigrid import build_tables
+from cranktopo.numerics.precision import double_precision
 from tests.studies.cantilever import cantilever
 
 def resident_MiB():

@@ -118,7 +118,7 @@ def test_a_program_that_leaves_sigterm_alone_is_ended_by_it() -> None:
 
 DROPPED = """
 import signal, time
-from cranktopo.cli import launch, main
+from cranktopo.app import launch, main
 
 class Object:
     def __del__(self):

@@ -119,9 +119,9 @@ def test_built_in_designs_are_without_it(name: str, monkeypatch: pytest.MonkeyPa
         raise AssertionError
 
     for where in (
-        "loads.analysis.worst_speed_rpm",
-        "loads.analysis.vibrating_torque",
-        "effects.vibration_rule.torque_harmonics",
+        "engine.analysis.worst_speed_rpm",
+        "engine.analysis.vibrating_torque",
+        "engine.plan.vibration_rule.torque_harmonics",
     ):
         monkeypatch.setattr(f"cranktopo.{where}", never)
     decided = plan(load_scene(name))
