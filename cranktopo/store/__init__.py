@@ -1,6 +1,6 @@
 """Run directories, manifest and checkpoint."""
 
-from cranktopo.store.cache import user_cache
+from cranktopo.store.cache import private_cache, user_cache
 from cranktopo.store.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from cranktopo.store.destination import check_file, check_folder
 from cranktopo.store.files import (
@@ -63,6 +63,7 @@ __all__ = [
     "locked",
     "moved",
     "open_run",
+    "private_cache",
     "read_json",
     "read_result",
     "remove_run",
