@@ -62,9 +62,12 @@ class Call:
     def __init__(self) -> None:
         self.fine = np.random.default_rng(0).random(FINE, np.float32)
         self.coarse = np.full(COARSE, -1, np.float32)
-        self.structs = {kind: kind() for kind in (CallFrame, Api, Metadata, MetadataExtension, Extension)}
+        self.structs = {kind: kind() for kind in (CallFrame, Api, Metadata, MetadataExtension)}
         for kind, struct in self.structs.items():
             (struct.extension_base if kind is MetadataExtension else struct).struct_size = struct_size(kind)
+        # Of another type, with a pointer where the question has one.
+        self.behind_other = Metadata()
+        self.other = MetadataExtension(Extension(32, 7, None), ctypes.addressof(self.behind_other))
         self.kept: list[object] = []
         frame, metadata = self.structs[CallFrame], self.structs[Metadata]
         metadata.api_version.struct_size = struct_size(ApiVersion)
@@ -83,13 +86,13 @@ class Call:
         buffers.buffers = ctypes.addressof(addresses)
         self.kept += [sizes, buffer, addresses]
 
-    def extend(self, *extensions: ctypes.Structure) -> None:
+    def extend(self, *extensions: MetadataExtension) -> None:
         """Chain extensions behind the frame."""
         before = self.structs[CallFrame]
         for extension in extensions:
             link = "extension_start" if before is self.structs[CallFrame] else "next"
             setattr(before, link, ctypes.addressof(extension))
-            before = getattr(extension, "extension_base", extension)
+            before = extension.extension_base
 
     @property
     def address(self) -> int:
@@ -140,19 +143,18 @@ def test_the_version_is_that_of_the_offsets(restriction: Callable[[int], object]
 
 def test_the_question_may_come_after_other_extensions(restriction: Callable[[int], object]) -> None:
     call = Call()
-    call.structs[Extension].type = 7
-    call.extend(call.structs[Extension], call.structs[MetadataExtension])
+    call.extend(call.other, call.structs[MetadataExtension])
     restriction(call.address)
     assert call.version == (0, 3)
     assert np.all(call.coarse == -1)
+    assert call.behind_other.api_version.minor_version == 0
 
 
 def test_another_extension_is_no_question(restriction: Callable[[int], object]) -> None:
     call = Call()
-    call.structs[MetadataExtension].extension_base.type = 7
-    call.extend(call.structs[MetadataExtension])
+    call.extend(call.other)
     restriction(call.address)
-    assert call.version == (0, 0)
+    assert call.behind_other.api_version.minor_version == 0
     expected = restrict(jnp.asarray(call.fine), COARSE[2:])
     np.testing.assert_allclose(call.coarse, expected, rtol=1e-6)
 
@@ -160,26 +162,18 @@ def test_another_extension_is_no_question(restriction: Callable[[int], object]) 
 def test_frames_as_they_are_known() -> None:
     call = Call()
     assert frames.unknown_size(call.address) == ""
-    call.extend(call.structs[Extension], call.structs[MetadataExtension])
+    call.extend(call.other, call.structs[MetadataExtension])
     assert frames.unknown_size(call.address) == ""
 
 
-@pytest.mark.parametrize(
-    ("name", "place"),
-    [
-        ("CallFrame", lambda call: call.structs[CallFrame]),
-        ("Api", lambda call: call.structs[Api]),
-        ("Attributes", lambda call: call.structs[CallFrame].attrs),
-        ("Buffers", lambda call: call.structs[CallFrame].rets),
-        ("Buffer", lambda call: call.kept[4]),
-    ],
-    ids=str,
-)
-def test_structs_of_another_size(name: str, place: Callable[[Call], ctypes.Structure]) -> None:
-    for step in (-8, 8):
-        call = Call()
-        place(call).struct_size += step
-        assert frames.unknown_size(call.address).startswith(f"{name} of XLA has ")
+@pytest.mark.parametrize("kind", [CallFrame, Api, Attributes, Buffers, Buffer])
+@pytest.mark.parametrize("step", [-8, 8])
+def test_structs_of_another_size(kind: type[ctypes.Structure], step: int) -> None:
+    call = Call()
+    frame = call.structs[CallFrame]
+    others = {Attributes: frame.attrs, Buffers: frame.rets, Buffer: call.kept[-2]}
+    (others | call.structs)[kind].struct_size += step
+    assert frames.unknown_size(call.address).startswith(f"{kind.__name__} of XLA has ")
 
 
 @pytest.mark.parametrize("kind", [MetadataExtension, Metadata, ApiVersion])
