@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
+from functools import partial
 from typing import Any
 
 import click
@@ -56,5 +58,14 @@ def _setter(level: int) -> Any:
         if context.meta.get(_LEVEL, level) != level:
             raise click.UsageError("--quiet and --verbose exclude each other.", context)
         context.meta[_LEVEL] = level
+        if level == QUIET:
+            _silence_notes(context)
 
     return callback
+
+
+def _silence_notes(context: click.Context) -> None:
+    """No notes of the package's own on stderr until the command ends: those that no `info` reaches."""
+    logger = logging.getLogger("cranktopo")
+    context.call_on_close(partial(logger.setLevel, logger.level))
+    logger.setLevel(logging.ERROR)

@@ -113,7 +113,8 @@ def test_facets_of_a_throw_whose_bore_is_of_two_halves_come_to_an_end(tmp_path: 
     path = tmp_path / "throw.stl"
     code = (
         "import sys; from pathlib import Path; from cranktopo.bodies.solid.files import export_solid; "
-        "from cranktopo.design.loading import scene_from_dict; from tests.random_engines import random_engine; "
+        "from cranktopo.design.loading import scene_from_dict; "
+        "from tests.random_engines import random_engine; "
         f"print(export_solid(scene_from_dict(random_engine(16)), 'throw', Path({str(path)!r}), 5.0))"
     )
     done = subprocess.run(

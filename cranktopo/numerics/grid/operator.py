@@ -29,14 +29,14 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     Returns:
         Forces of the same shape and precision as `field`, N.
     """
-    return by_kernel(_by_kernel, _apply_by_slabs, blocks, moduli, field)
+    return by_kernel(_by_kernel, apply_by_slabs, blocks, moduli, field)
 
 
 def _by_kernel(*arrays: jax.Array) -> jax.Array:
     return coupled("stiffness", "product", arrays)[0]
 
 
-def _apply_by_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
+def apply_by_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """The product as JAX code, slab by slab along x: sums of the whole grid would take the most memory."""
 
     def part(start: int | jax.Array, depth: int) -> jax.Array:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import jax
 import numpy as np
 
-from cranktopo.base.cache import user_cache
+from cranktopo.base.cache import private_cache
 
 if TYPE_CHECKING:
     import llvmlite.binding as llvm
 
+_FOLDER = "machine-code"  # versions before had one that others could read, "kernels"
 _KEEPING = "jax_enable_compilation_cache"
 _DIGEST_BYTES = 32
 _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its engine
@@ -80,10 +81,9 @@ def _processor() -> tuple[str, str]:
 
 
 def _kept(made_from: str) -> Path | None:
-    """File for the code made from a text; None where nobody wants compiled programs to be kept."""
-    if not getattr(jax.config, _KEEPING):
-        return None
-    return user_cache() / "kernels" / f"{hashlib.sha256(made_from.encode()).hexdigest()[:32]}.o"
+    """File for the code made from a text; None where it is not wanted, or has no place that is the user's."""
+    folder = private_cache(_FOLDER) if getattr(jax.config, _KEEPING) else None
+    return None if folder is None else folder / f"{hashlib.sha256(made_from.encode()).hexdigest()[:32]}.o"
 
 
 def _read(file: Path) -> bytes | None:
@@ -100,6 +100,5 @@ def _keep(code: bytes, file: Path) -> None:
     """Keep code where that is possible; a reader finds all of it or what was there before."""
     temporary = file.with_suffix(f".{os.getpid()}.tmp")
     with suppress(OSError):
-        file.parent.mkdir(parents=True, exist_ok=True)
         temporary.write_bytes(hashlib.sha256(code).digest() + code)
         temporary.replace(file)

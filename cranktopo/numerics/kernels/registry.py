@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import ctypes
+import logging
+import os
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -29,7 +30,8 @@ from cranktopo.numerics.kernels.plane_sweep import (
 from cranktopo.numerics.kernels.stencil import Stencil
 from cranktopo.numerics.kernels.stiffness import Stiffness
 from cranktopo.numerics.kernels.transfer import write_prolongation, write_restriction
-from cranktopo.numerics.kernels.xla_ffi import interface, write_handler
+from cranktopo.numerics.kernels.trial import Product, find_fault, first_line, register
+from cranktopo.numerics.kernels.xla_ffi import write_handler
 
 _Result = TypeVar("_Result")
 _Writer = Callable[[VectorCode], None]
@@ -60,8 +62,8 @@ def _coupling(operator: Operator, finish: Finish) -> _Kernel:
     )
 
 
-# The call frame that `foreign` reads belongs to this major version of XLA's interface.
-_KNOWN_MAJOR = 0
+SWITCH, OFF = "CRANKTOPO_KERNELS", "off"
+"""Variable of the environment, and what it is where no kernel is wanted."""
 _MOST_THREADS = 16
 _CHOSEN_DEVICE = "jax_default_device"
 _OPERATORS: Mapping[str, Operator] = {"stiffness": Stiffness(), "stencil": Stencil()}
@@ -83,12 +85,47 @@ _FAST = (
     ("energy", "float64"),
 )
 _one_at_a_time = threading.Lock()
+_one_trial = threading.Lock()
+_log = logging.getLogger(__name__)
+
+
+def kernels_usable() -> bool:
+    """Tell whether kernels can be had here, and are wanted."""
+    return not why_no_kernels()
+
+
+def why_no_kernels() -> str:
+    """Return why there are no kernels here in a few words, empty where there are; a first call tries one."""
+    if os.environ.get(SWITCH, "").lower() == OFF:
+        return f"switched off by {SWITCH}={OFF}"
+    if sys.platform == "win32" or sys.maxsize <= 2**32:
+        return "they need POSIX and 64 bits"
+    with _one_trial:
+        return _fault()
 
 
 @cache
-def kernels_usable() -> bool:
-    """Whether kernels can be had here: functions of POSIX, 64 bits, and a known interface of XLA."""
-    return sys.platform != "win32" and sys.maxsize > 2**32 and interface().version[0] == _KNOWN_MAJOR
+def _fault() -> str:
+    """What is wrong with a first small product; told in one line."""
+    from cranktopo.numerics.grid.operator import apply_by_slabs
+
+    try:
+        address = _address("stiffness_product", "float32", vector_width("float32"), _threads())
+        fault = find_fault(address, _stiffness_product, apply_by_slabs)
+    except Exception as error:  # of LLVM
+        fault = f"they cannot be compiled: {first_line(error)}"
+    if fault:
+        _log.warning("note: kernels are not used, JAX code computes the same in more time: %s.", fault)
+    return fault
+
+
+def _stiffness_product(target: str) -> Product:
+    """Product with a stiffness by what is registered under a name."""
+
+    def product(*arrays: jax.Array) -> jax.Array:
+        return _called(target, "stiffness_product", arrays, _shapes("stiffness", "product", arrays))[0]
+
+    return product
 
 
 def by_kernel(
@@ -112,7 +149,7 @@ def compile_kernels() -> None:
 
     LLVM leaves the interpreter meanwhile: a thread that calls this has it while scenes are read.
     """
-    if kernels_usable() and _on_processor():
+    if _on_processor() and kernels_usable():
         for name, precision in _FAST:
             _registered(name, precision)
 
@@ -124,21 +161,33 @@ def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence
         arrays: of the operator and of the finish, the field the first of these.
     """
     field = arrays[_OPERATORS[operator].arrays]
+    return called(f"{operator}_{finish}", arrays, _shapes(operator, finish, arrays), field.dtype)[:-1]
+
+
+def _shapes(operator: str, finish: str, arrays: Sequence[jax.Array]) -> list[tuple[int, ...]]:
+    """Shapes of the results; spare memory is the last."""
+    field = arrays[_OPERATORS[operator].arrays]
     cases, _, _, *plane = field.shape
     each, besides = spare_planes(_OPERATORS[operator], _FINISHES[finish])
     spare = _threads(), each * cases + besides, 3, *plane
-    shapes = _FINISHES[finish].results(field.shape)
-    return called(f"{operator}_{finish}", arrays, [*shapes, spare], field.dtype)[:-1]
+    return [*_FINISHES[finish].results(field.shape), spare]
 
 
 def called(
     name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]], precision: jax.typing.DTypeLike
 ) -> Sequence[jax.Array]:
     """Results of a kernel, of the given shapes; what goes in and out has one precision."""
-    results = [jax.ShapeDtypeStruct(shape, precision) for shape in shapes]
-    target = _registered(name, results[0].dtype.name)
+    target = _registered(name, jax.numpy.dtype(precision).name)
+    return _called(target, name, [array.astype(precision) for array in arrays], shapes)
+
+
+def _called(
+    target: str, name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]]
+) -> Sequence[jax.Array]:
+    """Results of a kernel that is registered under a name."""
+    results = [jax.ShapeDtypeStruct(shape, arrays[0].dtype) for shape in shapes]
     call = jax.ffi.ffi_call(target, results, input_output_aliases=dict(_KERNELS[name].replaced))
-    found: Sequence[jax.Array] = call(*(array.astype(precision) for array in arrays))
+    found: Sequence[jax.Array] = call(*arrays)
     return found
 
 
@@ -156,10 +205,14 @@ def _registered(kernel: str, precision: str) -> str:
 @cache
 def _register(kernel: str, precision: str, width: int, threads: int) -> str:
     name = f"cranktopo_{kernel}_{precision}_{width}_{threads}"
-    address = address_of("handler", str(_module(_KERNELS[kernel], precision, width, threads)))
-    handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(address)
-    jax.ffi.register_ffi_target(name, jax.ffi.pycapsule(handler), platform="cpu")
+    register(name, _address(kernel, precision, width, threads))
     return name
+
+
+@cache
+def _address(kernel: str, precision: str, width: int, threads: int) -> int:
+    """Address of a kernel's handler."""
+    return address_of("handler", str(_module(_KERNELS[kernel], precision, width, threads)))
 
 
 def _module(kernel: _Kernel, precision: str, width: int, threads: int) -> ir.Module:

@@ -1,55 +1,29 @@
-"""The function that a compiled JAX program calls: reads XLA's call frame, and has the parts computed.
-
-Source: xla/ffi/api/c_api.h, which `jax.ffi.include_dir()` has; offsets are those of a 64-bit machine.
-"""
+"""The function that a compiled JAX program calls: reads XLA's call frame, and has the parts computed."""
 
 from __future__ import annotations
 
-import re
+import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache, reduce
-from pathlib import Path
+from functools import reduce
 
-import jax
 import llvmlite.ir as ir
 
+from cranktopo.numerics.kernels.frames import (
+    METADATA,
+    VERSION,
+    Api,
+    Buffer,
+    CallFrame,
+    Extension,
+    Metadata,
+    MetadataExtension,
+    offset,
+)
 from cranktopo.numerics.kernels.ir_builder import BYTE, INT32, INT64, POINTER, Value
 from cranktopo.numerics.kernels.work_sharing import OFFERED, Pool, write_shared
 
-# Offsets in bytes: of a call frame, a buffer, what XLA asks to know first, the list of its functions.
-_EXTENSION, _INTERFACE, _CONTEXT, _ARGUMENTS, _RESULTS = 8, 16, 24, 72, 112
-_DATA, _SIZES = 24, 40
-_METADATA, _MAJOR, _MINOR = 24, 24, 28
-_FUNCTIONS = 48
 # Below so many numbers in the result sharing costs more than it saves.
-_LEAST_SHARED = 20_000
-
-
-@dataclass(frozen=True)
-class Interface:
-    """XLA's interface for foreign functions, as the header that comes with JAX describes it.
-
-    Attributes:
-        version: major and minor number.
-        functions: names of what it offers, in order.
-    """
-
-    version: tuple[int, int]
-    functions: tuple[str, ...]
-
-    def offset(self, function: str) -> int:
-        """Place of a function's address in the list, bytes."""
-        return _FUNCTIONS + 8 * self.functions.index(function)
-
-
-@cache
-def interface() -> Interface:
-    """The interface of the JAX at hand."""
-    text = (Path(jax.ffi.include_dir()) / "xla/ffi/api/c_api.h").read_text(encoding="utf-8")
-    found = dict(re.findall(r"#define XLA_FFI_API_(MAJOR|MINOR) (\d+)", text))
-    functions = re.findall(r"^ *_XLA_FFI_API_STRUCT_FIELD\((\w+)\);", text, re.MULTILINE)
-    return Interface((int(found["MAJOR"]), int(found["MINOR"])), tuple(functions))
+LEAST_SHARED = 20_000
 
 
 def write_handler(
@@ -69,17 +43,12 @@ def write_handler(
     frame = handler.args[0]
     builder = ir.IRBuilder(handler.append_basic_block())
     none = ir.Constant(POINTER, None)
-    extension = _read(builder, frame, _EXTENSION, POINTER)
-    with builder.if_then(builder.icmp_unsigned("!=", extension, none)):
-        metadata = _read(builder, extension, _METADATA, POINTER)
-        for place, number in zip((_MAJOR, _MINOR), interface().version, strict=True):
-            builder.store(INT32(number), _offset(builder, metadata, place))
-        builder.ret(none)
+    _write_answer(builder, _read(builder, frame, POINTER, CallFrame, "extension_start"))
     task = _task(builder, frame, buffers)
     _, planes, _, _ = shape = task[-4:]
     numbers = reduce(builder.mul, shape, INT64(3))
     shared = builder.and_(
-        builder.icmp_signed(">=", numbers, INT64(_LEAST_SHARED)),
+        builder.icmp_signed(">=", numbers, INT64(LEAST_SHARED)),
         builder.icmp_signed(">=", planes, INT64(threads)),
     )
     with builder.if_else(shared) as (together, alone):
@@ -92,24 +61,57 @@ def write_handler(
     return handler
 
 
+def _write_answer(builder: ir.IRBuilder, first: Value) -> None:
+    """Code that ends the call with the version where one of the extensions, from the first on, asks for it.
+
+    A call may be extended by others, and is then computed as ever.
+    """
+    before, none = builder.block, ir.Constant(POINTER, None)
+    check, look, answer, following, after = (builder.append_basic_block() for _ in range(5))
+    builder.branch(check)
+    builder.position_at_end(check)
+    extension = builder.phi(POINTER)
+    builder.cbranch(builder.icmp_unsigned("!=", extension, none), look, after)
+    builder.position_at_end(look)
+    kind = _read(builder, extension, INT32, Extension, "type")
+    builder.cbranch(builder.icmp_signed("==", kind, INT32(METADATA)), answer, following)
+    builder.position_at_end(answer)
+    metadata = _read(builder, extension, POINTER, MetadataExtension, "metadata")
+    for name, number in zip(("major_version", "minor_version"), VERSION, strict=True):
+        builder.store(INT32(number), _place(builder, metadata, offset(Metadata, "api_version", name)))
+    builder.ret(none)
+    builder.position_at_end(following)
+    extension.add_incoming(first, before)
+    extension.add_incoming(_read(builder, extension, POINTER, Extension, "next"), following)
+    builder.branch(check)
+    builder.position_at_end(after)
+
+
 def _task(builder: ir.IRBuilder, frame: Value, buffers: tuple[int, int]) -> list[Value]:
     """What every part of a call gets: addresses of all buffers, cases, nodes along x, y and z."""
-    lists = [_read(builder, frame, place, POINTER) for place in (_ARGUMENTS, _RESULTS)]
-    found = [_read(builder, lists[k], 8 * n, POINTER) for k in (0, 1) for n in range(buffers[k])]
-    sizes = _read(builder, found[buffers[0]], _SIZES, POINTER)
-    shape = [_read(builder, sizes, 8 * axis, INT64) for axis in (0, 2, 3, 4)]
-    return [*(_read(builder, buffer, _DATA, POINTER) for buffer in found), *shape]
+    lists = [_read(builder, frame, POINTER, CallFrame, name, "buffers") for name in ("args", "rets")]
+    found = [_load(builder, lists[k], 8 * n, POINTER) for k in (0, 1) for n in range(buffers[k])]
+    sizes = _read(builder, found[buffers[0]], POINTER, Buffer, "dims")
+    shape = [_load(builder, sizes, 8 * axis, INT64) for axis in (0, 2, 3, 4)]
+    return [*(_read(builder, buffer, POINTER, Buffer, "data") for buffer in found), *shape]
 
 
 def _pool(builder: ir.IRBuilder, frame: Value) -> Pool:
-    functions = _read(builder, frame, _INTERFACE, POINTER)
-    offered = (_read(builder, functions, interface().offset(name), kind) for name, kind in OFFERED.items())
-    return Pool(_read(builder, frame, _CONTEXT, POINTER), *offered)
+    functions = _read(builder, frame, POINTER, CallFrame, "api")
+    offered = (_read(builder, functions, kind, Api, name) for name, kind in OFFERED.items())
+    return Pool(_read(builder, frame, POINTER, CallFrame, "ctx"), *offered)
 
 
-def _offset(builder: ir.IRBuilder, start: Value, length: int) -> Value:
+def _read(
+    builder: ir.IRBuilder, start: Value, kind: ir.Type, struct: type[ctypes.Structure], *path: str
+) -> Value:
+    """Field of a struct that begins at an address."""
+    return _load(builder, start, offset(struct, *path), kind)
+
+
+def _load(builder: ir.IRBuilder, start: Value, length: int, kind: ir.Type) -> Value:
+    return builder.load(_place(builder, start, length), typ=kind)
+
+
+def _place(builder: ir.IRBuilder, start: Value, length: int) -> Value:
     return builder.gep(start, [INT64(length)], source_etype=BYTE)
-
-
-def _read(builder: ir.IRBuilder, start: Value, offset: int, kind: ir.Type) -> Value:
-    return builder.load(_offset(builder, start, offset), typ=kind)

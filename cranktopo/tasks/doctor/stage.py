@@ -119,11 +119,16 @@ def jax_device() -> Check:
         device, *others = jax.devices()
     except Exception as error:  # jax raises what its plugins raise, all meaning this
         return Check("JAX", "missing", str(error), "no optimisation", "pip install jax")
-    from cranktopo.numerics.kernels.registry import kernels_usable
-
     kind = f"{device.platform.upper()}: {device.device_kind}"
-    own = ", own kernels" if device.platform == "cpu" and kernels_usable() else ""
+    own = f", {_kernels()}" if device.platform == "cpu" else ""
     return Check("JAX", "ok", f"{jax.__version__}, {f'{1 + len(others)} x ' if others else ''}{kind}{own}")
+
+
+def _kernels() -> str:
+    from cranktopo.numerics.kernels.registry import why_no_kernels
+
+    reason = why_no_kernels()
+    return f"no own kernels: {reason}" if reason else "own kernels"
 
 
 def cores() -> Check:

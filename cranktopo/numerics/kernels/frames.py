@@ -1,0 +1,177 @@
+"""XLA's structs that a kernel reads, as version 0.3 of its interface for foreign functions has them.
+
+Source: xla/ffi/api/c_api.h of jaxlib 0.10.2, XLA_FFI_API_MAJOR 0 and XLA_FFI_API_MINOR 3. Kernels are told to
+be of this version whatever JAX is installed: XLA then refuses them, or calls them as it did at that time.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from typing import Any
+
+VERSION = 0, 3
+METADATA = 1
+"""Type of the extension that asks for the version, XLA_FFI_Extension_Metadata."""
+
+_Fields = list[tuple[str, type]]
+_HEAD: _Fields = [("struct_size", ctypes.c_size_t), ("extension_start", ctypes.c_void_p)]
+_FUNCTIONS = [
+    "XLA_FFI_Error_Create",
+    "XLA_FFI_Error_GetMessage",
+    "XLA_FFI_Error_Destroy",
+    "XLA_FFI_Handler_Register",
+    "XLA_FFI_Stream_Get",
+    "XLA_FFI_Type_Register",
+    "XLA_FFI_ExecutionContext_Get",
+    "XLA_FFI_State_Set",
+    "XLA_FFI_State_Get",
+    "XLA_FFI_DeviceMemory_Allocate",
+    "XLA_FFI_DeviceMemory_Free",
+    "XLA_FFI_ThreadPool_Schedule",
+    "XLA_FFI_ThreadPool_NumThreads",
+    "XLA_FFI_Future_Create",
+    "XLA_FFI_Future_SetAvailable",
+    "XLA_FFI_Future_SetError",
+    "XLA_FFI_RunId_Get",
+    "XLA_FFI_DeviceOrdinal_Get",
+]
+
+
+class Extension(ctypes.Structure):
+    """Head of whatever a struct is extended by."""
+
+    _fields_ = [("struct_size", ctypes.c_size_t), ("type", ctypes.c_int), ("next", ctypes.c_void_p)]
+
+
+class ApiVersion(ctypes.Structure):
+    """A version of the interface."""
+
+    _fields_ = [*_HEAD, ("major_version", ctypes.c_int), ("minor_version", ctypes.c_int)]
+
+
+class Metadata(ctypes.Structure):
+    """What a handler tells of itself."""
+
+    _fields_ = [
+        ("struct_size", ctypes.c_size_t),
+        ("api_version", ApiVersion),
+        ("traits", ctypes.c_uint32),
+        ("state_type_id", ctypes.c_int64),
+    ]
+
+
+class MetadataExtension(ctypes.Structure):
+    """Extension of a call frame that asks for the metadata and nothing else."""
+
+    _fields_ = [("extension_base", Extension), ("metadata", ctypes.c_void_p)]
+
+
+class Api(ctypes.Structure):
+    """Functions that XLA offers to handlers."""
+
+    _fields_ = [
+        *_HEAD,
+        ("api_version", ApiVersion),
+        ("internal_api", ctypes.c_void_p),
+        *((name, ctypes.c_void_p) for name in _FUNCTIONS),
+    ]
+
+
+class Buffer(ctypes.Structure):
+    """An array."""
+
+    _fields_ = [
+        *_HEAD,
+        ("dtype", ctypes.c_int),
+        ("data", ctypes.c_void_p),
+        ("rank", ctypes.c_int64),
+        ("dims", ctypes.c_void_p),
+    ]
+
+
+class Buffers(ctypes.Structure):
+    """Arguments or results, which are all arrays: XLA_FFI_Args, XLA_FFI_Rets."""
+
+    _fields_ = [*_HEAD, ("size", ctypes.c_int64), ("types", ctypes.c_void_p), ("buffers", ctypes.c_void_p)]
+
+
+class Attributes(ctypes.Structure):
+    """Constants of a call; kernels have none."""
+
+    _fields_ = [
+        *_HEAD,
+        ("size", ctypes.c_int64),
+        *((name, ctypes.c_void_p) for name in ("types", "names", "attrs")),
+    ]
+
+
+class CallFrame(ctypes.Structure):
+    """What a handler is called with."""
+
+    _fields_ = [
+        *_HEAD,
+        ("api", ctypes.c_void_p),
+        ("ctx", ctypes.c_void_p),
+        ("stage", ctypes.c_int),
+        ("args", Buffers),
+        ("rets", Buffers),
+        ("attrs", Attributes),
+        ("future", ctypes.c_void_p),
+    ]
+
+
+# The header does not count what comes after these (XLA_FFI_DEFINE_STRUCT_TRAITS).
+_LAST = {Metadata: "traits", CallFrame: "attrs"}
+
+
+def offset(kind: type[ctypes.Structure], *path: str) -> int:
+    """Return the place of a field in a struct, or of one in the struct that a field is, in bytes."""
+    name, *inner = path
+    place = int(getattr(kind, name).offset)
+    return place + offset(_kind_of(kind, name), *inner) if inner else place
+
+
+def _kind_of(kind: type[ctypes.Structure], name: str) -> Any:
+    return next(field[1] for field in kind._fields_ if field[0] == name)
+
+
+def struct_size(kind: type[ctypes.Structure]) -> int:
+    """Return the bytes of a struct as the header counts them, which XLA writes into its first field."""
+    field = getattr(kind, _LAST.get(kind, kind._fields_[-1][0]))
+    return int(field.offset + field.size)
+
+
+def unknown_size(frame: int) -> str:
+    """Return which struct at the address of a call frame is of another size than here, empty if none is.
+
+    Read from the outside in: what a struct of another size points to is not looked at.
+    """
+    for kind, address in _structs(frame):
+        found = ctypes.c_size_t.from_address(address).value
+        if found != struct_size(kind):
+            return f"{kind.__name__} of XLA has {found} bytes, not {struct_size(kind)}"
+    return ""
+
+
+def _structs(address: int) -> Iterator[tuple[type[ctypes.Structure], int]]:
+    """Structs that a handler reads or writes, each before what it points to."""
+    yield CallFrame, address
+    frame = CallFrame.from_address(address)
+    place = frame.extension_start
+    while place:
+        extension = Extension.from_address(place)
+        if extension.type == METADATA:  # there is nothing else in the frame
+            yield MetadataExtension, place
+            metadata = MetadataExtension.from_address(place).metadata
+            yield Metadata, metadata
+            yield ApiVersion, metadata + offset(Metadata, "api_version")
+            return
+        place = extension.next
+    yield Api, frame.api
+    yield Attributes, address + offset(CallFrame, "attrs")
+    for name in ("args", "rets"):
+        yield Buffers, address + offset(CallFrame, name)
+        array = getattr(frame, name)
+        addresses = (ctypes.c_void_p * array.size).from_address(array.buffers)
+        yield from ((Buffer, buffer) for buffer in addresses)
