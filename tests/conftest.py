@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import atexit
 import fcntl
 import os
 import signal
@@ -15,16 +14,6 @@ from cranktopo.scene import Scene, load_scene
 
 # A suite that was started in the background ignores Ctrl-C, and so would the commands that it interrupts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """A test process of several ends like the command: by then it has told its results, and nothing waits.
-
-    Python would take it apart module by module, and where a thread or a cache still holds a solid at that
-    moment, the bindings of manifold3d print a hundred lines that look like an error.
-    """
-    if hasattr(config, "workerinput"):
-        atexit.register(os._exit, 0)
 
 
 @pytest.fixture(scope="session")
