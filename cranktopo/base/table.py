@@ -47,9 +47,12 @@ Fraction = Annotated[float, Field(ge=0.01, le=0.99, allow_inf_nan=False)]
 
 
 def _no_truth_value(value: Any) -> Any:
-    """Python counts `true` as 1, a reader of the file does not."""
+    """Python counts `true` as 1, a reader of the file does not.
+
+    Of a ValueError pydantic would keep the traceback, and with it all callers' variables, for ever.
+    """
     if isinstance(value, bool | float):
-        raise ValueError("must be an integer")
+        raise PydanticCustomError("whole_number", "must be an integer")
     return value
 
 

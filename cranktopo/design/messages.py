@@ -109,7 +109,7 @@ def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
         return f"{value}: must be {_NUMBERS[kind]}{bounds}{quoted}", "Correct that value."
     if kind in _BOUNDS:
         return f"{value}: must be {limits}", "Correct that value, or its unit."
-    text = detail["msg"].replace("Input should be", "must be").replace("Value error, ", "")
+    text = detail["msg"].replace("Input should be", "must be")
     return f"{value}: {text}", "Correct that value."
 
 

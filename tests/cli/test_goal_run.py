@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from cranktopo.app.main import main
+from tests.plain_runs import plain_runs
 
 OPTIONS = [
     *("--minimise", "mass", "--limit", "bending none", "--limit", "torsion >= 90 %"),
@@ -67,7 +68,8 @@ def test_the_page_shows_the_limits(run: Path, metrics: dict[str, Any]) -> None:
 
 def test_the_summary_shows_the_limits(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A run that is done shows them when it is looked at again, too."""
-    assert main(["optimise", "--resume", str(run), "--max-iterations", "5"]) == 5
+    with plain_runs():
+        assert main(["optimise", "--resume", str(run), "--max-iterations", "5"]) == 5
     out = capsys.readouterr()
     assert "least mass: " in out.out
     assert "torsion >= " in out.out

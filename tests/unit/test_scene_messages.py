@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import math
+import weakref
 
 import pytest
 
@@ -58,7 +60,18 @@ def error_of(*changes: tuple[str, str]) -> str:
     ],
 )
 def test_values(old: str, new: str, message: str) -> None:
-    assert message in error_of((old, new))
+    """And no error keeps its callers' variables for ever, as a ValueError of a validator would."""
+
+    class Variable: ...
+
+    def caller() -> weakref.ref[Variable]:
+        variable = Variable()
+        assert message in error_of((old, new))
+        return weakref.ref(variable)
+
+    left = caller()
+    gc.collect()
+    assert left() is None
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.cases import load_cases
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import load_history
+from cranktopo.engine.plan.effect import EffectPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states
 from cranktopo.engine.torsional_stiffness import web_lever_mm
@@ -98,17 +99,23 @@ def test_estimate_is_within_a_factor_of_two(shaft: dict[str, Any], name: str, en
     assert 0.5 < (1 + percent / 100) / computed(scene) < 2.0
 
 
-def test_reason_names_frequency_order_and_magnifier() -> None:
-    effect = plan(turning(PROPELLER))["torsional_vibration"]
+@pytest.fixture(scope="module")
+def with_propeller() -> tuple[Scene, EffectPlan]:
+    scene = turning(PROPELLER)
+    return scene, plan(scene)
+
+
+def test_reason_names_frequency_order_and_magnifier(with_propeller: tuple[Scene, EffectPlan]) -> None:
+    effect = with_propeller[1]["torsional_vibration"]
     assert effect.state == "on"
     assert "first natural frequency" in effect.reason
     assert "major order 8 at 27" in effect.reason
     assert "magnifier 50" in effect.reason  # one over the loss factor of 0.02
     slow = turning({**FLYWHEEL, "speed_max_rpm": 1500.0})
     assert "below the threshold of 2 %" in plan(slow)["torsional_vibration"].reason
-    stiff = turning({**FLYWHEEL, "throw_stiffness_Nm_per_rad": 1e9})
-    assert plan(stiff)["torsional_vibration"].state == "off"
-    assert "no order meets" in plan(stiff)["torsional_vibration"].reason
+    stiff = plan(turning({**FLYWHEEL, "throw_stiffness_Nm_per_rad": 1e9}))["torsional_vibration"]
+    assert stiff.state == "off"
+    assert "no order meets" in stiff.reason
 
 
 @pytest.mark.parametrize("name", ["mikron-iiic", "opposed-piston"])
@@ -130,15 +137,15 @@ def test_built_in_designs_are_without_it(name: str, monkeypatch: pytest.MonkeyPa
     assert load_cases(load_scene(name), decided.enabled)
 
 
-def test_off_leaves_the_load_cases_as_they_were() -> None:
-    scene, plain = turning(PROPELLER), load_scene("mikron-iiic")
+def test_off_leaves_the_load_cases_as_they_were(with_propeller: tuple[Scene, EffectPlan]) -> None:
+    (scene, decided), plain = with_propeller, load_scene("mikron-iiic")
     off = switched_to(scene, "off")
     enabled = plan(off).enabled
     assert enabled == plan(plain).enabled
     assert load_cases(off, enabled) == load_cases(plain, enabled)
     history, before = (load_history(s, "cycle", enabled) for s in (off, plain))
     assert (history.torque_Nm == before.torque_Nm).all()
-    on = load_cases(scene, plan(scene).enabled)
+    on = load_cases(scene, decided.enabled)
     assert on[0] == load_cases(plain, enabled)[0]
     assert on[1].torque_Nm > 2 * load_cases(plain, enabled)[1].torque_Nm
     assert "of the vibrating shaft" in on[1].source
