@@ -10,7 +10,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.design.goal.outcome import goal_json
+from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
@@ -86,7 +86,7 @@ class ShapeStandIn:
         now |= {f"{name}_per_mass": now[name] / now["mass"] for name in ("torsion", "bending")}
         return {
             "stop_reason": "as it was told",
-            "goal": goal_json(goal, now, ORIGINAL, 5e-4),
+            "goal": goal_outcome(goal, now, ORIGINAL, 5e-4).as_json(),
             "values": {"original": ORIGINAL, "result": now},
             "result": {
                 "supports": {"torsion": "free", "bending": "pinned"},

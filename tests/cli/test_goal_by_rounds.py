@@ -20,7 +20,7 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Work
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.outcome import limit_outcomes
+from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.responses import Response
 from cranktopo.tasks.density.state import Record, State
@@ -191,7 +191,7 @@ class Invented:
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
         in_cells = Requirement(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
-        (outcome,) = limit_outcomes(self.goal, self.reached(state), self.original())
+        (outcome,) = goal_outcome(self.goal, self.reached(state), self.original()).limits
         return (CheckedLimit(in_cells, in_cells.bound, outcome),)
 
 

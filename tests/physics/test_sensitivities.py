@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
@@ -20,7 +21,7 @@ from cranktopo.tasks.shape.active_constraints import held_by
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.sensitivities import Dimension, dimensions, worst_case_percent
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.side_pocket import FittedSlot
@@ -131,7 +132,7 @@ def test_with_a_goal_only_what_is_against_it_holds() -> None:
     slopes["mass"][[layout.names.index(n) for n in ("bevel-journal.depth", "groove.draft")]] = -0.01
     slopes["torsion"][layout.names.index("half_width_1")] = -1.0
     found = MeshResponses({"mass": 1.7, "torsion": 100.0}, slopes)
-    goal = SearchGoal("mass", 1.0, 1.6, (SearchLimit("torsion", ">=", 100.0),))
+    goal = SearchGoal("mass", 1.0, 1.6, (Constraint("torsion", ">=", 100.0),))
     wanted = goal, found, {"mass": 1.6, "torsion": 100.0}
     told = holders(scene, web, values, wanted)
     assert told["bevel-journal.depth"] == ("greatest value of its range, 16 mm",)

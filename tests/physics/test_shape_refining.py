@@ -10,6 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
@@ -17,7 +18,7 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.refining import MatchedWebs, Refinement, Told, merit, refined
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape_cases import Array
 
@@ -94,7 +95,7 @@ def test_the_optimum_is_that_of_the_meshed_webs() -> None:
 def test_a_limit_that_only_the_meshed_webs_know_is_kept() -> None:
     """With the second half-width held at 29 mm or less the bowl's lowest point is out of reach."""
     rough, exact = bowls()
-    goal = SearchGoal("mass", 1.0, 100.0, (SearchLimit("torsion", "<=", 29.0 + 0.01 * 29.0**2),))
+    goal = SearchGoal("mass", 1.0, 100.0, (Constraint("torsion", "<=", 29.0 + 0.01 * 29.0**2),))
     found = refined(rough, exact, LAYOUT, START, goal, Work(), EXTENT)
     assert found.values[MIDDLE] == pytest.approx([TRUE[0], 29.0, TRUE[2]], abs=0.02)
     assert merit(goal, found.found.values) == pytest.approx(1.01, abs=1e-4)

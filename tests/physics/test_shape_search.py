@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from cranktopo.base.progress import Work
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import prices
@@ -17,7 +18,7 @@ from cranktopo.tasks.refit.dimensions import with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.search import Found, prices_of, search
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
@@ -135,7 +136,7 @@ def test_a_limit_that_is_not_active_has_no_price() -> None:
 
 def test_a_search_makes_the_web_lighter_and_keeps_both_stiffnesses(model: WebModel, mikron: Scene) -> None:
     original = model.original
-    limits = tuple(SearchLimit(name, ">=", original[name]) for name in ("torsion", "bending"))
+    limits = tuple(Constraint(name, ">=", original[name]) for name in ("torsion", "bending"))
     goal = SearchGoal("mass", 1.0, original["mass"], limits)
     layout = Layout(7, PARTS[:2])
     start = values_of(mikron)[: len(layout.names)]
@@ -153,7 +154,7 @@ def test_a_price_predicts_the_optimum_of_a_limit_moved_by_one_percent(model: Web
 
     def optimum(torsion: float, start: np.ndarray) -> tuple[Found, SearchGoal]:
         shares = {"torsion": torsion, "bending": 1.0}
-        limits = tuple(SearchLimit(name, ">=", share * original[name]) for name, share in shares.items())
+        limits = tuple(Constraint(name, ">=", share * original[name]) for name, share in shares.items())
         goal = SearchGoal("mass", 1.0, original["mass"], limits)
         found, _ = search(model, layout, start, goal, "a", Work(), 60)
         assert found is not None
@@ -168,7 +169,7 @@ def test_a_price_predicts_the_optimum_of_a_limit_moved_by_one_percent(model: Web
 
 
 def test_a_search_that_is_kept_is_not_done_again(model: WebModel, mikron: Scene) -> None:
-    goal = SearchGoal("mass", 1.0, model.original["mass"], (SearchLimit("bending", ">=", 1.0),))
+    goal = SearchGoal("mass", 1.0, model.original["mass"], (Constraint("bending", ">=", 1.0),))
     layout, start = Layout(7), outline_start(mikron, usual_limits(mikron))
     work = Work()
     first, _ = search(model, layout, start, goal, "a", work, 6)
@@ -180,7 +181,7 @@ def test_a_search_that_is_kept_is_not_done_again(model: WebModel, mikron: Scene)
 
 
 def test_limits_that_no_web_keeps_end_without_a_web(model: WebModel, mikron: Scene) -> None:
-    impossible = (SearchLimit("torsion", ">=", 3 * model.original["torsion"]),)
+    impossible = (Constraint("torsion", ">=", 3 * model.original["torsion"]),)
     goal = SearchGoal("mass", 1.0, model.original["mass"], impossible)
     found, _ = search(model, Layout(7), outline_start(mikron, usual_limits(mikron)), goal, "a", Work(), 12)
     assert found is None

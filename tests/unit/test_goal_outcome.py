@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.outcome import LimitOutcome, goal_json
+from cranktopo.design.goal.outcome import goal_outcome, limit_outcome
 from cranktopo.report.goal_table import broken_limits, goal_line, limits_table
 from cranktopo.report.result_table import terminal
 
@@ -37,7 +37,12 @@ def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
     holds: bool | None,
     active: bool,
 ) -> None:
-    found = LimitOutcome(limit, reached, original)
+    name = limit.quantity
+    found = limit_outcome(
+        limit,
+        {} if reached is None else {name: reached},
+        {} if original is None else {name: original},
+    )
     assert found.required == pytest.approx(required)
     assert (found.holds, found.active) == (holds, active)
 
@@ -45,10 +50,11 @@ def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
 def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
     limits = (Limit("torsion", ">=", 110.0, percent=True), Limit("unbalance", "<=", 30.0))
     goal = Goal("minimise", "mass", (*limits, Limit("fatigue_safety", ">=", 100.0, True, assumed=True)))
-    found = goal_json(goal, {"mass": 1.4, "torsion": 147e3, "unbalance": 28.0}, ORIGINAL)
-    assert found["minimise"] == "mass"
-    assert found["reached_percent"] == pytest.approx(87.5)
-    torsion, unbalance, safety = found["limits"]
+    found = goal_outcome(goal, {"mass": 1.4, "torsion": 147e3, "unbalance": 28.0}, ORIGINAL)
+    told = found.as_json()
+    assert told["minimise"] == "mass"
+    assert told["reached_percent"] == pytest.approx(87.5)
+    torsion, unbalance, safety = told["limits"]
     assert {"quantity", "required", "reached", "unit", "holds", "active"} <= torsion.keys()
     assert (torsion["required"], torsion["unit"]) == (pytest.approx(154e3), "N m/rad")
     assert (torsion["required_percent"], torsion["reached_percent"]) == (110.0, pytest.approx(105.0))
@@ -67,6 +73,6 @@ def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
 
 def test_percent_of_a_balanced_original_is_none() -> None:
     goal = Goal("minimise", "mass", (Limit("unbalance", "<=", 30.0),))
-    (limit,) = goal_json(goal, {"unbalance": 3.0}, {"unbalance": 0.0})["limits"]
-    assert limit["reached_percent"] is None
-    assert limit["holds"] is True
+    (limit,) = goal_outcome(goal, {"unbalance": 3.0}, {"unbalance": 0.0}).limits
+    assert limit.reached_percent is None
+    assert limit.holds is True

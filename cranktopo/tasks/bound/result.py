@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel
 from cranktopo.tasks.density.error_bound import model_error_percent
@@ -19,7 +20,7 @@ def bound_json(model: BoundModel, bound: Bound) -> dict[str, Any]:
         "schema_version": SCHEMA_VERSION,
         "design": model.scene.name,
         "goal": {
-            **goal.as_json(),
+            **stated_goal(goal).as_json(),
             "dropped": [{"limit": str(limit), "reason": why} for limit, why in bound.wanted.dropped],
         },
         "bound": {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words, value_text
 from cranktopo.report.result_table import ResultTable, terminal
@@ -15,7 +16,7 @@ _ABOUT = "proven for every web in the envelope, whatever its topology, in the ce
 def bound_summary(data: Mapping[str, Any]) -> str:
     """What `cranktopo bound` prints."""
     lines = [
-        f"{data['design']}: {goal_words(data['goal'])}",
+        f"{data['design']}: {goal_words(GoalWords.of_json(data['goal'], 'goal'))}",
         "",
         terminal(_table(data)),
         "",

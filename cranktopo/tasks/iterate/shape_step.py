@@ -14,7 +14,7 @@ from cranktopo.base.progress import Json
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.outcome import limit_outcomes
+from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -138,8 +138,8 @@ def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: Mapping[st
     if best is None:
         return ShapeStep(row, data["stop_reason"], data["goal"], better=True)
     original, shaped, own = data["values"]["original"], data["values"]["result"], _values(best)
-    told = limit_outcomes(goal, own, original, HELD)
-    unknown = tuple(dict.fromkeys(o.limit.quantity for o in told if o.holds is None))
+    told = goal_outcome(goal, own, original, HELD).limits
+    unknown = tuple(dict.fromkeys(o.quantity for o in told if o.holds is None))
     broken = any(outcome.holds is False for outcome in told)
     name = goal.quantity
     percent = 100 * own[name] / original[name] if name in own else None

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
@@ -92,9 +93,8 @@ def shape_line(data: Mapping[str, Any]) -> str:
     if not shape["found"]:
         return f"shape: no web that keeps the limits, the result of {step} stands: {shape['reason']}"
     goal = shape["goal"]
-    reached = (
-        f"shape: {goal_words(goal)} {goal['reached_percent']:.1f} % of the original web, every limit holds"
-    )
+    words = goal_words(GoalWords.of_json(goal, "goal"))
+    reached = f"shape: {words} {goal['reached_percent']:.1f} % of the original web, every limit holds"
     reached += _thin_words(data)
     if data["best_step"] is None:
         return f"{reached}; no step beats the original web"

@@ -9,6 +9,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.side_by_side import Ahead, side_by_side
+from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.numerics.precision import CompileClock
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -93,7 +94,8 @@ class Finisher:
             assumed,
         )
         if case is not None:
-            metrics["goal"] = told_by_evaluation(metrics["goal"], case, state, failure)
+            goal = GoalOutcome.of_json(metrics["goal"], "goal")
+            metrics["goal"] = told_by_evaluation(goal, case, state, failure).as_json()
             metrics["seconds"]["evaluation"] = evaluation_seconds(case)
         if judged.bound is not None:
             metrics["bound"] = beside_goal(judged.bound, metrics.get("goal"))

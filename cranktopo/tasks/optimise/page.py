@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from cranktopo.design.clearance import clearance_text
-from cranktopo.design.goal.outcome import HOLDS
-from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
+from cranktopo.design.goal.constraint import TOLERANCE
+from cranktopo.report.goal_table import evaluation_note, goal_line, goal_of, limits_table
 from cranktopo.report.page import Page, Section
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
@@ -70,13 +70,13 @@ def run_page(record: RunRecord) -> Page:
 
 def _goal(metrics: Mapping[str, Any]) -> tuple[Section, ...]:
     """What was wanted and what was reached; nothing for a run without a goal."""
-    goal = metrics.get("goal")
+    goal = goal_of(metrics)
     if goal is None:
         return ()
     line, note = goal_line(goal), evaluation_note(goal)
     text = (
         f"{line[0].upper()}{line[1:]}. Percent are of the original web in the same model; a limit holds "
-        f"within {100 * HOLDS:g} %, and decides the design where the web is at it."
+        f"within {100 * TOLERANCE:g} %, and decides the design where the web is at it."
     ) + (f" {note[0].upper()}{note[1:]}." if note else "")
     return (Section("goal", "Goal and limits", text, (("Limits", limits_table(goal)),)),)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table, unjudged_line
+from cranktopo.report.goal_table import evaluation_note, goal_line, goal_of, limits_table, unjudged_line
 from cranktopo.report.result_table import terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.length_text import length_lines
@@ -20,7 +20,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
     """A finished optimise run; `metrics` as metrics.json holds it."""
     original = metrics["original_web"]
     lines = [
-        *filter(None, [unjudged_line(metrics.get("goal", {}))]),
+        *filter(None, [unjudged_line(goal_of(metrics))]),
         f"{ended(metrics)}: {metrics['stop_reason']}",
         *filter(None, [worse_line(run_changes_percent(metrics), "the original web")]),
         "",
@@ -51,7 +51,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
 
 def _goal_lines(metrics: Mapping[str, Any]) -> list[str]:
     """Goal and limits of a run that has them."""
-    goal = metrics.get("goal")
+    goal = goal_of(metrics)
     if goal is None:
         return []
     return ["", goal_line(goal), terminal(limits_table(goal)), *filter(None, [evaluation_note(goal)])]

@@ -7,13 +7,14 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import unit_of
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.rules import Rules
 from cranktopo.tasks.shape.search import Quantities
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.search_goal import SearchGoal
 
 _NEAR_MM = 0.1
 """A rule holds a dimension that may move by less before it breaks; of throws of usual size."""
@@ -80,6 +81,6 @@ def _limits(
             yield _limit_name(limit, original)
 
 
-def _limit_name(limit: SearchLimit, original: Mapping[str, float]) -> str:
-    percent = 100 * limit.value / original[limit.quantity]
+def _limit_name(limit: Constraint, original: Mapping[str, float]) -> str:
+    percent = 100 * limit.bound / original[limit.quantity]
     return f"limit: {limit.quantity.replace('_', ' ')} {limit.sense} {percent:.4g} % of the original"

@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
-from cranktopo.design.goal.moved import model_error, without_error
+from cranktopo.design.goal.constraint import Constraint, model_error, without_error
 from cranktopo.tasks.refit.dimensions import with_free, with_part
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.initial_guess import with_stations
@@ -19,7 +19,7 @@ from cranktopo.tasks.shape.free_bores import free_bores
 from cranktopo.tasks.shape.pocket_places import pocket_starts
 from cranktopo.tasks.shape.refining import Refinement, Told, merit, refined
 from cranktopo.tasks.shape.search import EVALUATIONS, Found, Webs, prices_of, search, why_nothing
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import bevel_start, groove_start
 from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.bevel import FittedBevel
@@ -333,11 +333,11 @@ def _pays(before: Grown, found: Grown) -> bool:
     return (found.missed == 0 < before.missed) or _gain(before, found) >= LEAST_GAIN
 
 
-def _asked_and_reached(asked: SearchLimit, told: Mapping[str, float], original: Mapping[str, float]) -> str:
+def _asked_and_reached(asked: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
     """A limit with what a web reaches of it."""
     whole = original[asked.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
-    required, reached = size * asked.value, size * told[asked.quantity]
+    required, reached = size * asked.bound, size * told[asked.quantity]
     return (
         f"{asked.quantity.replace('_', ' ')} {asked.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"
     )

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import degrees
 
+from cranktopo.design.goal.constraint import Constraint, bound_in_model, minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.moved import least_size, moved_bound, size_of
 from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.search_goal import SearchGoal
 
 FOR_SAFETY: QuantityName = "bending"
 """The goal on cells where the fatigue safety is the goal."""
@@ -42,13 +42,13 @@ def search_goal_of(
     limits = [
         found for limit in goal.limits for found in _search_limits(limit, original, true_original, cases)
     ]
-    scale = size_of(original[goal.quantity], 0.0, least_size(goal.quantity, original))
+    scale = scale_of(original[goal.quantity], 0.0, minimum_scale(goal.quantity, original))
     return SearchGoal(goal.quantity, sign, scale, tuple(limits))
 
 
 def _search_limits(
     limit: Limit, original: Mapping[str, float], truth: Mapping[str, float], cases: tuple[LoadCase, ...]
-) -> Iterator[SearchLimit]:
+) -> Iterator[Constraint]:
     quantity = STIFFNESS_OF.get(limit.quantity, limit.quantity)
     if quantity not in original:
         return
@@ -58,8 +58,8 @@ def _search_limits(
     else:
         sense = ">=" if limit.sense == "<=" else "<="
         required = 100 / limit.value * true if limit.percent else _load(quantity, cases) / limit.value
-    bound = moved_bound(quantity, required, own, true)
-    yield SearchLimit(quantity, sense, bound, own, least_size(quantity, original))
+    bound = bound_in_model(quantity, required, own, true)
+    yield Constraint(quantity, sense, bound, own, minimum_scale(quantity, original))
 
 
 def _load(stiffness: str, cases: tuple[LoadCase, ...]) -> float:

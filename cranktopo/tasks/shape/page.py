@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.schema import Scene
 from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import limits_table
@@ -89,7 +90,7 @@ def _wanted(data: Mapping[str, Any]) -> Section:
         f"original's, to first order{'; ' * bool(doubt)}{doubt}.",
         (
             ("Original and result, fillets included", changes_table(data)),
-            ("Limits, by the body-fitted evaluation", limits_table(goal)),
+            ("Limits, by the body-fitted evaluation", limits_table(GoalOutcome.of_json(goal, "goal"))),
             ("What limits, rules and bounds cost", prices_table(data)),
         ),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from cranktopo.design.goal.outcome import goal_json, limit_outcomes
+from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import unit_of
@@ -36,7 +36,7 @@ def shape_json(
     return {
         "schema_version": SCHEMA_VERSION,
         "design": scene.name,
-        "goal": goal_json(goal, result.web.values, optimum.original.values, HELD),
+        "goal": goal_outcome(goal, result.web.values, optimum.original.values, HELD).as_json(),
         "status": "converged" if result.held else "limits not met",
         "stop_reason": _reason(optimum),
         "original": optimum.original.evaluation,
@@ -106,9 +106,9 @@ def _reason(optimum: ShapeOptimum) -> str:
             f"every limit holds by the evaluation, web {optimum.best + 1} of {len(optimum.rounds)} evaluated"
         )
     values, original = result.web.values, optimum.original.values
-    told = limit_outcomes(optimum.goal, values, original, HELD)
-    worst = max(told, key=lambda outcome: outcome.missed or 0.0)
-    label, percent = QUANTITIES[worst.limit.quantity].label, 100 * (worst.missed or 0.0)
+    told = goal_outcome(optimum.goal, values, original, HELD).limits
+    worst = max(told, key=lambda outcome: outcome.violation or 0.0)
+    label, percent = QUANTITIES[worst.quantity].label, 100 * (worst.violation or 0.0)
     return (
         f"{label} misses its limit by {percent:.2f} % by the evaluation, best of {len(optimum.rounds)} webs"
     )

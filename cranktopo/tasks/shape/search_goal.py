@@ -3,51 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.goal.moved import size_of, with_error
+from cranktopo.design.goal.constraint import Constraint, with_error
 from cranktopo.design.goal.quantities import quantity_named
-
-
-@dataclass(frozen=True)
-class SearchLimit:
-    """A limit in the units of the model that searches.
-
-    Attributes:
-        value: in the quantity's unit.
-        original: the original web's, which is the size of a limit of zero.
-        least_size: of a limit on what may be 0.
-    """
-
-    quantity: str
-    sense: Literal["<=", ">="]
-    value: float
-    original: float = field(default=1.0, compare=False)
-    least_size: float = field(default=0.0, compare=False)
-
-    @property
-    def sign(self) -> float:
-        """1 for an upper limit, -1 for a lower one."""
-        return 1.0 if self.sense == "<=" else -1.0
-
-    @property
-    def per_size(self) -> float:
-        """Its sign over its size, which turns an excess into a share."""
-        return self.sign / size_of(self.value, self.original, self.least_size)
-
-    def corrected(self, errors: Mapping[str, float]) -> SearchLimit:
-        """The limit for a model that errs."""
-        if self.quantity not in errors:
-            return self
-        return replace(self, value=with_error(self.quantity, self.value, errors[self.quantity]))
-
-    def tightened(self, share: float) -> SearchLimit:
-        """The limit moved by a share of its size."""
-        return replace(self, value=self.value - share / self.per_size)
 
 
 @dataclass(frozen=True)
@@ -64,7 +26,7 @@ class SearchGoal:
     quantity: str
     sign: float
     scale: float
-    limits: tuple[SearchLimit, ...]
+    limits: tuple[Constraint, ...]
     shift: float = 0.0
 
     def objective(self, values: Mapping[str, float]) -> float:
@@ -77,11 +39,11 @@ class SearchGoal:
 
     def excesses(self, values: Mapping[str, float]) -> Array:
         """How far each limit is missed over its size, kept where <= 0."""
-        return np.array([r.per_size * (values[r.quantity] - r.value) for r in self.limits])
+        return np.array([limit.violation(values[limit.quantity]) for limit in self.limits])
 
     def excess_slopes(self, slopes: Mapping[str, Array], parameters: int) -> Array:
         """Their gradients (limits, parameters)."""
-        rows = [r.per_size * slopes[r.quantity] for r in self.limits]
+        rows = [limit.factor * slopes[limit.quantity] for limit in self.limits]
         return np.array(rows).reshape(len(rows), parameters)
 
     def worth(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
@@ -92,14 +54,14 @@ class SearchGoal:
             limits: prices, change of the goal per relative change of each limit.
         """
         result = self.sign * by_cell[self.quantity] / self.scale
-        for price, r in zip(limits, self.limits, strict=True):
-            result = result + price * r.per_size * by_cell[r.quantity]
+        for price, limit in zip(limits, self.limits, strict=True):
+            result = result + price * limit.factor * by_cell[limit.quantity]
         return np.asarray(result)
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """Every quantity that it speaks of."""
-        return (self.quantity, *(r.quantity for r in self.limits))
+        return (self.quantity, *(limit.quantity for limit in self.limits))
 
     def corrected(self, errors: Mapping[str, float]) -> SearchGoal:
         """The same for a model that overrates some quantities by known errors, as `model_error` has them."""
@@ -113,6 +75,7 @@ class SearchGoal:
     def reserved(self, share: float, quantities: Collection[str] | None = None) -> SearchGoal:
         """The same with limits, or those of some quantities, that are tighter by a share of their sizes."""
         moved = tuple(
-            r.tightened(share) if quantities is None or r.quantity in quantities else r for r in self.limits
+            limit.tightened(share) if quantities is None or limit.quantity in quantities else limit
+            for limit in self.limits
         )
         return replace(self, limits=moved)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.report.goal_table import broken_limits, limits_table
 from cranktopo.report.result_table import ResultTable, terminal
 from cranktopo.tasks.bound.text import bound_lines
@@ -113,7 +114,7 @@ def named_first(data: Mapping[str, Any]) -> tuple[str, ...]:
 
 def shape_headline(data: Mapping[str, Any]) -> str:
     """The result in one sentence; limits that are missed come first, then the goal."""
-    change, missed = data["change_percent"], broken_limits(data["goal"])
+    change, missed = data["change_percent"], broken_limits(GoalOutcome.of_json(data["goal"], "goal"))
     names = named_first(data)
     said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names)
     if not missed:
@@ -130,7 +131,7 @@ def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
         "",
         terminal(changes_table(data)),
         "",
-        terminal(limits_table(data["goal"])),
+        terminal(limits_table(GoalOutcome.of_json(data["goal"], "goal"))),
         "",
         *price_sentences(data),
         "",

@@ -13,7 +13,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.report.goal_table import broken_limits
+from cranktopo.report.goal_table import broken_limits, goal_of
 from cranktopo.runs.directories import open_run
 from cranktopo.runs.kind import SHAPE, RunKind, read_result
 from cranktopo.tasks.fea.targets import Target, simulated
@@ -174,7 +174,7 @@ def _told(data: Mapping[str, Any]) -> Json:
 
 def _limits(data: Mapping[str, Any]) -> Json:
     """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
-    goal = data.get("goal")
+    goal = goal_of(data)
     if not goal:
         return {}
     broken = broken_limits(goal)
