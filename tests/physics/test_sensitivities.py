@@ -20,9 +20,10 @@ from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.active_constraints import held_by
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.result import DimensionSensitivity
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
 from cranktopo.tasks.shape.search_goal import SearchGoal
-from cranktopo.tasks.shape.sensitivities import Dimension, dimensions, worst_case_percent
+from cranktopo.tasks.shape.sensitivities import dimension_sensitivities, worst_case_percent
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.side_pocket import FittedSlot
 from tests.physics.shape_cases import Array, full_web
@@ -31,13 +32,13 @@ SIZE_MM = 10.0
 
 
 @pytest.fixture(scope="module")
-def found() -> tuple[Dimension, ...]:
+def found() -> tuple[DimensionSensitivity, ...]:
     scene, layout, values = full_web()
     webs = MeshedWebs(scene, usual_limits(scene), SIZE_MM)
     web = webs.web(layout)
     responses = webs.responses(web, values)
     held = held_by(scene, web, values, rules_at(scene, web, values))
-    return dimensions(web, values, responses, responses.values, held)
+    return dimension_sensitivities(web, values, responses, responses.values, held)
 
 
 def changed(name: str, step: float) -> Scene:
@@ -48,7 +49,7 @@ def changed(name: str, step: float) -> Scene:
 
 
 @pytest.mark.parametrize("name", ["half_width_3", "groove.draft", "box-pin.size_x"])
-def test_mass_is_that_of_the_exact_solid(found: tuple[Dimension, ...], name: str) -> None:
+def test_mass_is_that_of_the_exact_solid(found: tuple[DimensionSensitivity, ...], name: str) -> None:
     """Central differences of the solid by the CAD kernel; the mesh has chords, a percent is its own."""
     (row,) = [row for row in found if row.name == name]
     above, below, here = (half_throw_volume_mm3(changed(name, step)) for step in (0.05, -0.05, 0.0))
@@ -59,7 +60,7 @@ def test_mass_is_that_of_the_exact_solid(found: tuple[Dimension, ...], name: str
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["half_width_3", "groove.floor"])
-def test_stiffness_is_that_of_new_meshes(found: tuple[Dimension, ...], name: str) -> None:
+def test_stiffness_is_that_of_new_meshes(found: tuple[DimensionSensitivity, ...], name: str) -> None:
     """Evaluations of webs 1.5 mm apart on each side, on new meshes that scatter by some 0.2 %."""
     (row,) = [row for row in found if row.name == name]
     above, below = (
@@ -71,7 +72,7 @@ def test_stiffness_is_that_of_new_meshes(found: tuple[Dimension, ...], name: str
         assert row.per_unit_percent[quantity] == pytest.approx(measured, abs=0.12), quantity
 
 
-def test_the_worst_case_is_the_sum_of_all(found: tuple[Dimension, ...]) -> None:
+def test_the_worst_case_is_the_sum_of_all(found: tuple[DimensionSensitivity, ...]) -> None:
     worst = worst_case_percent(found, 0.2)
     assert worst["mass"] == pytest.approx(0.2 * sum(abs(d.per_unit_percent["mass"]) for d in found))
     assert set(worst) == set(found[0].per_unit_percent)

@@ -20,7 +20,7 @@ from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.forging import Parting
-from cranktopo.tasks.bound.requirements import LINEAR
+from cranktopo.tasks.bound.convex_problem import LINEAR
 from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.responses import Design, Response, quantities
@@ -29,7 +29,7 @@ _TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class Die:
+class DieSplit:
     """Along which axis the halves of a die leave, and where they part."""
 
     axis: int
@@ -54,7 +54,7 @@ class Webs:
     layers: slice
     amounts: Mapping[str, Array]
     fixed_amounts: Mapping[str, float]
-    die: Die | None = None
+    die: DieSplit | None = None
 
     def best(self, gains: Array) -> tuple[float, Array]:
         """The largest sum of gains times densities, and densities that reach it (nx, ny, nw)."""
@@ -144,8 +144,8 @@ def _values_and_slopes(sums: tuple[Response, ...], solid: Array) -> tuple[Array,
     return np.asarray(found[0]), np.asarray(found[1])
 
 
-def _die(scene: Scene, domain: Domain) -> Die | None:
+def _die(scene: Scene, domain: Domain) -> DieSplit | None:
     if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
         return None
     axis = pull_axis(scene)
-    return Die(axis, parting_of(domain, axis))
+    return DieSplit(axis, parting_of(domain, axis))

@@ -27,8 +27,9 @@ from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.active_constraints import held_by
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at
-from cranktopo.tasks.shape.sensitivities import Dimension, dimensions, sensitivities_json
+from cranktopo.tasks.shape.sensitivities import dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.start import scene_start
 
 _COARSER = 2.0
@@ -51,13 +52,17 @@ class Sensitivities:
 
     file: str
     scene: Scene
-    dimensions: tuple[Dimension, ...]
+    dimensions: tuple[DimensionSensitivity, ...]
     broken: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
         """The entry `sensitivities` of an evaluation."""
-        found = sensitivities_json(self.dimensions, self.scene.shape.tolerance_mm)
-        return {**found, "broken_rules": list(self.broken)}
+        return {**self.table.as_json(), "broken_rules": list(self.broken)}
+
+    @property
+    def table(self) -> SensitivityTable:
+        """The dimensions with the worst case."""
+        return sensitivity_table(self.dimensions, self.scene.shape.tolerance_mm)
 
 
 def evaluate_sensitivities(
@@ -91,7 +96,7 @@ def evaluate_sensitivities(
         info(f"{scene.name}: keeps these rules not: {'; '.join(rules.broken)}")
     responses = webs.responses(parametric, values)
     holders = held_by(planned, parametric, values, rules)
-    worth = dimensions(parametric, values, responses, responses.values, holders)
+    worth = dimension_sensitivities(parametric, values, responses, responses.values, holders)
     return Sensitivities(str(found.file or target), scene, worth, rules.broken)
 
 

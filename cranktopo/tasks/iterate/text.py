@@ -10,6 +10,7 @@ from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.designs.run_webs import Step, best_row, row_folder, row_words
 from cranktopo.tasks.fea.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
@@ -125,7 +126,7 @@ def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
     for caption, table in steps_tables(data["steps"]):
         lines += [caption, terminal(table), ""]
     lines.append(steps_estimate(data["steps"]))
-    lines += bound_lines(data)
+    lines += bound_lines(read_bound(data))
     lines += [f"ended: {data['stop_reason']}", *filter(None, [shape_line(data)]), best_line(data)]
     lines += [f"note: {notice}" for notice in data.get("notices", ())]
     best = best_row(data)

@@ -16,6 +16,7 @@ from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versio
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
@@ -51,7 +52,7 @@ def run_page(record: RunRecord) -> Page:
         facts=facts(record),
         sections=(
             *_goal(metrics),
-            *bound_sections(metrics, "the optimiser's own cells"),
+            *bound_sections(read_bound(metrics), "the optimiser's own cells"),
             _variants(metrics),
             _convergence(record),
             *clearance_sections(record.scene, scene3d.bodies if scene3d else ()),

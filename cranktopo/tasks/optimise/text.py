@@ -8,6 +8,7 @@ from typing import Any
 
 from cranktopo.report.goal_table import evaluation_note, goal_line, goal_of, limits_table, unjudged_line
 from cranktopo.report.result_table import terminal
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.length_text import length_lines
 from cranktopo.tasks.extraction.undercut_table import obstacles
@@ -32,7 +33,8 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
         masses = f"{now:14.3f}{before:14.3f}{percent_change(now, before):+10.1f} %"
         lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
     lines += _goal_lines(metrics)
-    lines += ["", *bound_lines(metrics)] if bound_lines(metrics) else []
+    bounds = bound_lines(read_bound(metrics))
+    lines += ["", *bounds] if bounds else []
     seconds = metrics["seconds"]
     report = f", report {seconds['report']:.1f} s" if "report" in seconds else ""
     lines += [

@@ -61,6 +61,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
     from cranktopo.tasks.iterate.text import loop_summary
     from cranktopo.tasks.optimise.text import run_summary
+    from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.text import shape_summary
     from cranktopo.tasks.sweep.text import sweep_summary
 
@@ -76,8 +77,12 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
         with shown_results(found):
-            summaries = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
-            text = summaries.get(kind, run_summary)(result, found.path)
+            summaries = {LOOP: loop_summary, SWEEP: sweep_summary}
+            text = (
+                shape_summary(ShapeResult.model_validate(result), found.path)
+                if kind == SHAPE
+                else summaries.get(kind, run_summary)(result, found.path)
+            )
         click.echo(text)
 
 

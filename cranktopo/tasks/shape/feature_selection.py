@@ -18,6 +18,7 @@ from cranktopo.tasks.refit.initial_guess import with_stations
 from cranktopo.tasks.shape.free_bores import free_bores
 from cranktopo.tasks.shape.pocket_places import pocket_starts
 from cranktopo.tasks.shape.refining import Refinement, Told, merit, refined
+from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import EVALUATIONS, Found, Webs, prices_of, search, why_nothing
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import bevel_start, groove_start
@@ -37,32 +38,8 @@ _REFINED = Refinement(3, 12, 5.0, 1.5e-3)
 """Of each trial that pays on cells."""
 
 
-@dataclass(frozen=True)
-class Trial:
-    """One row of the table of what was tried.
-
-    Attributes:
-        step: stations or feature.
-        parameters: how many parameters the web then has.
-        objective: the goal, smaller is better; None where no web kept limits and rules.
-        gain_percent: gain in the goal against what was there before, % of the original's; None likewise.
-        kept: whether it is in the web.
-        evaluations: webs solved.
-        missed_percent: by how much the worst limit is missed, 0 where all are kept. Then the gain is how
-            much nearer the web comes.
-    """
-
-    step: str
-    parameters: int
-    objective: float | None
-    gain_percent: float | None
-    kept: bool
-    evaluations: int
-    missed_percent: float = 0.0
-
-
-def trial_text(trial: Trial) -> str:
-    """One line of progress."""
+def _trial_text(trial: FeatureTrial) -> str:
+    """Return one line of progress."""
     if trial.objective is None:
         return f"{trial.step}: no web that keeps limits and rules"
     gain = "" if trial.gain_percent is None else f", gain {trial.gain_percent:+.2f} %"
@@ -126,7 +103,7 @@ class Growth:
             goals: in the numbers of the cells, and in those of the elements.
             original: quantities of the original web in the latter.
         """
-        self.model, self.trials = model, list[Trial]()
+        self.model, self.trials = model, list[FeatureTrial]()
         self._elements, self._original, self._work = elements, original, work
         self._cells_goal, self._goal = goals
 
@@ -307,9 +284,17 @@ class Growth:
     ) -> None:
         gain = None if found is None or before is None else 100 * _gain(before, found)
         objective, missed = (None, 0.0) if found is None else (found.objective, 100 * found.missed)
-        trial = Trial(step, len(layout.names), objective, gain, kept, solved, missed)
+        trial = FeatureTrial(
+            step=step,
+            parameters=len(layout.names),
+            objective=objective,
+            gain_percent=gain,
+            kept=kept,
+            evaluations=solved,
+            missed_percent=missed,
+        )
         self.trials.append(trial)
-        self._work.info(trial_text(trial))
+        self._work.info(_trial_text(trial))
 
 
 def _gain(before: Grown, found: Grown) -> float:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import write_json, write_text
-from cranktopo.base.progress import Json, KeptWork, Work
+from cranktopo.base.progress import KeptWork, Work
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.assumed import (
     ENVELOPE,
@@ -38,7 +38,8 @@ from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind
 from cranktopo.runs.status import working_in
-from cranktopo.tasks.bound.beside_result import bound_beside
+from cranktopo.tasks.bound.bound_for_result import bound_for_goal
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.drawing.stage import export_drawing
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.imported_body import half_throw_surface
@@ -47,8 +48,9 @@ from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.assemble_result import assemble_result
 from cranktopo.tasks.shape.page import shape_page
-from cranktopo.tasks.shape.result import shape_json
+from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
 
@@ -62,15 +64,10 @@ _FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing":
 
 @dataclass(frozen=True)
 class ShapedRun:
-    """A finished shape optimisation; `data` is the content of shape.json."""
+    """A finished shape optimisation; `result` is the content of shape.json."""
 
     folder: Path
-    data: Json
-
-    @property
-    def held(self) -> bool:
-        """Whether every limit holds by the evaluation."""
-        return all(limit["holds"] for limit in self.data["goal"]["limits"])
+    result: ShapeResult
 
 
 def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
@@ -159,7 +156,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         judge = optimum.judge_seconds
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
         bound = (
-            work.once("bound", lambda: bound_beside(scene, goal, settings.cell_mm, info))
+            work.once("bound", lambda: bound_for_goal(scene, goal, settings.cell_mm, info).as_json())
             if plan(scene, goal=goal)["bound"].state == "on"
             else None
         )
@@ -169,18 +166,19 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
-        told = shape_json(scene, optimum, begin, seconds)
-        data = {
-            **told,
-            "bound": bound and {**bound, "reached_percent": told["goal"]["reached_percent"]},
-            "assumed": run.manifest().get("assumed", []),
+        found = assemble_result(scene, optimum, begin, seconds)
+        reached = {"reached_percent": found.goal.reached_percent}
+        more = {
+            "bound": bound and read_bound({"bound": bound | reached}),
+            "assumed": tuple(run.manifest().get("assumed", ())),
             "files": {**files, "report": REPORT},
         }
-        write_json(run.path / RESULT_FILES[SHAPE], data)
-        page = shape_page(data, run.manifest(), scene, _bodies(run, scene, optimum))
+        found = found.model_copy(update=more)
+        write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
+        page = shape_page(found, run.manifest(), scene, _bodies(run, scene, optimum))
         write_report(page, run.path / REPORT)
-    run.log(f"{data['status']}: {data['stop_reason']}")
-    return ShapedRun(run.path, data)
+    run.log(f"{found.status}: {found.stop_reason}")
+    return ShapedRun(run.path, found)
 
 
 def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]:

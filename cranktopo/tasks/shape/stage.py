@@ -25,12 +25,13 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.body_fitted import EvaluatedWeb, evaluated_web
-from cranktopo.tasks.shape.feature_selection import Growth, Trial
+from cranktopo.tasks.shape.feature_selection import Growth
 from cranktopo.tasks.shape.free_bores import first_on_cells, not_on_cells
 from cranktopo.tasks.shape.goal_in_model import goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs, coarse_shares
 from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
+from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, Effort, prices_of, shaped_scene
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import scene_start
@@ -112,7 +113,7 @@ class ShapeOptimum:
     web: ParametricWeb
     rounds: tuple[Round, ...]
     best: int
-    trials: tuple[Trial, ...]
+    trials: tuple[FeatureTrial, ...]
     responses: MeshResponses
     prices: Prices
 

@@ -127,7 +127,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         settings = fineness.shape_settings(shape_settings(wanted), wanted)
         begun = _begun(run)
         done = resume_shape(str(run)) if begun else shape_design(wanted, settings, run, command=COMMAND)
-        data = done.data
+        data = done.result.as_json()
     safety = data["values"]["result"].get("fatigue_safety")
     file = f"{RUN}/{data['files']['design']}"
     shaped = load_scene(str(folder / file))

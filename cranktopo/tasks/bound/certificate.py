@@ -1,7 +1,7 @@
 """The inequality that every web of an envelope obeys, and the weights that make it say most.
 
 For any displacements the quantities of a web are not below q(rho) = base + rows . rho, and equal to it for
-sums over cells. With a weight y >= 0 for each ceiling s (q - limit) <= 0, the goal of every web that keeps
+sums over cells. With a weight y >= 0 for each constraint s (q - limit) <= 0, the goal of every web that keeps
 them is not below
 
     D(y) = least over rho of  n . q(rho) - y . (s limit),      n = goal + sum of y s,
@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.tasks.bound.energies import ROUNDING, Energies
-from cranktopo.tasks.bound.requirements import Ceiling
 from cranktopo.tasks.bound.webs import Webs
 
 _CUTS = 60
@@ -29,7 +29,7 @@ _LARGEST_WEIGHT = 1e4
 
 
 @dataclass(frozen=True)
-class Plane:
+class LinearUnderestimator:
     """Lower bounds of the quantities, linear in the densities.
 
     Attributes:
@@ -45,7 +45,7 @@ class Plane:
     sizes: Array
     webs: Webs
 
-    def least(self, weights: Array) -> tuple[float, Array]:
+    def minimum(self, weights: Array) -> tuple[float, Array]:
         """Not above the least weighted sum of the quantities over all webs, and the quantities there."""
         gains = -np.tensordot(weights, self.rows, 1)
         most, density = self.webs.best(gains)
@@ -53,13 +53,13 @@ class Plane:
         return value, self.base + np.tensordot(self.rows, density, 3)
 
 
-def plane_of(
+def underestimator_of(
     webs: Webs,
     cases: Sequence[str],
     proven: Energies,
     original: Mapping[str, float],
     works: Mapping[str, float],
-) -> Plane:
+) -> LinearUnderestimator:
     """What displacements prove, every quantity over that of the original web.
 
     Args:
@@ -72,40 +72,44 @@ def plane_of(
     rows = np.concatenate([-proven.gains, np.stack([webs.amounts[name] for name in sums])])
     rows = rows / scale[:, None, None, None]
     sizes = np.abs(base / scale) + np.abs(rows).sum(axis=(1, 2, 3))
-    return Plane((*cases, *sums), base / scale, rows, sizes, webs)
+    return LinearUnderestimator((*cases, *sums), base / scale, rows, sizes, webs)
 
 
 @dataclass(frozen=True)
-class Proof:
-    """A value that no web with these ceilings can go below.
+class Certificate:
+    """A value that no web with these constraints can go below.
 
     Attributes:
-        value: of the goal, over the original's; infinite where no web keeps all ceilings.
-        weights: of the ceilings, (ceilings,): by how much the goal's bound falls with each.
+        value: of the goal, over the original's; infinite where no web keeps all constraints.
+        weights: of the constraints, (constraints,): by how much the goal's bound falls with each.
     """
 
     value: float
     weights: Array
 
 
-def proof_at(plane: Plane, goal: Array, ceilings: Sequence[Ceiling], weights: Array) -> tuple[Proof, Array]:
+def certificate_at(
+    underestimator: LinearUnderestimator, goal: Array, constraints: Sequence[Constraint], weights: Array
+) -> tuple[Certificate, Array]:
     """What the inequality says with given weights, and its slope by them.
 
     Args:
         goal: weights of the quantities in what is minimised.
     """
-    signs = np.array([c.sign for c in ceilings])
-    limits = np.array([c.limit for c in ceilings])
-    at = np.array([plane.names.index(c.quantity) for c in ceilings], int)
+    signs = np.array([c.sign for c in constraints])
+    limits = np.array([c.bound for c in constraints])
+    at = np.array([underestimator.names.index(c.quantity) for c in constraints], int)
     normal = goal.copy()
     np.add.at(normal, at, weights * signs)
-    value, quantities = plane.least(normal)
+    value, quantities = underestimator.minimum(normal)
     price = weights * signs * limits
     found = value - float(price.sum()) - ROUNDING * float(np.abs(price).sum())
-    return Proof(found, weights), signs * (quantities[at] - limits)
+    return Certificate(found, weights), signs * (quantities[at] - limits)
 
 
-def best_proof(plane: Plane, goal: Array, ceilings: Sequence[Ceiling], first: Array) -> Proof:
+def best_certificate(
+    underestimator: LinearUnderestimator, goal: Array, constraints: Sequence[Constraint], first: Array
+) -> Certificate:
     """The largest lower bound of the goal over the weights, by cutting planes (Kelley, 1960).
 
     Args:
@@ -113,10 +117,10 @@ def best_proof(plane: Plane, goal: Array, ceilings: Sequence[Ceiling], first: Ar
     """
     from scipy.optimize import linprog
 
-    proof, slope = proof_at(plane, goal, ceilings, first)
-    if not ceilings:
-        return proof
-    count, values, slopes, points = len(ceilings), [proof.value], [slope], [first]
+    certificate, slope = certificate_at(underestimator, goal, constraints, first)
+    if not constraints:
+        return certificate
+    count, values, slopes, points = len(constraints), [certificate.value], [slope], [first]
     box = np.maximum(10 * first, 10.0)
     for _ in range(_CUTS):
         cuts = np.array(slopes)
@@ -127,27 +131,32 @@ def best_proof(plane: Plane, goal: Array, ceilings: Sequence[Ceiling], first: Ar
             b_ub=offsets,
             bounds=[*((0.0, high) for high in box), (None, None)],
         )
-        if not found.success or -found.fun - proof.value <= _ENOUGH * max(1.0, abs(proof.value)):
-            if not found.success or not _widened(box, found.x[:-1], proof.weights):
-                return proof
+        if not found.success or -found.fun - certificate.value <= _ENOUGH * max(1.0, abs(certificate.value)):
+            if not found.success or not _widened(box, found.x[:-1], certificate.weights):
+                return certificate
             continue
         weights = np.maximum(found.x[:-1], 0.0)
-        tried, slope = proof_at(plane, goal, ceilings, weights)
+        tried, slope = certificate_at(underestimator, goal, constraints, weights)
         values, slopes, points = [*values, tried.value], [*slopes, slope], [*points, weights]
-        if tried.value > proof.value:
-            proof = tried
-            if excluded(plane, ceilings, weights):
-                return Proof(np.inf, weights)
-        _widened(box, weights, proof.weights)
-    return proof
+        if tried.value > certificate.value:
+            certificate = tried
+            if excluded(underestimator, constraints, weights):
+                return Certificate(np.inf, weights)
+        _widened(box, weights, certificate.weights)
+    return certificate
 
 
-def excluded(plane: Plane, ceilings: Sequence[Ceiling], weights: Array) -> bool:
-    """Whether the ceilings alone, with these weights, exclude every web."""
+def excluded(underestimator: LinearUnderestimator, constraints: Sequence[Constraint], weights: Array) -> bool:
+    """Whether the constraints alone, with these weights, exclude every web."""
     total = weights.sum()
     if total <= 0:
         return False
-    return proof_at(plane, np.zeros(len(plane.names)), ceilings, weights / total)[0].value > 0
+    return (
+        certificate_at(underestimator, np.zeros(len(underestimator.names)), constraints, weights / total)[
+            0
+        ].value
+        > 0
+    )
 
 
 def _widened(box: Array, *points: Array) -> bool:
