@@ -17,7 +17,7 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.active_constraints import held_by
+from cranktopo.tasks.shape.active_constraints import active_constraints
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.result import DimensionSensitivity
@@ -37,7 +37,7 @@ def found() -> tuple[DimensionSensitivity, ...]:
     webs = MeshedWebs(scene, usual_limits(scene), SIZE_MM)
     web = webs.web(layout)
     responses = webs.responses(web, values)
-    held = held_by(scene, web, values, rules_at(scene, web, values))
+    held = active_constraints(scene, web, values, rules_at(scene, web, values))
     return dimension_sensitivities(web, values, responses, responses.values, held)
 
 
@@ -90,7 +90,7 @@ def plain(changes: dict[str, float]) -> tuple[Scene, MeshedWebs, Layout, Array]:
 
 def holders(scene: Scene, web: ParametricWeb, values: Array, goal: Any = None) -> dict[str, tuple[str, ...]]:
     """What holds each dimension, by its name."""
-    told = held_by(scene, web, values, rules_at(scene, web, values), goal)
+    told = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
     return dict(zip(web.layout.names, told, strict=True))
 
 
@@ -117,12 +117,12 @@ def test_a_wall_holds_every_dimension_that_it_depends_on() -> None:
     place = layout.names.index("groove.height")
     rules = rules_at(scene, web, values)
     at = rules.names.index(rule)
-    values[place] -= rules.excess[at] / rules.slopes[at, place]
+    values[place] -= rules.excess[at] / rules.gradients[at, place]
     told = holders(scene, web, values)
     assert all(told[f"groove.{name}"] == (rule,) for name in ("height", "floor", "offset"))
     assert told["y_low"] == ()
     values[place] += 1.0
-    assert rules_at(scene, web, values).broken == (rule,)
+    assert rules_at(scene, web, values).violated == (rule,)
 
 
 def test_with_a_goal_only_what_is_against_it_holds() -> None:
@@ -149,7 +149,7 @@ def test_a_rule_holds_only_in_its_direction(gain: float, held: tuple[str, ...]) 
     web, place = webs.web(layout), layout.names.index("groove.height")
     rules = rules_at(scene, web, values)
     at = rules.names.index("least wall beside the groove, 3 mm")
-    values[place] -= rules.excess[at] / rules.slopes[at, place]
+    values[place] -= rules.excess[at] / rules.gradients[at, place]
     slopes = {"mass": np.full(len(values), gain)}
     wanted = SearchGoal("mass", 1.0, 1.6, ()), MeshResponses({"mass": 1.7}, slopes), {"mass": 1.6}
     assert holders(scene, web, values, wanted)["groove.height"] == held

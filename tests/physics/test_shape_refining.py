@@ -17,7 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
-from cranktopo.tasks.shape.refining import MatchedWebs, Refinement, Told, merit, refined
+from cranktopo.tasks.shape.refining import CorrectedSurrogate, Refinement, Told, merit, refined
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape_cases import Array
@@ -74,14 +74,16 @@ def test_a_matched_web_has_the_value_and_the_slopes_of_the_exact_one() -> None:
     web, names = exact.web(LAYOUT), ("mass", "torsion")
     at = START + 0.3
     truth = exact.responses(web, at, names)
-    matched = MatchedWebs(rough, at, rough.responses(web, at, names), truth)
+    matched = CorrectedSurrogate(rough, at, rough.responses(web, at, names), truth)
     found = matched.responses(web, at, names)
     assert found.values == pytest.approx(truth.values, rel=1e-14)
     for name in names:
-        assert found.slopes[name] == pytest.approx(truth.slopes[name], abs=1e-12)
+        assert found.gradients[name] == pytest.approx(truth.gradients[name], abs=1e-12)
     step = np.linspace(-1, 1, len(at))
     away = matched.responses(web, at + step, ("torsion",))
-    assert away.values["torsion"] == pytest.approx(truth.values["torsion"] + truth.slopes["torsion"] @ step)
+    assert away.values["torsion"] == pytest.approx(
+        truth.values["torsion"] + truth.gradients["torsion"] @ step
+    )
 
 
 def test_the_optimum_is_that_of_the_meshed_webs() -> None:

@@ -29,7 +29,7 @@ from cranktopo.tasks.refit.dimensions import with_part
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.goal_in_model import search_goal_of
-from cranktopo.tasks.shape.search import search
+from cranktopo.tasks.shape.search import search_on_cells
 from cranktopo.tasks.shape.start import bevel_start, outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
@@ -152,7 +152,7 @@ def shaped_webs(scene: Scene, model: BoundModel) -> Iterator[Array]:
             if part is not None:
                 layout, start = with_part(layout, start, part, bevel_start(scene, part))
             step = f"{name}-{len(layout.parts)}"
-            found, _ = search(cells, layout, start, sought, step, Work(), nearest=True)
+            found, _ = search_on_cells(cells, layout, start, sought, step, Work(), nearest=True)
             if found is not None:
                 start = found.values
                 yield found.responses.fill

@@ -16,7 +16,7 @@ from cranktopo.engine.cases import load_cases
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.envelope_clearance import EnvelopeRoom
+from cranktopo.tasks.shape.envelope_clearance import EnvelopeClearance
 from cranktopo.tasks.shape.goal_in_model import search_goal_of
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import outline_start
@@ -62,7 +62,7 @@ def test_a_limit_on_unbalance_has_a_size_where_the_original_is_balanced() -> Non
     found = search_goal_of(goal, balanced, balanced, ())
     assert found.scale == pytest.approx(0.6)
     at = {"unbalance": 0.4, "mass": 1.4}
-    assert found.excesses(at) == pytest.approx([0.5, 0.0])
+    assert found.violations(at) == pytest.approx([0.5, 0.0])
     assert found.limits[0].tightened(0.01).bound == pytest.approx(0.094)
     assert Constraint("unbalance", "<=", 0.1, 0.0, 0.6).violation(0.103) == pytest.approx(0.005)
 
@@ -71,7 +71,7 @@ def test_a_goal_of_unbalance_is_corrected_by_a_difference() -> None:
     goal = SearchGoal("unbalance", 1.0, 2.0, (Constraint("unbalance", ">=", 0.0),))
     found = goal.corrected({"unbalance": -0.5})
     assert found.objective({"unbalance": 0.3}) == pytest.approx(goal.objective({"unbalance": 0.8}))
-    assert found.excesses({"unbalance": -0.5}) == pytest.approx([0.0])
+    assert found.violations({"unbalance": -0.5}) == pytest.approx([0.0])
 
 
 def test_a_displacement_is_the_engines_force_over_the_bending_stiffness(mikron: Scene) -> None:
@@ -91,10 +91,10 @@ def test_a_twist_is_the_engines_torque_over_the_torsional_stiffness(mikron: Scen
 def test_excesses_and_slopes_are_relative() -> None:
     limits = (Constraint("torsion", ">=", 100.0), Constraint("mass", "<=", 2.0))
     goal = SearchGoal("bending", -1.0, 50.0, limits)
-    assert goal.excesses({"torsion": 90.0, "mass": 1.0}) == pytest.approx([0.1, -0.5])
+    assert goal.violations({"torsion": 90.0, "mass": 1.0}) == pytest.approx([0.1, -0.5])
     slopes = {"torsion": np.array([1.0, 2.0]), "mass": np.array([0.0, 4.0]), "bending": np.array([5.0, 0.0])}
-    assert goal.excess_slopes(slopes, 2) == pytest.approx(np.array([[-0.01, -0.02], [0.0, 2.0]]))
-    assert goal.objective_slope(slopes) == pytest.approx([-0.1, 0.0])
+    assert goal.violation_gradients(slopes, 2) == pytest.approx(np.array([[-0.01, -0.02], [0.0, 2.0]]))
+    assert goal.objective_gradient(slopes) == pytest.approx([-0.1, 0.0])
     assert goal.corrected({"torsion": 1.02}).limits[0].bound == pytest.approx(102.0)
 
 
@@ -115,7 +115,7 @@ def test_room_in_an_envelope_has_the_slopes_of_differences(
     axes = tuple((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
     web = ParametricWeb(Layout(7), scene, usual_limits(scene), axes)
     values = outline_start(scene, usual_limits(scene)) + 0.3
-    room = EnvelopeRoom(scene)
+    room = EnvelopeClearance(scene)
     _, slopes = room.constraints(web, values)
     for index in range(len(values)):
         step = 1e-5 * np.eye(len(values))[index]
@@ -134,7 +134,7 @@ def test_a_polygon_measures_as_the_box_it_is(mikron: Scene) -> None:
     axes = tuple((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
     web = ParametricWeb(Layout(7), box, usual_limits(box), axes)
     values = outline_start(box, usual_limits(box))
-    exact, near = (EnvelopeRoom(scene).constraints(web, values)[0].max() for scene in (box, polygon))
+    exact, near = (EnvelopeClearance(scene).constraints(web, values)[0].max() for scene in (box, polygon))
     assert near == pytest.approx(exact, abs=0.3)
 
 

@@ -14,7 +14,7 @@ from cranktopo.base.arrays import Array
 
 
 @dataclass(frozen=True)
-class Prices:
+class Multipliers:
     """Multipliers of an optimum.
 
     Attributes:
@@ -30,9 +30,9 @@ class Prices:
     remainder: float
 
 
-def prices(
+def multipliers(
     slope: Array, limits: tuple[Array, Array], rules: tuple[Array, Array], bounds: tuple[Array, Array]
-) -> Prices:
+) -> Multipliers:
     """Multipliers of the active constraints.
 
     Args:
@@ -56,7 +56,7 @@ def prices(
         weights[kept] = found / scale[scale > 0]
     rest = float(np.linalg.norm(slope + weights @ rows)) / max(float(np.linalg.norm(slope)), 1e-30)
     first, second, third = np.cumsum([len(limits[0]), len(rules[0]), count])
-    return Prices(weights[:first], weights[first:second], weights[second:third] - weights[third:], rest)
+    return Multipliers(weights[:first], weights[first:second], weights[second:third] - weights[third:], rest)
 
 
 _NEAR_LIMIT, _NEAR_MM = 2e-3, 0.05

@@ -20,7 +20,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.tasks.bound.energies import ROUNDING, Energies
-from cranktopo.tasks.bound.webs import Webs
+from cranktopo.tasks.bound.webs import AdmissibleDensities
 
 _CUTS = 60
 _ENOUGH = 1e-4
@@ -43,7 +43,7 @@ class LinearUnderestimator:
     base: Array
     rows: Array
     sizes: Array
-    webs: Webs
+    webs: AdmissibleDensities
 
     def minimum(self, weights: Array) -> tuple[float, Array]:
         """Not above the least weighted sum of the quantities over all webs, and the quantities there."""
@@ -54,7 +54,7 @@ class LinearUnderestimator:
 
 
 def underestimator_of(
-    webs: Webs,
+    webs: AdmissibleDensities,
     cases: Sequence[str],
     proven: Energies,
     original: Mapping[str, float],

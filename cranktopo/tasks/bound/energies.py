@@ -17,7 +17,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.boundary_conditions import section_coordinates
 from cranktopo.numerics.grid.lattice import layer_blocks
 from cranktopo.numerics.grid.operator import strain_energy_densities
-from cranktopo.tasks.bound.webs import Webs
+from cranktopo.tasks.bound.webs import AdmissibleDensities
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel
 
@@ -39,7 +39,7 @@ class Energies:
     gains: Array
 
 
-def energies(model: ThrowModel, webs: Webs, u: jax.Array) -> Energies:
+def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> Energies:
     """What displacements (cases, 3, nodes...), mm, prove; rounding is on the safe side.
 
     Args:

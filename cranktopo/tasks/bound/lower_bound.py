@@ -31,7 +31,7 @@ from cranktopo.tasks.bound.convex_problem import LINEAR, ConvexProblem, convex_p
 from cranktopo.tasks.bound.energies import energies
 from cranktopo.tasks.bound.per_mass import mass_range, minimum_product, supporting_lines
 from cranktopo.tasks.bound.sizing import MINIMUM_DENSITY, next_densities
-from cranktopo.tasks.bound.webs import Webs, webs_of
+from cranktopo.tasks.bound.webs import AdmissibleDensities, webs_of
 from cranktopo.tasks.density.assess import assess_original
 from cranktopo.tasks.density.assessment import Assessment
 from cranktopo.tasks.density.material import CONTRAST
@@ -66,7 +66,7 @@ class BoundModel:
     scene: Scene
     domain: Domain
     model: ThrowModel
-    webs: Webs
+    webs: AdmissibleDensities
     original: Assessment
     outside: float
 

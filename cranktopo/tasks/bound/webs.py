@@ -37,7 +37,7 @@ class DieSplit:
 
 
 @dataclass(frozen=True)
-class Webs:
+class AdmissibleDensities:
     """The webs of an envelope.
 
     Attributes:
@@ -116,14 +116,14 @@ def _best_chain(gains: Array) -> tuple[Array, NDArray[np.bool_]]:
     return ahead, np.logical_and.accumulate(paying, axis=0)
 
 
-def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> Webs:
+def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> AdmissibleDensities:
     """The webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
     layers = slice(*domain.web_layers)
     design = np.asarray(designable(scene, domain))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     sums = {name: known[name] for name in LINEAR}
     values, slopes = _values_and_slopes(tuple(sums.values()), domain.fixed)
-    return Webs(
+    return AdmissibleDensities(
         fixed=domain.fixed,
         design=design,
         layers=layers,

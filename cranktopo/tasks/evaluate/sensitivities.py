@@ -25,7 +25,7 @@ from cranktopo.tasks.iterate.settings import Settings
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.active_constraints import held_by
+from cranktopo.tasks.shape.active_constraints import active_constraints
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at
@@ -92,12 +92,12 @@ def evaluate_sensitivities(
     webs = MeshedWebs(planned, limits, size, _fraction(planned, info))
     parametric = webs.web(layout)
     rules = rules_at(planned, parametric, values)
-    if rules.broken:
-        info(f"{scene.name}: keeps these rules not: {'; '.join(rules.broken)}")
+    if rules.violated:
+        info(f"{scene.name}: keeps these rules not: {'; '.join(rules.violated)}")
     responses = webs.responses(parametric, values)
-    holders = held_by(planned, parametric, values, rules)
+    holders = active_constraints(planned, parametric, values, rules)
     worth = dimension_sensitivities(parametric, values, responses, responses.values, holders)
-    return Sensitivities(str(found.file or target), scene, worth, rules.broken)
+    return Sensitivities(str(found.file or target), scene, worth, rules.violated)
 
 
 def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:

@@ -24,7 +24,7 @@ _SHARE = 0.1
 """Least effect of a dimension on a rule over that of the dimension with the largest one."""
 
 
-def held_by(
+def active_constraints(
     scene: Scene,
     web: ParametricWeb,
     values: Array,
@@ -38,7 +38,7 @@ def held_by(
             being changed for the better counts, a limit of the goal where neither rule nor bound does.
     """
     near_mm, count = _NEAR_MM / usual_scale(scene), len(values)
-    better = np.zeros(count) if goal is None else -np.sign(goal[0].objective_slope(goal[1].slopes))
+    better = np.zeros(count) if goal is None else -np.sign(goal[0].objective_gradient(goal[1].gradients))
     found = []
     for index in range(count):
         names = [
@@ -62,9 +62,11 @@ def _bounds(web: ParametricWeb, index: int, value: float, better: float, near_mm
 
 
 def _rules(rules: Rules, index: int, better: float, near_mm: float) -> Iterator[str]:
-    slopes = rules.slopes[:, index]
-    share = np.abs(slopes) / np.maximum(np.abs(rules.slopes).max(axis=1), 1e-12)
-    near = (np.abs(rules.excess) <= near_mm * np.abs(slopes)) & (share >= _SHARE) & (slopes * better >= 0)
+    gradients = rules.gradients[:, index]
+    share = np.abs(gradients) / np.maximum(np.abs(rules.gradients).max(axis=1), 1e-12)
+    near = (
+        (np.abs(rules.excess) <= near_mm * np.abs(gradients)) & (share >= _SHARE) & (gradients * better >= 0)
+    )
     for rule in sorted(np.flatnonzero(near), key=lambda rule: (-round(float(share[rule]), 6), rule)):
         yield rules.names[rule]
 
@@ -72,11 +74,11 @@ def _rules(rules: Rules, index: int, better: float, near_mm: float) -> Iterator[
 def _limits(
     goal: SearchGoal, found: Quantities, original: Mapping[str, float], index: int, better: float
 ) -> Iterator[str]:
-    excess, slopes = (
-        goal.excesses(found.values),
-        goal.excess_slopes(found.slopes, len(found.slopes[goal.quantity])),
+    excess, gradients = (
+        goal.violations(found.values),
+        goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity])),
     )
-    for limit, over, slope in zip(goal.limits, excess, slopes, strict=True):
+    for limit, over, slope in zip(goal.limits, excess, gradients, strict=True):
         if over > -_NEAR_LIMIT and slope[index] * better > 0:
             yield _limit_name(limit, original)
 

@@ -6,7 +6,7 @@ from cranktopo.design.goal.outcome import GoalWords, goal_outcome
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import unit_of
-from cranktopo.tasks.shape.active_constraints import held_by
+from cranktopo.tasks.shape.active_constraints import active_constraints
 from cranktopo.tasks.shape.goal_in_model import goal_on_cells
 from cranktopo.tasks.shape.result import (
     LimitPrice,
@@ -100,7 +100,7 @@ def _sensitivities(scene: Scene, optimum: ShapeOptimum) -> SensitivityTable:
     """Return what a millimetre is worth, what holds each dimension, and the worst case."""
     web, values, original = optimum.web, optimum.result.values, optimum.original.values
     goal = optimum.stated, optimum.responses, original
-    holders = held_by(scene, web, values, rules_at(scene, web, values), goal)
+    holders = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
     found = dimension_sensitivities(web, values, optimum.responses, original, holders)
     return sensitivity_table(found, scene.shape.tolerance_mm)
 

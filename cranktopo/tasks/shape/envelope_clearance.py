@@ -12,6 +12,7 @@ from cranktopo.bodies.cells.envelope_section import envelope_bounds_mm, envelope
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.derivatives import central_difference
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -25,7 +26,7 @@ _SAMPLES = 400
 """Samples of an envelope's section along its longer side, where it has no closed form."""
 
 
-class EnvelopeRoom:
+class EnvelopeClearance:
     """How far points of the outline's right half lie outside the envelope, mm; 0 or less inside."""
 
     def __init__(self, scene: Scene) -> None:
@@ -47,8 +48,8 @@ class EnvelopeRoom:
             arc = np.stack(fillet.circle.arc_mm(_RIM), axis=1)
             bodies.append((arc, np.broadcast_to(fillet.slopes, (_RIM, *fillet.slopes.shape))))
         found = [self._of_points(self._envelope, *body, len(values)) for body in bodies]
-        outside, slopes = zip(*found, strict=True)
-        return np.concatenate(outside), np.vstack(slopes)
+        outside, gradients = zip(*found, strict=True)
+        return np.concatenate(outside), np.vstack(gradients)
 
     def _rim(self, layout: Layout, values: Array) -> tuple[Array, Array]:
         """Points of the counterweight's arc, (n, 2), mm, and their derivatives, (n, 2, parameters)."""
@@ -58,12 +59,8 @@ class EnvelopeRoom:
             assert weight is not None
             return np.stack(weight.sector(self._scene).rim_mm(_RIM), axis=1)
 
-        slopes = np.zeros((_RIM, 2, len(values)))
-        for name in filter(is_of_counterweight, layout.dimensions):
-            index = layout.names.index(name)
-            step = _STEP * np.eye(len(values))[index]
-            slopes[..., index] = (points(values + step) - points(values - step)) / (2 * _STEP)
-        return points(values), slopes
+        places = [layout.names.index(name) for name in layout.dimensions if is_of_counterweight(name)]
+        return points(values), central_difference(points, values, _STEP, places)
 
     def _of_points(
         self, envelope: Envelope, points: Array, by_values: Array, count: int
@@ -74,11 +71,11 @@ class EnvelopeRoom:
             x, y = points.T
             outside = np.vstack([outside, self._limit.outside_mm(x, y)])
             by_points = np.concatenate([by_points, self._limit.slopes(x, y)[None]])
-        slopes = np.zeros((outside.size, count))
-        slopes[:, : by_values.shape[2]] = np.einsum("cnk,nkp->cnp", by_points, by_values).reshape(
+        gradients = np.zeros((outside.size, count))
+        gradients[:, : by_values.shape[2]] = np.einsum("cnk,nkp->cnp", by_points, by_values).reshape(
             outside.size, -1
         )
-        return outside.ravel() + CLEAR_MM, slopes
+        return outside.ravel() + CLEAR_MM, gradients
 
     def _outside(self, envelope: Envelope, points: Array) -> tuple[Array, Array]:
         """Excesses (constraints, n) and their derivatives by each point (constraints, n, 2)."""

@@ -88,13 +88,13 @@ class FreeBores:
         """
         scene = scene_at(self._scene, layout, values)
         rests = {name: self._rest(scene, name) for name in self.names if own_dimension_mm(scene, name)}
-        left, slopes = np.ones(self._domain.grid.cells), dict[str, Array]()
+        left, gradients = np.ones(self._domain.grid.cells), dict[str, Array]()
         for name, (rest, _) in rests.items():
             left *= rest
             if name in layout.dimensions:
                 others = [other for key, (other, _) in rests.items() if key != name]
-                slopes[name] = np.prod([rests[name][1], *others], axis=0)
-        return left, slopes
+                gradients[name] = np.prod([rests[name][1], *others], axis=0)
+        return left, gradients
 
     def _rest(self, scene: Scene, name: DimensionName) -> tuple[Array, Array]:
         """What one bore leaves of each cell, and its derivative by the diameter."""

@@ -27,7 +27,7 @@ from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
-from cranktopo.tasks.shape.mesh_stiffness import bending_slopes, torsion_slopes
+from cranktopo.tasks.shape.mesh_stiffness import bending_gradient, torsion_gradient
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 
 _RESIDUAL = 1e-4
@@ -44,26 +44,26 @@ class MeshResponses:
         values: by quantity: torsion N m/rad, bending N/mm, mass kg, inertia kg mm2, unbalance kg mm, and both
             stiffnesses per mass; fatigue_safety where it is wanted: smooth, and the least one for the
             first web asked for.
-        slopes: the same, each (parameters,), per mm or degree.
+        gradients: the same, each (parameters,), per mm or degree.
     """
 
     values: dict[str, float]
-    slopes: dict[str, Array]
+    gradients: dict[str, Array]
 
     def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
         """The same with every quantity times its share, by default 1."""
         share = {name: shares.get(name, 1.0) for name in self.values}
         return MeshResponses(
             {name: share[name] * value for name, value in self.values.items()},
-            {name: share[name] * slope for name, slope in self.slopes.items()},
+            {name: share[name] * slope for name, slope in self.gradients.items()},
         )
 
-    def brought_to(self, truth: Mapping[str, float]) -> MeshResponses:
+    def calibrated(self, truth: Mapping[str, float]) -> MeshResponses:
         """With the values of a truth; slopes in proportion, but as they are for what may be 0."""
         both = self.values.keys() & truth.keys()
         signed = {name for name in both if quantity_named(name).signed}
         found = self.scaled({name: truth[name] / self.values[name] for name in both - signed})
-        return MeshResponses(found.values | {name: truth[name] for name in signed}, found.slopes)
+        return MeshResponses(found.values | {name: truth[name] for name in signed}, found.gradients)
 
 
 class MeshModel:
@@ -113,12 +113,12 @@ class MeshModel:
         found = {**self._masses(model), **self._solved(model, scene, mesh.mirrored, quantities)}
         motion = self.moved.velocities(mesh, values)
         numbers = {name: value for name, (value, _) in found.items()}
-        slopes = {name: np.einsum("in,inp->p", slope, motion) for name, (_, slope) in found.items()}
+        gradients = {name: np.einsum("in,inp->p", slope, motion) for name, (_, slope) in found.items()}
         for name in [name for name in ("torsion", "bending") if name in found]:
             ratio = numbers[name] / numbers["mass"]
             numbers[f"{name}_per_mass"] = ratio
-            slopes[f"{name}_per_mass"] = (slopes[name] - ratio * slopes["mass"]) / numbers["mass"]
-        return MeshResponses(numbers, slopes)
+            gradients[f"{name}_per_mass"] = (gradients[name] - ratio * gradients["mass"]) / numbers["mass"]
+        return MeshResponses(numbers, gradients)
 
     def _solved(
         self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
@@ -133,13 +133,13 @@ class MeshModel:
 
         twist, bend = side_by_side(lambda: block("torsion"), lambda: block("bending"))
         if twist:
-            found["torsion"] = torsion_slopes(model, scene, twist)
+            found["torsion"] = torsion_gradient(model, scene, twist)
         if bend:
-            found["bending"] = bending_slopes(model, scene, bend)
+            found["bending"] = bending_gradient(model, scene, bend)
         if safety and twist and bend:
             fillets = safety.safety(model, scene, bend, twist)
-            self._smoothing = self._smoothing or fillets.least / fillets.smooth
-            found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.slopes
+            self._smoothing = self._smoothing or fillets.minimum / fillets.smooth
+            found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.gradients
         return found
 
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Condensed:
@@ -162,11 +162,11 @@ class MeshModel:
     def _masses(self, model: Elasticity) -> _ByNodes:
         """Mass, inertia and unbalance of the whole throw, exact where the mesh was made, and their slopes."""
         kg, bolted = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3), bolted_mass(self.scene)
-        integrals, slopes = moments(model)
+        integrals, gradients = moments(model)
         names = ("mass", "unbalance", "inertia")
         parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
         found = kg * (self._parts * integrals + self._missing) + 2 * parts
-        pairs = zip(found.tolist(), kg * self._parts * slopes, strict=True)
+        pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
         return dict(zip(names, pairs, strict=True))
 
 

@@ -42,7 +42,7 @@ class _Rules:
     matrix: Array
     asked: Array
 
-    def least_motion(self, guess: Array) -> Array:
+    def minimum_motion(self, guess: Array) -> Array:
         """The motion nearest to a guess, (n, 3, k), that keeps the rules."""
         return np.asarray(guess + self._inverse @ (self.asked - self.matrix @ guess))
 
@@ -132,7 +132,7 @@ class MovedMesh:
             mesh: the mesh at these values.
         """
         contacts, at = self._contacts(mesh.points_mm, values), mesh.points_mm[:, self._surface]
-        wanted = [-face.slopes(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
+        wanted = [-face.gradients(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
         here, there = self._led(values), [self._led(values + unit) for unit in np.eye(len(values))]
         led = [np.stack([w[k] - here[k] for w in there], axis=-1) for k in range(len(here))]
         return self._spread(self._rules(contacts, wanted, led))
@@ -185,7 +185,7 @@ class MovedMesh:
         motion[self._corners :] = motion[self._ends].mean(axis=0)
         middle = self._surface[~corner]
         rest = _Rules(rules.matrix[~corner], rules.asked[~corner])
-        motion[middle] = rest.least_motion(motion[middle])
+        motion[middle] = rest.minimum_motion(motion[middle])
         return motion.transpose(1, 0, 2)
 
 
@@ -203,7 +203,7 @@ class _Net:
 
     def slide(self, nodes: Index, rules: _Rules) -> Array:
         """Motion of nodes, (n, 3, k), that keeps the rules and stretches the springs among them least."""
-        first = rules.least_motion(np.zeros_like(rules.asked))
+        first = rules.minimum_motion(np.zeros_like(rules.asked))
         directions, free = rules.free
         matrix = sp.kron(self._matrix[nodes][:, nodes], sp.eye(3)).tocsr()
         count = len(nodes)

@@ -17,12 +17,12 @@ _UNITS = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
 def multiplier_text(found: ShapeResult) -> list[str]:
     """Return what one percent of each limit costs in the goal, then what a unit of each rule would give."""
     doubt = multiplier_doubt(found)
-    return [*(f"{moved} {worth}" for moved, worth in _multipliers(found)), *([doubt] if doubt else [])]
+    return [*(f"{moved} {effect}" for moved, effect in _multipliers(found)), *([doubt] if doubt else [])]
 
 
 def multiplier_table(found: ShapeResult) -> ResultTable:
     """Return the same as a table, one row each."""
-    rows = tuple({"a_move_of": moved, "the_goal": worth} for moved, worth in _multipliers(found))
+    rows = tuple({"a_move_of": moved, "the_goal": effect} for moved, effect in _multipliers(found))
     return ResultTable({"a_move_of": 0, "the_goal": 0}, rows)
 
 
@@ -40,10 +40,10 @@ def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
     for price in found.prices:
         way, cost = "less" if price.sense == "<=" else "more", price.goal_percent_per_percent
         nothing = "costs nothing: this limit does not decide"
-        worth = nothing if cost < _MINIMUM_PERCENT else f"costs {cost:.2f} % {name}"
-        yield f"1 % {way} {price.quantity.replace('_', ' ')}", worth
+        effect = nothing if cost < _MINIMUM_PERCENT else f"costs {cost:.2f} % {name}"
+        yield f"1 % {way} {price.quantity.replace('_', ' ')}", effect
     rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= _MINIMUM_PERCENT]
     better = "less" if found.goal.minimise else "more"
     for rule in sorted(rules, key=lambda rule: (-round(rule.goal_percent_per_unit, 6), rule.name)):
-        worth = f"would give {rule.goal_percent_per_unit:.2f} % {better} {name}"
-        yield f"{_UNITS[rule.unit]} of '{rule.name}'", worth
+        effect = f"would give {rule.goal_percent_per_unit:.2f} % {better} {name}"
+        yield f"{_UNITS[rule.unit]} of '{rule.name}'", effect

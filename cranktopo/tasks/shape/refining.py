@@ -18,7 +18,7 @@ from cranktopo.base.progress import Work
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.search import Effort, Quantities, Webs, best_values
+from cranktopo.tasks.shape.search import Quantities, SearchBudget, WebSolver, best_values
 from cranktopo.tasks.shape.search_goal import SearchGoal
 
 _MISSED = 1.0
@@ -49,7 +49,7 @@ class Told:
     """Quantities by name, and their gradients by the parameters, per mm or degree."""
 
     values: dict[str, float]
-    slopes: dict[str, Array]
+    gradients: dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -81,13 +81,13 @@ class Step:
     solved: int
 
 
-class MatchedWebs:
+class CorrectedSurrogate:
     """Webs of a rough model with the value and the gradient of an exact one at one web.
 
     What the rough model does not know is linear.
     """
 
-    def __init__(self, webs: Webs, at: Array, rough: Quantities, exact: Quantities) -> None:
+    def __init__(self, webs: WebSolver, at: Array, rough: Quantities, exact: Quantities) -> None:
         """Match at a web.
 
         Args:
@@ -115,35 +115,35 @@ class MatchedWebs:
         )
 
     def _told(self, name: str, found: Quantities, moved: Array) -> tuple[float, Array]:
-        value, slope = self._exact.values[name], self._exact.slopes[name]
+        value, slope = self._exact.values[name], self._exact.gradients[name]
         if not self._rough.values.get(name):
             return value + float(slope @ moved), slope
         share = value / self._rough.values[name]
-        rest = slope - share * self._rough.slopes[name]
-        return share * found.values[name] + float(rest @ moved), share * found.slopes[name] + rest
+        rest = slope - share * self._rough.gradients[name]
+        return share * found.values[name] + float(rest @ moved), share * found.gradients[name] + rest
 
 
 def merit(goal: SearchGoal, values: dict[str, float]) -> float:
     """The goal, with what missed limits cost; smaller is better."""
-    return goal.objective(values) + _MISSED * float(np.maximum(goal.excesses(values), 0.0).sum())
+    return goal.objective(values) + _MISSED * float(np.maximum(goal.violations(values), 0.0).sum())
 
 
 def refined(
-    cells: Webs,
-    meshed: Webs,
+    cells: WebSolver,
+    meshed: WebSolver,
     layout: Layout,
     start: Array,
     goal: SearchGoal,
     work: Work,
     extent: Refinement,
-    worth: float = np.inf,
+    required_merit: float = np.inf,
 ) -> Refined:
     """The best web near a start by meshed webs, as few as can be.
 
     Args:
         goal: in the numbers of the meshed webs.
-        worth: merit to be reached. The web stays as it is once the next search promises less, where only that
-            share of its promise counts that the search before kept.
+        required_merit: The web stays as it is once the next search promises less, where only that share of
+            its promise counts that the search before kept.
 
     Raises:
         CranktopoError: the start cannot be solved.
@@ -153,11 +153,11 @@ def refined(
     best, solved, reach = Refined(start, found, merit(goal, found.values), 1), 1, extent.reach
     kept_share = 1.0
     for _ in range(extent.steps):
-        effort = Effort(extent.evaluations, reach, nearest=True)
+        effort = SearchBudget(extent.evaluations, reach, nearest=True)
         step = stepped(cells, layout, best.values, best.found, goal, work, effort)
         solved += step.solved
         promised = best.merit - step.merit
-        if promised < extent.settled or best.merit - kept_share * promised > worth:
+        if promised < extent.settled or best.merit - kept_share * promised > required_merit:
             break
         try:
             found = meshed.responses(web, step.values, goal.quantities)
@@ -176,7 +176,13 @@ def refined(
 
 
 def stepped(
-    cells: Webs, layout: Layout, at: Array, exact: Quantities, goal: SearchGoal, work: Work, effort: Effort
+    cells: WebSolver,
+    layout: Layout,
+    at: Array,
+    exact: Quantities,
+    goal: SearchGoal,
+    work: Work,
+    effort: SearchBudget,
 ) -> Step:
     """The best web by cells that are brought to the truth of one web; that web where none is better.
 
@@ -185,7 +191,7 @@ def stepped(
         exact: its quantities.
     """
     rough = cells.responses(cells.web(layout), at, goal.quantities)
-    matched, private = MatchedWebs(cells, at, rough, exact), Work(work.info, {}, work.check)
+    matched, private = CorrectedSurrogate(cells, at, rough, exact), Work(work.info, {}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
     if values is None:
         return Step(at, merit(goal, exact.values), solved + 1)

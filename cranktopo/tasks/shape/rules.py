@@ -10,7 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.constraints import NO_LENGTHS
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.envelope_clearance import EnvelopeRoom
+from cranktopo.tasks.shape.envelope_clearance import EnvelopeClearance
 
 ENVELOPE = "room of the envelope"
 _BROKEN_MM = 0.05
@@ -22,20 +22,20 @@ class Rules:
 
     Attributes:
         excess: (rules,) kept where <= 0, mm.
-        slopes: (rules, parameters).
+        gradients: (rules, parameters).
     """
 
     names: tuple[str, ...]
     excess: Array
-    slopes: Array
+    gradients: Array
 
     @property
-    def broken(self) -> tuple[str, ...]:
+    def violated(self) -> tuple[str, ...]:
         """Names of the rules that the web does not keep."""
-        return tuple(self.broken_mm)
+        return tuple(self.violations_mm)
 
     @property
-    def broken_mm(self) -> dict[str, float]:
+    def violations_mm(self) -> dict[str, float]:
         """By how much it breaks them at most, by name; mm but for those of `NO_LENGTHS`."""
         found: dict[str, float] = {}
         for name, over in zip(self.names, self.excess.tolist(), strict=True):
@@ -44,9 +44,9 @@ class Rules:
         return found
 
     @property
-    def broken_text(self) -> str:
+    def violation_text(self) -> str:
         """What it breaks and by how much, the worst first."""
-        worst = sorted(self.broken_mm.items(), key=lambda item: (-round(item[1], 3), item[0]))
+        worst = sorted(self.violations_mm.items(), key=lambda item: (-round(item[1], 3), item[0]))
         return ", ".join(f"'{name}' is broken by {_amount(name, over)}" for name, over in worst)
 
 
@@ -61,12 +61,12 @@ def _amount(name: str, over: float) -> str:
 
 def rules_at(scene: Scene, web: ParametricWeb, values: Array) -> Rules:
     """The rules of a web with these values."""
-    excess, slopes = rules_of(web, EnvelopeRoom(scene), values)
+    excess, gradients = rules_of(web, EnvelopeClearance(scene), values)
     names = web.rule_names(values)
-    return Rules((*names, *[ENVELOPE] * (len(excess) - len(names))), excess, slopes)
+    return Rules((*names, *[ENVELOPE] * (len(excess) - len(names))), excess, gradients)
 
 
-def rules_of(web: ParametricWeb, room: EnvelopeRoom, values: Array) -> tuple[Array, Array]:
+def rules_of(web: ParametricWeb, clearance: EnvelopeClearance, values: Array) -> tuple[Array, Array]:
     """Manufacturing constraints and envelope, mm, kept where <= 0, and their gradients."""
-    inside, slopes = room.constraints(web, values)
-    return np.concatenate([web.constraints(values), inside]), np.vstack([web.slopes(values), slopes])
+    inside, gradients = clearance.constraints(web, values)
+    return np.concatenate([web.constraints(values), inside]), np.vstack([web.slopes(values), gradients])

@@ -33,20 +33,20 @@ class SearchGoal:
         """The goal, smaller is better; 1 or -1 for the original web."""
         return self.sign * (values[self.quantity] - self.shift) / self.scale
 
-    def objective_slope(self, slopes: Mapping[str, Array]) -> Array:
+    def objective_gradient(self, gradients: Mapping[str, Array]) -> Array:
         """Its gradient, (parameters,)."""
-        return self.sign * slopes[self.quantity] / self.scale
+        return self.sign * gradients[self.quantity] / self.scale
 
-    def excesses(self, values: Mapping[str, float]) -> Array:
+    def violations(self, values: Mapping[str, float]) -> Array:
         """How far each limit is missed over its size, kept where <= 0."""
         return np.array([limit.violation(values[limit.quantity]) for limit in self.limits])
 
-    def excess_slopes(self, slopes: Mapping[str, Array], parameters: int) -> Array:
+    def violation_gradients(self, gradients: Mapping[str, Array], parameters: int) -> Array:
         """Their gradients (limits, parameters)."""
-        rows = [limit.factor * slopes[limit.quantity] for limit in self.limits]
+        rows = [limit.factor * gradients[limit.quantity] for limit in self.limits]
         return np.array(rows).reshape(len(rows), parameters)
 
-    def worth(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
+    def sensitivity_by_cell(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
         """What the goal gains by emptying each cell, with the limits paid for at their prices.
 
         Args:

@@ -29,8 +29,8 @@ def dimension_sensitivities(
         original: quantities of the original web.
         holders: of each parameter, by `held_by`.
     """
-    told = [name for name in _SHOWN if name in found.slopes and original.get(name)]
-    percent = {name: 100 * found.slopes[name] / original[name] for name in told}
+    told = [name for name in _SHOWN if name in found.gradients and original.get(name)]
+    percent = {name: 100 * found.gradients[name] / original[name] for name in told}
     return tuple(
         DimensionSensitivity(
             name=name,

@@ -12,10 +12,10 @@ Parameters = Sequence[DimensionSensitivity]
 
 def dimensions_table(parameters: Parameters) -> ResultTable:
     """Return each dimension with its value, and the change of each quantity per mm or degree."""
-    worth = list(parameters[0].per_unit) if parameters else []
+    quantities = list(parameters[0].per_unit) if parameters else []
     starts = [p.start if isinstance(p, ShapeParameter) else None for p in parameters]
     start = {"start": 2} if any(value is not None for value in starts) else {}
-    columns = {"dimension": 0, "unit": 0, **start, "value": 2, "at_bound": 0, **dict.fromkeys(worth, 3)}
+    columns = {"dimension": 0, "unit": 0, **start, "value": 2, "at_bound": 0, **dict.fromkeys(quantities, 3)}
     rows = tuple(
         {
             "dimension": p.name,

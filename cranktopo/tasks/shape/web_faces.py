@@ -6,7 +6,7 @@ A point that stays on a face while a parameter p changes moves by V with gradien
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,6 +17,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.derivatives import central_difference, complex_step
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
@@ -28,7 +29,6 @@ from cranktopo.throw.tangent_circle import flank_directions
 
 _STEP = 1e-6
 """Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
-_COMPLEX = 1e-30
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""
 _NEWTON = 12
@@ -68,7 +68,7 @@ class WebFace(ABC):
         """The face at points (3, n) for some values of the parameters."""
 
     @abstractmethod
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         """Derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
 
 
@@ -90,11 +90,12 @@ class ThrowFace(WebFace):
         return _contact(partial(self.distance_mm, scene_at(self.scene, self.layout, values)), points_mm)
 
     @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         def distance(values: Array) -> Array:
             return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
 
-        return _by_values(distance, values, range(len(values) - len(self.layout.dimensions), len(values)))
+        first = len(values) - len(self.layout.dimensions)
+        return central_difference(distance, values, _STEP, range(first, len(values)))
 
 
 @dataclass(frozen=True)
@@ -155,13 +156,14 @@ class FeatureFace(WebFace):
         return _contact(partial(self._distance, values, self._web_z_mm(values)), points_mm)
 
     @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         own = range(self.first, self.first + len(self.part.names))
         ends = [0, 1] if self.part.follows_ends else []
         thickness = [k for k, name in enumerate(self.layout.names) if name == _THICKNESS]
-        return _by_values(
+        return central_difference(
             lambda moved: self._distance(moved, self._web_z_mm(moved), points_mm),
             values,
+            _STEP,
             [*own, *ends, *thickness],
         )
 
@@ -189,11 +191,12 @@ class FilletedFlank(WebFace):
         return _contact(partial(self._distance, self._fillet(values)), points_mm)
 
     @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         fillet, first = self._fillet(values), len(values) - len(self.layout.dimensions)
-        by_flank = _by_values(
+        by_flank = central_difference(
             lambda moved: sector_of(scene_at(self.scene, self.layout, moved)).inside_flank_mm(*points_mm[:2]),
             values,
+            _STEP,
             range(first, len(values)),
         )
         out = np.stack(fillet.circle.outward(*points_mm[:2]), axis=1)
@@ -231,13 +234,11 @@ class OutlineFace(WebFace):
         return Contact(distance, np.stack([-side * normal[:, 0], -normal[:, 1], np.zeros(len(at))], axis=1))
 
     @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         (piece, u), normal = self._foot(points_mm, values)
-        result = np.zeros((points_mm.shape[1], len(values)))
-        for i in range(self.layout.stations):
-            moved = flank_of(self.layout, values + 1j * _COMPLEX * np.eye(len(values))[i])
-            result[:, i] = (_point(moved, piece, u, 0).imag / _COMPLEX * normal).sum(axis=1)
-        return result
+        stations, rest = np.split(values, [self.layout.stations])
+        moved = complex_step(lambda own: _point(flank_of(self.layout, own), piece, u, 0), stations)
+        return np.hstack([(moved * normal[:, :, None]).sum(axis=1), np.zeros((len(u), len(rest)))])
 
     def _foot(self, points_mm: Array, values: Array) -> tuple[tuple[NDArray[np.intp], Array], Array]:
         """Piece of the right half and place on it nearest to each point, and the outward normal, (n, 2)."""
@@ -285,26 +286,8 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
         first += len(part.names)
 
 
-def _by_values(distance_mm: Callable[[Array], Array], values: Array, places: Iterable[int]) -> Array:
-    """Derivatives by some of the parameters, (n, parameters); 0 by the others."""
-    result = np.zeros((len(distance_mm(values)), len(values)))
-    for i in places:
-        step = _STEP * np.eye(len(values))[i]
-        result[:, i] = (distance_mm(values + step) - distance_mm(values - step)) / (2 * _STEP)
-    return result
-
-
 def _contact(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:
-    return Contact(distance_mm(points_mm), _gradient(distance_mm, points_mm))
-
-
-def _gradient(distance_mm: Callable[[Array], Array], points_mm: Array) -> Array:
-    """Derivative by the place, (n, 3)."""
-    columns = []
-    for axis in range(3):
-        step = _STEP * np.eye(3)[axis][:, None]
-        columns.append((distance_mm(points_mm + step) - distance_mm(points_mm - step)) / (2 * _STEP))
-    return np.stack(columns, axis=1)
+    return Contact(distance_mm(points_mm), central_difference(distance_mm, points_mm, _STEP))
 
 
 def _nearest(flank: Flank, at: Array) -> tuple[NDArray[np.intp], Array]:

@@ -41,14 +41,14 @@ class Responses:
 
     Attributes:
         values: by quantity, in the units of its response.
-        slopes: gradients by the parameters, each (parameters,), per mm or degree.
+        gradients: by the parameters, each (parameters,), per mm or degree.
         by_cell: gradients by the fill of the web's cells, each (nx, ny, nw).
         fill: of the web's cells (nx, ny, nw), 0 to 1.
         displacements: of every load case, the first guess of the next solve.
     """
 
     values: dict[str, float]
-    slopes: dict[str, Array]
+    gradients: dict[str, Array]
     by_cell: dict[str, Array]
     fill: Array
     displacements: jax.Array
@@ -61,7 +61,7 @@ class WebModel:
     Attributes:
         known: every quantity that its load cases allow.
         original: those of the scene's own web on the same cells.
-        bores: the free ones; fillets and another thickness are not on the cells, their slopes are 0.
+        bores: the free ones; fillets and another thickness are not on the cells, their gradients are 0.
     """
 
     scene: Scene
