@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
-LEAST_ORDER, MOST_ORDER = 1.0, 2.2
+MINIMUM_ORDER, MAXIMUM_ORDER = 1.0, 2.2
 """Orders of convergence of a stiffness in the element size: 1.09 at a sharp ring (Williams, 1952), about 2
 with fillets, a little above on coarse meshes."""
 _TYPICAL_ORDER = 1.3
@@ -16,7 +16,7 @@ _SEARCHED = 0.05, 8.0
 
 
 @dataclass(frozen=True)
-class Limit:
+class Extrapolation:
     """What a sequence converges to.
 
     Attributes:
@@ -57,7 +57,7 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
     return float(brentq(excess, low, high))
 
 
-def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None:
+def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolation | None:
     """The limit of values on falling sizes (Richardson, 1911).
 
     The band covers the limits that every plausible order would give; where none is observed a typical one
@@ -76,11 +76,11 @@ def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None
     fine, step = values[-1], values[-1] - values[-2]
     recent = values[-3:]
     if len(values) > 2 and (recent[0] - recent[1]) * step >= 0:
-        return Limit(fine, 100 * (max(recent) - min(recent)) / abs(fine), None)
-    used = min(max(order or _TYPICAL_ORDER, LEAST_ORDER), MOST_ORDER)
+        return Extrapolation(fine, 100 * (max(recent) - min(recent)) / abs(fine), None)
+    used = min(max(order or _TYPICAL_ORDER, MINIMUM_ORDER), MAXIMUM_ORDER)
     value = fine + step * _further(sizes, used)
-    ends = [fine + step * _further(sizes, p) for p in (LEAST_ORDER, MOST_ORDER)]
-    return Limit(value, 100 * max(abs(end - value) for end in ends) / abs(value), order)
+    ends = [fine + step * _further(sizes, p) for p in (MINIMUM_ORDER, MAXIMUM_ORDER)]
+    return Extrapolation(value, 100 * max(abs(end - value) for end in ends) / abs(value), order)
 
 
 def _further(sizes: Sequence[float], order: float) -> float:

@@ -12,7 +12,7 @@ from cranktopo.base.progress import Work
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import prices
+from cranktopo.numerics.optimisers.multipliers import multipliers
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.dimensions import with_free
 from cranktopo.tasks.refit.family import Layout
@@ -124,7 +124,7 @@ def test_prices_of_a_problem_in_closed_form() -> None:
     x, y = np.sqrt(2), 1 / np.sqrt(2)
     none = np.zeros(0), np.zeros((0, 2))
     limit = np.array([1 - x * y]), np.array([[-y, -x]])
-    found = prices(np.array([1.0, 2.0]), limit, none, (np.ones(2), np.ones(2)))
+    found = multipliers(np.array([1.0, 2.0]), limit, none, (np.ones(2), np.ones(2)))
     assert found.limits == pytest.approx([np.sqrt(2)], rel=1e-12)
     assert found.remainder < 1e-12
 
@@ -132,7 +132,7 @@ def test_prices_of_a_problem_in_closed_form() -> None:
 def test_a_limit_that_is_not_active_has_no_price() -> None:
     rows = np.array([[-1.0, 0.0], [0.0, -1.0]])
     none = np.zeros(0), np.zeros((0, 2))
-    found = prices(np.array([3.0, 0.0]), (np.array([0.0, -0.5]), rows), none, (np.ones(2), np.ones(2)))
+    found = multipliers(np.array([3.0, 0.0]), (np.array([0.0, -0.5]), rows), none, (np.ones(2), np.ones(2)))
     assert found.limits == pytest.approx([3.0, 0.0])
 
 
