@@ -17,7 +17,7 @@ _SEARCHED = 0.05, 8.0
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """What a sequence converges to.
+    """Limit of a sequence.
 
     Attributes:
         uncertainty_percent: half the width of the band that should hold the true value.
@@ -29,12 +29,12 @@ class Extrapolation:
     order: float | None
 
     def error_percent(self, value: float) -> float:
-        """Error of a value against the limit, %."""
+        """Return the error of a value against the limit, %."""
         return 100 * (value / self.value - 1)
 
 
 def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
-    """Order p of values f + C h^p on three sizes.
+    """Return order p of values f + C h^p on three sizes.
 
     Args:
         sizes: three element sizes, falling.
@@ -58,7 +58,7 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
 
 
 def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolation | None:
-    """The limit of values on falling sizes (Richardson, 1911).
+    """Return the limit of values on falling sizes (Richardson, 1911).
 
     The band covers the limits that every plausible order would give; where none is observed a typical one
     gives the value. Where the three finest values go to and fro, their scatter is the band.
@@ -84,5 +84,5 @@ def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolatio
 
 
 def _further(sizes: Sequence[float], order: float) -> float:
-    """What is still to come over the last step, for an order."""
+    """Return what is still to come over the last step, for an order."""
     return 1 / (math.pow(sizes[-2] / sizes[-1], order) - 1)

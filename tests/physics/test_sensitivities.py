@@ -17,13 +17,16 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.active_constraints import active_constraints
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.result import DimensionSensitivity
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
 from cranktopo.tasks.shape.search_goal import SearchGoal
-from cranktopo.tasks.shape.sensitivities import dimension_sensitivities, worst_case_percent
+from cranktopo.tasks.shape.sensitivities import (
+    active_constraints,
+    dimension_sensitivities,
+    worst_case_percent,
+)
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.side_pocket import FittedSlot
 from tests.physics.shape_cases import Array, full_web

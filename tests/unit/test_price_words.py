@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from cranktopo.report.plot import picture
-from cranktopo.tasks.shape.multiplier_text import multiplier_table, multiplier_text
+from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.rounds_plot import draw_goal, draw_worst_limit
+from cranktopo.tasks.shape.text import multiplier_table, multiplier_text
 
 
 @pytest.fixture

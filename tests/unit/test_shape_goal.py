@@ -16,9 +16,8 @@ from cranktopo.engine.cases import load_cases
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.envelope_clearance import EnvelopeClearance
-from cranktopo.tasks.shape.goal_in_model import search_goal_of
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.rules import EnvelopeClearance
+from cranktopo.tasks.shape.search_goal import SearchGoal, search_goal_of
 from cranktopo.tasks.shape.start import outline_start
 
 ORIGINAL = {"mass": 1.5, "torsion": 150e3, "bending": 240e3, "unbalance": 30.0}

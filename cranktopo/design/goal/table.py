@@ -26,7 +26,7 @@ LimitText = Annotated[
 
 
 def goal_word(value: Any, sense: Literal["minimise", "maximise"]) -> Any:
-    """A quantity that may be minimised or maximised, as it is.
+    """Return a quantity that may be minimised or maximised, as it is.
 
     Raises:
         PydanticCustomError: another one, with what is meant.
@@ -116,7 +116,7 @@ class GoalTable(SceneTable):
 
     @property
     def quantity(self) -> Minimised | Maximised:
-        """What is minimised or maximised."""
+        """Quantity that is minimised or maximised."""
         found = self.minimise or self.maximise
         assert found is not None
         return found

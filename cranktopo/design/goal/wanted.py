@@ -13,7 +13,7 @@ _KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety
 
 
 def wanted(scene: Scene) -> Goal | None:
-    """The goal of a scene with its limits: those that are given, then those that the goal brings.
+    """Return the goal of a scene with its limits: those that are given, then those that the goal brings.
 
     By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
     of the original, but for the goal's own quantity; a stiffness per mass stands for that stiffness. With a
@@ -34,7 +34,7 @@ def wanted(scene: Scene) -> Goal | None:
 
 
 def needed(scene: Scene, task: str, example: str) -> Goal:
-    """The goal of a scene for a task that needs one.
+    """Return the goal of a scene for a task that needs one.
 
     Args:
         example: a quantity that it might maximise, for the message.
@@ -53,7 +53,7 @@ def needed(scene: Scene, task: str, example: str) -> Goal:
 
 
 def judged_by_evaluation(scene: Scene) -> bool:
-    """Whether a density optimisation has limits that are to hold by the evaluation of its surface."""
+    """Tell whether a density optimisation has limits that are to hold by the evaluation of its surface."""
     goal = wanted(scene)
     if goal is None or not scene.optimise.limits_by_evaluation:
         return False
@@ -78,7 +78,7 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
 
 
 def no_safety(scene: Scene) -> str:
-    """Why the scene has no safety against fatigue; empty where it has one."""
+    """Return why the scene has no safety against fatigue; empty where it has one."""
     throw = scene.throw
     if scene.engine is None:
         return "needs an [engine]: unit loads give no stress level"

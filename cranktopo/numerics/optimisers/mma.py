@@ -34,7 +34,7 @@ _DUAL_STEPS, _DUAL_ACCURACY = 80, 1e-9
 
 
 class Asymptotes(NamedTuple):
-    """What a step remembers of those before it: asymptotes and the two last designs.
+    """Memory of a step: asymptotes and the two last designs.
 
     Attributes:
         steps: number of steps taken since the start.
@@ -76,7 +76,7 @@ class _Subproblem(NamedTuple):
 
 
 def first_asymptotes(x: jax.Array) -> Asymptotes:
-    """The memory before the first step."""
+    """Return the memory before the first step."""
     return Asymptotes(x, x, x, x, jnp.zeros((), jnp.int32))
 
 
@@ -91,7 +91,7 @@ def mma_step(
     bounds: tuple[jax.Array, jax.Array],
     epigraph: jax.Array,
 ) -> MmaStep:
-    """The solution of the approximation about `x`.
+    """Return the solution of the approximation about `x`.
 
     Args:
         slope: derivative of the objective.
@@ -114,7 +114,7 @@ def mma_step(
 
 
 def _moved(x: jax.Array, width: jax.Array, memory: Asymptotes) -> tuple[jax.Array, jax.Array]:
-    """Asymptotes about x: further away where a variable goes on, closer where it turns back."""
+    """Return asymptotes about x: further away where a variable goes on, closer where it turns back."""
     trend = (x - memory.last) * (memory.last - memory.before)
     factor = jnp.where(trend > 0, _GROW, jnp.where(trend < 0, _SHRINK, 1.0))
     first = memory.steps[0] < 2
@@ -153,7 +153,7 @@ def _approximation(
 
 
 def _minimiser(problem: _Subproblem, multipliers: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """The x that minimises the Lagrangian, and p and q of the Lagrangian."""
+    """Return the x that minimises the Lagrangian, and p and q of the Lagrangian."""
     weights = jnp.concatenate([jnp.ones(1, multipliers.dtype), multipliers])
     p, q = weights @ problem.p, weights @ problem.q
     root_p, root_q = jnp.sqrt(p), jnp.sqrt(q)
@@ -162,7 +162,7 @@ def _minimiser(problem: _Subproblem, multipliers: jax.Array) -> tuple[jax.Array,
 
 
 def _dual(problem: _Subproblem, multipliers: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Gradient of the dual (m,), the broken part of the limits taken off, and its Hessian (m, m)."""
+    """Return the gradient of the dual (m,), less the broken part of the limits, and its Hessian (m, m)."""
     x, p, q = _minimiser(problem, multipliers)
     above, below = 1 / (problem.high - x), 1 / (x - problem.low)
     limits = jnp.sum(problem.p[1:] * above + problem.q[1:] * below, axis=1) - problem.rest
@@ -180,7 +180,7 @@ def _dual(problem: _Subproblem, multipliers: jax.Array) -> tuple[jax.Array, jax.
 
 
 def _solve_dual(problem: _Subproblem) -> jax.Array:
-    """Multipliers that maximise the dual: Newton's method on its conditions with a falling barrier."""
+    """Return multipliers that maximise the dual: Newton's method on its conditions with a falling barrier."""
     m = problem.p.shape[0] - 1
 
     def residual(multipliers: jax.Array, slack: jax.Array, gradient: jax.Array) -> jax.Array:

@@ -33,7 +33,7 @@ class Multipliers:
 def multipliers(
     slope: Array, limits: tuple[Array, Array], rules: tuple[Array, Array], bounds: tuple[Array, Array]
 ) -> Multipliers:
-    """Multipliers of the active constraints.
+    """Return multipliers of the active constraints.
 
     Args:
         slope: (n,) gradient of the goal, smaller is better.

@@ -1,13 +1,17 @@
 """The inequality that every web of an envelope obeys, and the weights that make it say most.
 
+For a web with the stiffness K the compliance is the largest value of 2 l(v) - v' K v over all admissible
+displacements v, so any v gives a lower bound, whether it solves anything or not. K is linear in the
+densities.
+
 For any displacements the quantities of a web are not below q(rho) = base + rows . rho, and equal to it for
 sums over cells. With a weight y >= 0 for each constraint s (q - limit) <= 0, the goal of every web that keeps
 them is not below
 
     D(y) = least over rho of  n . q(rho) - y . (s limit),      n = goal + sum of y s,
 
-whatever y is. D is concave in y, its slope s (q - limit) at the best densities. All quantities are over those
-of the original web.
+whatever y is. D is concave in y, its gradient s (q - limit) at the best densities. All quantities are over
+those of the original web.
 """
 
 from __future__ import annotations
@@ -15,12 +19,83 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import Constraint
-from cranktopo.tasks.bound.energies import ROUNDING, Energies
+from cranktopo.numerics.grid.boundary_conditions import section_coordinates
+from cranktopo.numerics.grid.lattice import layer_blocks
+from cranktopo.numerics.grid.operator import strain_energy_densities
 from cranktopo.tasks.bound.webs import AdmissibleDensities
+from cranktopo.tasks.density.material import CONTRAST
+from cranktopo.tasks.density.model import ThrowModel
+
+ROUNDING = 128 * float(np.finfo(np.float64).eps)
+"""Above the rounding, over the sum of the terms' sizes, of an energy from the displacements of eight corners,
+of a pairwise sum of up to 1e9 terms, and of displacements on a rigid section."""
+
+
+@dataclass(frozen=True)
+class Energies:
+    """Of every web with densities rho: compliances >= constant - sum of gains * rho.
+
+    Attributes:
+        constant: (cases,), N mm.
+        gains: energies of full cells (cases, nx, ny, nw), N mm; not negative.
+    """
+
+    constant: Array
+    gains: Array
+
+
+def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> Energies:
+    """Return what displacements (cases, 3, nodes...), mm, prove; rounding is on the safe side.
+
+    Args:
+        u: within the supports, as every solve leaves them.
+    """
+    blocks = layer_blocks(model.lattice)
+    factor = model.modulus_MPa / model.share
+    cells = factor * (
+        np.asarray(strain_energy_densities(jnp.asarray(blocks), u))
+        + ROUNDING * np.asarray(_sizes(jnp.asarray(np.abs(blocks).sum(axis=0)), u))
+    )
+    web = cells[..., webs.layers] * webs.design
+    soft = webs.fixed * cells
+    works = factor * np.asarray(model.forces) * np.asarray(u)
+    springs = factor * _spring_energies(model, u)
+    sides = (1, 2, 3)
+    parts = np.stack([soft.sum(axis=sides), CONTRAST * web.sum(axis=sides), springs])
+    sizes = 2 * np.abs(works).sum(axis=(1, 2, 3, 4)) + np.abs(parts).sum(axis=0)
+    constant = 2 * works.sum(axis=(1, 2, 3, 4)) - parts.sum(axis=0) - ROUNDING * sizes
+    return Energies(constant, (1 - CONTRAST) * web)
+
+
+def _spring_energies(model: ThrowModel, u: jax.Array) -> Array:
+    at = np.asarray(_at_sections(model.supports, u))
+    return np.asarray(np.einsum("bm,bmn,bn->b", at, np.asarray(model.supports.springs), at))
+
+
+@jax.jit
+def _sizes(blocks: jax.Array, u: jax.Array) -> jax.Array:
+    """Return sum of the sizes of all terms in the energy of each cell (cases, nx, ny, nz)."""
+
+    def of_case(v: jax.Array) -> jax.Array:
+        corners = jnp.abs(v)
+        for axis in range(1, 4):
+            size = corners.shape[axis]
+            near = jax.lax.slice_in_dim(corners, 0, size - 1, axis=axis)
+            corners = near + jax.lax.slice_in_dim(corners, 1, size, axis=axis)
+        return jnp.einsum("cxyz,cdz,dxyz->xyz", corners, blocks, corners)
+
+    sizes: jax.Array = jax.lax.map(of_case, u)
+    return sizes
+
+
+_at_sections = jax.jit(section_coordinates)
+
 
 _CUTS = 60
 _ENOUGH = 1e-4
@@ -46,7 +121,7 @@ class LinearUnderestimator:
     webs: AdmissibleDensities
 
     def minimum(self, weights: Array) -> tuple[float, Array]:
-        """Not above the least weighted sum of the quantities over all webs, and the quantities there."""
+        """Return a lower bound of a weighted sum of the quantities over all webs, and these there."""
         gains = -np.tensordot(weights, self.rows, 1)
         most, density = self.webs.best(gains)
         value = float(weights @ self.base) - most - ROUNDING * float(np.abs(weights) @ self.sizes)
@@ -60,7 +135,7 @@ def underestimator_of(
     original: Mapping[str, float],
     works: Mapping[str, float],
 ) -> LinearUnderestimator:
-    """What displacements prove, every quantity over that of the original web.
+    """Return what displacements prove, every quantity over that of the original web.
 
     Args:
         works: compliances of the original web by load case, N mm.
@@ -91,7 +166,7 @@ class Certificate:
 def certificate_at(
     underestimator: LinearUnderestimator, goal: Array, constraints: Sequence[Constraint], weights: Array
 ) -> tuple[Certificate, Array]:
-    """What the inequality says with given weights, and its slope by them.
+    """Return what the inequality says with given weights, and its slope by them.
 
     Args:
         goal: weights of the quantities in what is minimised.
@@ -110,7 +185,7 @@ def certificate_at(
 def best_certificate(
     underestimator: LinearUnderestimator, goal: Array, constraints: Sequence[Constraint], first: Array
 ) -> Certificate:
-    """The largest lower bound of the goal over the weights, by cutting planes (Kelley, 1960).
+    """Return the largest lower bound of the goal over the weights, by cutting planes (Kelley, 1960).
 
     Args:
         first: weights to begin with.
@@ -147,7 +222,7 @@ def best_certificate(
 
 
 def excluded(underestimator: LinearUnderestimator, constraints: Sequence[Constraint], weights: Array) -> bool:
-    """Whether the constraints alone, with these weights, exclude every web."""
+    """Tell whether the constraints alone, with these weights, exclude every web."""
     total = weights.sum()
     if total <= 0:
         return False
@@ -160,7 +235,7 @@ def excluded(underestimator: LinearUnderestimator, constraints: Sequence[Constra
 
 
 def _widened(box: Array, *points: Array) -> bool:
-    """Whether the box of weights was too narrow for the best ones and has been widened."""
+    """Tell whether the box of weights was too narrow for the best ones and has been widened."""
     hit = (np.max(points, axis=0) >= 0.999 * box) & (box < _LARGEST_WEIGHT)
     box[hit] *= 10
     return bool(hit.any())

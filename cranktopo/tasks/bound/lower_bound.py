@@ -24,11 +24,11 @@ from cranktopo.tasks.bound.certificate import (
     Certificate,
     LinearUnderestimator,
     best_certificate,
+    energies,
     excluded,
     underestimator_of,
 )
 from cranktopo.tasks.bound.convex_problem import LINEAR, ConvexProblem, convex_problem
-from cranktopo.tasks.bound.energies import energies
 from cranktopo.tasks.bound.per_mass import mass_range, minimum_product, supporting_lines
 from cranktopo.tasks.bound.sizing import MINIMUM_DENSITY, next_densities
 from cranktopo.tasks.bound.webs import AdmissibleDensities, webs_of
@@ -76,7 +76,7 @@ class BoundModel:
         return {case.name: case.compliance_N_mm for case in self.original.cases}
 
     def solved(self, density: Array, guess: jax.Array | None, tolerance: float) -> jax.Array:
-        """Displacements of the web with these densities.
+        """Return displacements of the web with these densities.
 
         Raises:
             CranktopoError: the solve failed.
@@ -86,7 +86,7 @@ class BoundModel:
         return solve(self.model, jnp.asarray(moduli), guess=guess, tolerance=tolerance).displacements
 
     def underestimator(self, u: jax.Array) -> LinearUnderestimator:
-        """What displacements prove about every web."""
+        """Return what displacements prove about every web."""
         proven = energies(self.model, self.webs, u)
         return underestimator_of(
             self.webs, self.model.case_names, proven, self.original.quantities, self.works
@@ -94,7 +94,7 @@ class BoundModel:
 
 
 def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) -> BoundModel:
-    """The cells of a scene for bounds; call inside `double_precision()`.
+    """Return the cells of a scene for bounds; call inside `double_precision()`.
 
     Raises:
         CranktopoError: no envelope, or a failed solve.
@@ -113,13 +113,13 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
 
 
 def _unkept(scene: Scene) -> Scene:
-    """The scene whose envelope keeps no counterweight solid: a search over dimensions pockets it."""
+    """Return the scene whose envelope keeps no counterweight solid: a search over dimensions pockets it."""
     return scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
 
 
 @dataclass(frozen=True)
 class Bound:
-    """What no web of an envelope can beat.
+    """Proven bound of a goal over all webs of an envelope.
 
     Attributes:
         value: of the goal's quantity; None where no web keeps all limits.
@@ -147,7 +147,7 @@ class Bound:
 def prove(
     model: BoundModel, goal: Goal, progress: Progress = lambda _: None, start: Array | None = None
 ) -> Bound:
-    """The bound of a goal on some cells; call inside `double_precision()`.
+    """Return the bound of a goal on some cells; call inside `double_precision()`.
 
     Args:
         start: densities to begin with (nx, ny, nw), such as those of larger cells; uniform by default.
@@ -185,7 +185,7 @@ def prove(
 
 
 def densities_on_cells(coarse: BoundModel, density: Array, fine: BoundModel) -> Array:
-    """Densities of some cells (nx, ny, nw) on those of another model of the scene."""
+    """Return densities of some cells (nx, ny, nw) on those of another model of the scene."""
     return np.maximum(on_cells(coarse.domain, density, fine.domain), MINIMUM_DENSITY)
 
 
@@ -203,7 +203,7 @@ class _DensitySearch:
 
     @property
     def settled(self) -> bool:
-        """Whether further steps would change little."""
+        """True where further steps would change little."""
         last = self.values[-_QUIET:]
         quiet = len(last) == _QUIET and max(last) - min(last) <= _SETTLED * abs(last[-1])
         return quiet or len(self.values) >= _STEPS or self._refuted
@@ -221,7 +221,7 @@ class _DensitySearch:
         self.values.append(value * self._told(_at(self._model, "mass")) if self._problem.per_mass else value)
 
     def certificate(self) -> Certificate:
-        """What the displacements prove about the goal."""
+        """Return what the displacements prove about the goal."""
         constraints = self._problem.constraints
         if self._refuted:
             return Certificate(np.inf, self._weights)
@@ -230,7 +230,7 @@ class _DensitySearch:
         return self._proof_per_mass()
 
     def _proof_per_mass(self) -> Certificate:
-        """Lines from displacements at the best mass, then at those where the lines leave most room."""
+        """Return lines from displacements at the best mass, then at those where the lines leave most room."""
         mass, constraints = _at(self._model, "mass"), self._problem.constraints
         kept = [index for index, c in enumerate(constraints) if c.quantity != "mass"]
         others = [constraints[index] for index in kept]
@@ -264,7 +264,7 @@ class _DensitySearch:
         return u, self._model.underestimator(u)
 
     def _told(self, weights: Array) -> float:
-        """A weighted sum of the quantities of the present densities."""
+        """Return a weighted sum of the quantities of the present densities."""
         underestimator = self.underestimator
         return float(weights @ (underestimator.base + np.tensordot(underestimator.rows, self.density, 3)))
 

@@ -43,7 +43,7 @@ def supporting_lines(
     first: Array,
     slope: float,
 ) -> list[SupportingLine]:
-    """Lines below the pairs of mass and compliance of every web that keeps the constraints.
+    """Return lines below the pairs of mass and compliance of every web that keeps the constraints.
 
     Args:
         goal, mass: weights of the quantities that make the compliance and the mass.
@@ -60,7 +60,7 @@ def supporting_lines(
 
 
 def minimum_product(lines: Sequence[SupportingLine], low: float, high: float) -> tuple[Certificate, float]:
-    """A lower bound of compliance times mass between two masses, and the slope that suits its corner.
+    """Return a lower bound of compliance times mass between two masses, and the slope that suits its corner.
 
     A convex curve through the corner on which no other product is smaller has that slope.
     """
@@ -83,7 +83,7 @@ def minimum_product(lines: Sequence[SupportingLine], low: float, high: float) ->
 def mass_range(
     underestimator: LinearUnderestimator, mass: Array, constraints: Sequence[Constraint]
 ) -> tuple[float, float]:
-    """Least and greatest mass of the webs, within the constraints of the mass."""
+    """Return the least and greatest mass of the webs, within the constraints of the mass."""
     low, high = underestimator.minimum(mass)[0], -underestimator.minimum(-mass)[0]
     limits = [c for c in constraints if c.quantity == "mass"]
     return (

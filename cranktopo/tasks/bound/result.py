@@ -35,7 +35,7 @@ class ProvenBound(Result):
 
 
 class VariableStiffness(Result):
-    """What cells of any stiffness reach, which is no web: the proof cannot do better."""
+    """Value that cells of any stiffness reach, which is no web: the proof cannot do better."""
 
     value: float
     percent_of_original: float
@@ -43,7 +43,7 @@ class VariableStiffness(Result):
 
 
 class BoundResult(Result):
-    """What `bound --json` prints."""
+    """Output of `bound --json`."""
 
     schema_version: int = 1
     design: str
@@ -79,7 +79,7 @@ class NoBound(Result):
 
 
 class BoundStatement(Result):
-    """What no web can beat in one quantity, and what a result reaches of it."""
+    """Bound of one quantity, and what a result reaches of it."""
 
     quantity: QuantityName
     value: float | None

@@ -29,7 +29,7 @@ def next_densities(
     constraints: Sequence[Constraint],
     weights: Array,
 ) -> tuple[Array, Array]:
-    """The densities after one step and the weights of the constraints.
+    """Return the densities after one step and the weights of the constraints.
 
     Args:
         underestimator: of the displacements of the web with these densities.

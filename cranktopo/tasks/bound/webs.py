@@ -57,7 +57,7 @@ class AdmissibleDensities:
     die: DieSplit | None = None
 
     def best(self, gains: Array) -> tuple[float, Array]:
-        """The largest sum of gains times densities, and densities that reach it (nx, ny, nw)."""
+        """Return the largest sum of gains times densities, and densities that reach it (nx, ny, nw)."""
         if self.die is None:
             taken = gains > 0
             return float(np.sum(np.where(taken, gains, 0.0))), taken.astype(np.float64)
@@ -78,7 +78,7 @@ class AdmissibleDensities:
         return float(np.sum(roots)), np.moveaxis(chosen, 0, self.die.axis)
 
     def made(self, density: Array, above: Array, below: Array) -> Array:
-        """The densities that a die can make and that cost least of above / density + below * density.
+        """Return the densities that a die can make and that cost least of above / density + below * density.
 
         Args:
             density: those of each cell on its own.
@@ -95,7 +95,7 @@ class AdmissibleDensities:
 
 
 def _falling(above: Array, below: Array) -> Array:
-    """Weighted means of above / below that never grow along the first axis and lie nearest to each of them.
+    """Return means of above / below that never grow along the first axis and lie nearest to each of them.
 
     Source: R. E. Barlow et al., Statistical Inference under Order Restrictions, 1972, min-max formula.
     """
@@ -108,7 +108,7 @@ def _falling(above: Array, below: Array) -> Array:
 
 
 def _best_chain(gains: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Largest sums over first parts of columns along the first axis, not below 0, and what they take."""
+    """Return the largest sums over first parts of columns along the first axis, >= 0, and what they take."""
     ahead, paying = np.zeros(gains.shape[1:]), np.zeros(gains.shape, bool)
     for layer in range(len(gains) - 1, -1, -1):
         ahead = np.maximum(gains[layer] + ahead, 0.0)
@@ -117,7 +117,7 @@ def _best_chain(gains: Array) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> AdmissibleDensities:
-    """The webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
+    """Return the webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
     layers = slice(*domain.web_layers)
     design = np.asarray(designable(scene, domain))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
@@ -134,7 +134,7 @@ def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> AdmissibleDensit
 
 
 def _values_and_slopes(sums: tuple[Response, ...], solid: Array) -> tuple[Array, Array]:
-    """Values (k,) of sums over the cells and their derivatives (k, nx, ny, nz) by the solid fraction."""
+    """Return sums over the cells (k,) and their derivatives (k, nx, ny, nz) by the solid fraction."""
 
     def values(solid: jax.Array) -> jax.Array:
         none = jnp.zeros(0)

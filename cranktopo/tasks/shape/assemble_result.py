@@ -6,8 +6,6 @@ from cranktopo.design.goal.outcome import GoalWords, goal_outcome
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import unit_of
-from cranktopo.tasks.shape.active_constraints import active_constraints
-from cranktopo.tasks.shape.goal_in_model import goal_on_cells
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -19,7 +17,8 @@ from cranktopo.tasks.shape.result import (
 )
 from cranktopo.tasks.shape.rules import rule_unit, rules_at
 from cranktopo.tasks.shape.search import HELD
-from cranktopo.tasks.shape.sensitivities import dimension_sensitivities, sensitivity_table
+from cranktopo.tasks.shape.search_goal import goal_on_cells
+from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum
 
 _PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}

@@ -56,7 +56,7 @@ def _trial_text(trial: FeatureTrial) -> str:
 
 
 def no_web(reached: str) -> CranktopoError:
-    """What is said where no web keeps the limits.
+    """Return the error where no web keeps the limits.
 
     Args:
         reached: what the nearest web reaches of each.
@@ -115,7 +115,7 @@ class FeatureSelection:
         self._cells_goal, self._goal = goals
 
     def first(self, layout: Layout, start: Array) -> WebCandidate:
-        """The best web of the start's layout by cells; the nearest to its limits where none keeps them.
+        """Return the best web of the start's layout by cells; the nearest to its limits if none keeps them.
 
         Raises:
             CranktopoError: no web keeps the rules (exit code 6).
@@ -128,7 +128,7 @@ class FeatureSelection:
         return found
 
     def select(self, best: WebCandidate) -> WebCandidate:
-        """The web with every feature that pays: bevels and a groove, then pockets, then more stations.
+        """Return the web with every feature that pays: bevels and a groove, then pockets, then more stations.
 
         Raises:
             CranktopoError: no web keeps the limits (exit code 6).
@@ -185,7 +185,7 @@ class FeatureSelection:
         return self._tried(best, layout, start, part.label)
 
     def _tried(self, best: WebCandidate, layout: Layout, start: Array, step: str) -> WebCandidate:
-        """The web with one feature more if it pays: clearly by the cells, else by the elements.
+        """Return the web with one feature more if it pays: clearly by the cells, else by the elements.
 
         A web that misses a limit is improved by what comes nearer, or keeps it.
         """
@@ -199,7 +199,7 @@ class FeatureSelection:
     def _judged(
         self, best: WebCandidate, layout: Layout, start: Array
     ) -> tuple[WebCandidate | None, int, WebCandidate]:
-        """The best web of a layout, how many were solved, and the web to compare it with.
+        """Return the best web of a layout, how many were solved, and the web to compare it with.
 
         Both are refined where the cells cannot tell which is better.
         """
@@ -224,7 +224,7 @@ class FeatureSelection:
     def _on_cells(
         self, layout: Layout, start: Array, evaluations: int, errors: Mapping[str, float]
     ) -> tuple[WebCandidate | None, int]:
-        """The best web of a layout by cells that overrate it by these errors, and how many were solved."""
+        """Return the best web of a layout by cells with these errors, and how many webs were solved."""
         goal = self._cells_goal.corrected(errors)
         found, solved = search_on_cells(
             self.model, layout, start, goal, self._name, self._work, evaluations, True
@@ -240,7 +240,7 @@ class FeatureSelection:
         return WebCandidate(layout, found.values, objective, _doubtful(found.violation), told, errors), solved
 
     def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
-        """A quantity of the cells in the numbers of the evaluation."""
+        """Return a quantity of the cells in the numbers of the evaluation."""
         told = without_error(name, value, model_error(name, self.model.original[name], self._original[name]))
         return without_error(name, told, errors[name]) if name in errors else told
 
@@ -249,7 +249,7 @@ class FeatureSelection:
         return f"trial-{len(self.trials) + 1:02d}"
 
     def _refined(self, web: WebCandidate, name: str, required_merit: float = np.inf) -> WebCandidate:
-        """A web of the cells, refined on body-fitted elements; one that was refined as it is.
+        """Return a web of the cells, refined on body-fitted elements; one that was refined as it is.
 
         Args:
             worth: merit without hope of which the web is not refined further.
@@ -285,7 +285,7 @@ class FeatureSelection:
         )
 
     def _errors(self, layout: Layout, values: Array, truth: Mapping[str, float]) -> dict[str, float]:
-        """By how much the cells overrate each quantity of the goal for a web whose truth is known."""
+        """Return by how much the cells overrate each quantity of the goal for a web whose truth is known."""
         cells = self.model.responses(self.model.web(layout), values, ()).values
         return {
             name: model_error(name, self._told(name, cells[name], {}), truth[name])
@@ -317,19 +317,19 @@ class FeatureSelection:
 
 
 def _gain(before: WebCandidate, found: WebCandidate) -> float:
-    """What a web gains over another in the goal; over one that misses a limit, how much nearer it comes."""
+    """Return the gain of a web in the goal; over one that violates a limit, how much nearer it comes."""
     if before.violation > 0 or found.violation > 0:
         return before.violation - found.violation
     return before.objective - found.objective
 
 
 def _doubtful(violation: float) -> float:
-    """By how much limits are missed; 0 where a finish may still keep them, as the merit counts that."""
+    """Return a violation; 0 where a finish may still keep the limits, as the merit counts that."""
     return violation if violation > _DOUBT else 0.0
 
 
 def _hope(best: WebCandidate) -> float:
-    """Merit that a web with one feature more must reach to pay."""
+    """Return the merit that a web with one feature more must reach to pay."""
     return np.inf if best.violation > 0 else best.objective - MINIMUM_GAIN
 
 
@@ -338,7 +338,7 @@ def _pays(before: WebCandidate, found: WebCandidate) -> bool:
 
 
 def _asked_and_reached(asked: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
-    """A limit with what a web reaches of it."""
+    """Return a limit with what a web reaches of it."""
     whole = original[asked.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
     required, reached = size * asked.bound, size * told[asked.quantity]

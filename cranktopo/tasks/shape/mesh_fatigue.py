@@ -76,11 +76,11 @@ class FilletFatigue:
 
     @property
     def spins(self) -> bool:
-        """Whether the symmetric condensation needs the centrifugal load, as its only further load."""
+        """True where the symmetric condensation needs the centrifugal load, as its only further load."""
         return "centrifugal" in self.kinds
 
     def safety(self, model: Elasticity, scene: Scene, bend: Condensed, twist: Condensed) -> FilletSafety:
-        """Safety of the fillets on a mesh.
+        """Return the safety of the fillets on a mesh.
 
         Args:
             scene: with the fillets of the mesh.
@@ -120,7 +120,7 @@ class FilletFatigue:
     def _smooth(
         self, scene: Scene, surface: Surface, stress: SurfaceStress, loads: list[Array]
     ) -> tuple[float, float, tuple[Array, Array]]:
-        """Least and smooth safety, and what stresses and slopes into the depth are worth to the latter."""
+        """Return minimum and smooth safety, and the latter's derivatives by stresses and depth slopes."""
         on = np.flatnonzero(sum(fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")))
         here = _at(stress, on)
         used = np.stack([self._used(here, load) for load in loads])
@@ -141,7 +141,7 @@ class FilletFatigue:
     def _through_field(
         self, model: Elasticity, bend: Condensed, twist: Condensed, field: UnitField, force: Array
     ) -> Array:
-        """What nodes are worth through a field, (3, nodes), if its displacements are worth `force`."""
+        """Return what nodes are worth through a field, (3, nodes), if its displacements are worth `force`."""
         scene, kind = self.scene, field.kind
         block = twist if kind == "torsion" else bend
         count = len(block.motions)
@@ -168,14 +168,14 @@ class FilletFatigue:
 
 
 def _at(stress: SurfaceStress, nodes: NDArray[np.intp]) -> SurfaceStress:
-    """The stresses at some of the nodes."""
+    """Return the stresses at some of the nodes."""
     return SurfaceStress(
         stress.stress_MPa[:, nodes], stress.depth_MPa_per_mm[:, nodes], stress.jump_MPa[:, nodes]
     )
 
 
 def _gradients_by_stress(used: Callable[[SurfaceStress], Array], stress: SurfaceStress) -> Array:
-    """Derivatives of each node's used strength by its own stresses and slopes, (2, fields, n, 6)."""
+    """Return derivatives of each node's used strength by its own stresses and slopes, (2, fields, n, 6)."""
     both = np.stack([stress.stress_MPa, stress.depth_MPa_per_mm])
     result = np.zeros_like(both)
     for place in np.ndindex(2, both.shape[1]):

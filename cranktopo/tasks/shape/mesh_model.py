@@ -1,7 +1,9 @@
 """Quantities of a parametric web on one body-fitted mesh that moves with it, with exact discrete gradients.
 
 The elements stay the same while the parameters change, so that a search sees none of the noise of new
-meshes; the gradients are those of these very numbers.
+meshes; the gradients are those of these very numbers. A stiffness needs no adjoint solve: its compliance is a
+minimum of energy, so that with the displacements held its derivative is that of the energy, and the supports
+are algebra on the condensed matrices.
 """
 
 from __future__ import annotations
@@ -21,13 +23,19 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Condensed, Lateral, condense
-from cranktopo.tasks.fea.node_gradients import moments
+from cranktopo.tasks.fea.condense import RZ, Condensed, Lateral, condense
+from cranktopo.tasks.fea.node_gradients import mean_slopes, moments, section_slopes, work_slopes
+from cranktopo.tasks.fea.support_stiffness import (
+    bending_motion,
+    bending_stiffness_N_per_mm,
+    torsion_motion,
+    torsional_stiffness_Nm_per_rad,
+)
+from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
-from cranktopo.tasks.shape.mesh_stiffness import bending_gradient, torsion_gradient
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 
 _RESIDUAL = 1e-4
@@ -51,7 +59,7 @@ class MeshResponses:
     gradients: dict[str, Array]
 
     def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
-        """The same with every quantity times its share, by default 1."""
+        """Return the same with every quantity times its share, by default 1."""
         share = {name: shares.get(name, 1.0) for name in self.values}
         return MeshResponses(
             {name: share[name] * value for name, value in self.values.items()},
@@ -59,7 +67,7 @@ class MeshResponses:
         )
 
     def calibrated(self, truth: Mapping[str, float]) -> MeshResponses:
-        """With the values of a truth; slopes in proportion, but as they are for what may be 0."""
+        """Return with the values of a truth; slopes in proportion, but as they are for what may be 0."""
         both = self.values.keys() & truth.keys()
         signed = {name for name in both if quantity_named(name).signed}
         found = self.scaled({name: truth[name] / self.values[name] for name in both - signed})
@@ -98,7 +106,7 @@ class MeshModel:
         self._smoothing = 0.0
 
     def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
-        """Quantities of the web with these values, and their gradients.
+        """Return quantities of the web with these values, and their gradients.
 
         Args:
             quantities: those that are wanted, by default all; masses cost next to nothing and are always
@@ -123,7 +131,7 @@ class MeshModel:
     def _solved(
         self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
     ) -> _ByNodes:
-        """What needs displacements, of the quantities that are wanted."""
+        """Return what needs displacements, of the quantities that are wanted."""
         found: _ByNodes = {}
         safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
 
@@ -143,7 +151,7 @@ class MeshModel:
         return found
 
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Condensed:
-        """The block of a stiffness."""
+        """Return the block of a stiffness."""
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
         side: Lateral = "even" if mirrored else "none"
@@ -154,13 +162,13 @@ class MeshModel:
         return assemble(mesh, material.E_GPa * MPA_PER_GPA, material.poisson)
 
     def _spin(self, model: Elasticity) -> Array | None:
-        """Nodal forces of the centrifugal load, if the fatigue safety needs them."""
+        """Return nodal forces of the centrifugal load, if the fatigue safety needs them."""
         if self._fatigue is None or not self._fatigue.spins:
             return None
         return centrifugal_force(model, density_tonne_per_mm3(self.scene.material.density_kg_m3))[:, None]
 
     def _masses(self, model: Elasticity) -> _ByNodes:
-        """Mass, inertia and unbalance of the whole throw, exact where the mesh was made, and their slopes."""
+        """Return mass, inertia and unbalance of the throw and gradients, exact where the mesh was made."""
         kg, bolted = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3), bolted_mass(self.scene)
         integrals, gradients = moments(model)
         names = ("mass", "unbalance", "inertia")
@@ -171,6 +179,43 @@ class MeshModel:
 
 
 def _exact(meshed: MeshedThrow) -> Array:
-    """Volume of the half throw, its moment in y and that of x2 + y2, from the exact solid."""
+    """Return the volume of the half throw, its moment in y and that of x2 + y2, from the exact solid."""
     half = meshed.body
     return np.array([half.volume_mm3, half.volume_mm3 * half.centre_mm[1], half.inertia_z_mm5])
+
+
+def torsion_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+    """Return the torsional stiffness, N m/rad, with the scene's support, and its derivative by the nodes.
+
+    Args:
+        block: antisymmetric condensation.
+    """
+    support = scene.supports.torsion
+    spring = support_spring(scene, support)
+    value = torsional_stiffness_Nm_per_rad(block, support, spring)
+    motion = torsion_motion(block, support, spring)
+    field = block.displacement[:, : len(motion)] @ motion
+    twist = float(motion[block.motions.index(RZ)])
+    return value, value / twist * block.parts * _work(model, scene, field)
+
+
+def bending_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+    """Return the bending stiffness, N/mm, with the scene's support, and its derivative by the nodes.
+
+    Args:
+        block: symmetric condensation.
+    """
+    support = scene.supports.bending
+    spring = support_spring(scene, support)
+    value = bending_stiffness_N_per_mm(block, support, spring)
+    motion = bending_motion(block, block.load, support, spring)
+    count = len(motion)
+    field = block.displacement[:, :count] @ motion + block.displacement[:, count] / block.parts
+    sunk = -2 * mean_slopes(model, 1, scene.web_z_mm[1], field) - block.parts * _work(model, scene, field)
+    return value, -(value**2) / 2 * sunk
+
+
+def _work(model: Elasticity, scene: Scene, field: Array) -> Array:
+    """Return the derivative of field' K field by the nodes, the section moving rigidly as it does."""
+    inner = work_slopes(model, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, field, field)
+    return inner + 2 * section_slopes(model, model.stiffness @ field, field)

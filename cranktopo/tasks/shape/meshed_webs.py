@@ -48,13 +48,13 @@ class MeshedWebs:
         return self._scene
 
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout, for its bounds and manufacturing constraints."""
+        """Return a web of the layout, for its bounds and manufacturing constraints."""
         return ParametricWeb(layout, self._scene, self._limits, (np.zeros(0),) * 3)
 
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str] | None = None
     ) -> MeshResponses:
-        """Quantities of a web with these values, by default all, and their gradients.
+        """Return quantities of a web with these values, by default all, and their gradients.
 
         Raises:
             CranktopoError: no sound web, no valid mesh, or a failed solve.
@@ -64,7 +64,7 @@ class MeshedWebs:
 
 
 def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
-    """Factors by quantity that bring the original web on a coarse mesh to a finer evaluation.
+    """Return factors by quantity that bring the original web on a coarse mesh to a finer evaluation.
 
     Args:
         original: its quantities by the latter.

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cranktopo.design.schema import Scene
+from cranktopo.report.axes_style import plain
 from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import limits_table
 from cranktopo.report.page import Fact, FactStatus, Page, Section
@@ -16,14 +17,14 @@ from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import Quantity
-from cranktopo.tasks.shape.multiplier_text import multiplier_doubt, multiplier_table
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.rounds_plot import draw_goal, draw_worst_limit
 from cranktopo.tasks.shape.sensitivity_text import dimensions_table, held_table, worst_case_table
 from cranktopo.tasks.shape.text import (
     QUANTITIES_TOLD,
     changes_table,
     feature_trials_table,
+    multiplier_doubt,
+    multiplier_table,
     named_first,
     rounds_table,
     shape_headline,
@@ -140,3 +141,39 @@ def _stand_in(found: ShapeResult) -> str:
 def _provenance(found: ShapeResult, manifest: Mapping[str, Any]) -> Section:
     tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(found.assumed))
     return Section("provenance", "Where this comes from", tables=tables)
+
+
+_GOAL, _MISSED = "#1f6fb4", "#d1632a"
+
+
+def draw_goal(axes: Any, found: ShapeResult) -> None:
+    """Draw the goal of every web, % of the original's."""
+    name, original = found.goal.quantity.name, found.values.original
+    values = [100 * web.values[name] / original[name] for web in found.rounds]
+    _draw(axes, found.best_round, values, f"{name.replace('_', ' ')} (% of the original)", _GOAL, 0.5)
+
+
+def draw_worst_limit(axes: Any, found: ShapeResult) -> None:
+    """Draw by how much every web misses its worst limit, %; 0 or less is kept."""
+    values = [max(web.excess_percent, default=0.0) for web in found.rounds]
+    _draw(axes, found.best_round, values, "worst limit missed by (%)", _MISSED, 0.1)
+    axes.axhline(0.0, color="0.4", linewidth=1, zorder=0)
+
+
+def _draw(axes: Any, best: int, values: list[float], label: str, colour: str, minimum: float) -> None:
+    places = range(len(values))
+    axes.plot(places, values, "o-", color=colour, linewidth=1.6)
+    axes.plot([best], [values[best]], "o", markersize=11, fillstyle="none", color="black")
+    for place, value in zip(places, values, strict=True):
+        axes.annotate(
+            f"{value:.2f}", (place, value), xytext=(0, 7), textcoords="offset points", ha="center", fontsize=8
+        )
+    axes.set_xticks(places, ["cells", *(f"finish {number}" for number in places[1:])])
+    middle, half = (max(values) + min(values)) / 2, (max(values) - min(values)) / 2
+    half = max(1.35 * half, minimum)  # a settled goal is no reason to magnify its last digits
+    axes.set_ylim(middle - half, middle + half)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    axes.margins(x=0.12)
+    axes.set_ylabel(label, fontsize=9)
+    axes.grid(color="0.9", linewidth=0.8, axis="y")
+    plain(axes)

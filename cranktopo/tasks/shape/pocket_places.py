@@ -32,7 +32,7 @@ _KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in 
 def pocket_starts(
     model: WebModel, best: SearchResult, goal: SearchGoal, paid: Multipliers
 ) -> Iterator[tuple[FittedFeature, Array]]:
-    """Pockets where they would gain most and keep the rules: of each size the most promising kinds first."""
+    """Yield pockets where they would gain most and keep the rules: of each size the most promising first."""
     sensitivity = goal.sensitivity_by_cell(best.responses.by_cell, paid.limits)
     for size in _SIZES:
         found = []
@@ -52,7 +52,7 @@ def _places(
     sensitivity: Array,
     size: tuple[float, float],
 ) -> Iterator[tuple[float, Array]]:
-    """Gain and values of the pocket at each place of a lattice where it keeps walls and shoulders."""
+    """Yield gain and values of the pocket at each place of a lattice where it keeps walls and shoulders."""
     scene, web = model.scene, model.web(replace(best.layout, parts=(*best.layout.parts, kind)))
     thickness = scene.web.thickness_mm
     step, depth = _STEPS * thickness, size[1] * thickness

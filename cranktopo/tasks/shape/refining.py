@@ -29,7 +29,7 @@ SHORTER = 0.25
 
 @dataclass(frozen=True)
 class Refinement:
-    """How long a refinement may be.
+    """Length of a refinement.
 
     Attributes:
         steps: most searches on cells, each followed by a meshed web.
@@ -102,11 +102,11 @@ class CorrectedSurrogate:
         return self._webs.scene
 
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout."""
+        """Return a web of the layout."""
         return self._webs.web(layout)
 
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Told:
-        """Quantities of a web with these values."""
+        """Return quantities of a web with these values."""
         found = self._webs.responses(web, values, quantities)
         told = {name: self._told(name, found, values - self._at) for name in quantities}
         return Told(
@@ -124,7 +124,7 @@ class CorrectedSurrogate:
 
 
 def merit(goal: SearchGoal, values: dict[str, float]) -> float:
-    """The goal, with what missed limits cost; smaller is better."""
+    """Return the goal, with what missed limits cost; smaller is better."""
     return goal.objective(values) + _MISSED * float(np.maximum(goal.violations(values), 0.0).sum())
 
 
@@ -138,7 +138,7 @@ def refined(
     extent: Refinement,
     required_merit: float = np.inf,
 ) -> Refined:
-    """The best web near a start by meshed webs, as few as can be.
+    """Return the best web near a start by meshed webs, as few as can be.
 
     Args:
         goal: in the numbers of the meshed webs.
@@ -184,7 +184,7 @@ def stepped(
     work: Work,
     effort: SearchBudget,
 ) -> Step:
-    """The best web by cells that are brought to the truth of one web; that web where none is better.
+    """Return the best web by cells that are brought to the truth of one web; that web where none is better.
 
     Args:
         at: (n,) parameters of the web that is known exactly.

@@ -132,5 +132,5 @@ class ShapeResult(Result):
 
     @property
     def held(self) -> bool:
-        """Whether every limit holds by the evaluation."""
+        """True where every limit holds by the evaluation."""
         return all(limit.holds for limit in self.goal.limits)

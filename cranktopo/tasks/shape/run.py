@@ -71,7 +71,7 @@ class ShapedRun:
 
 
 def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
-    """Settings that suit a throw of any size."""
+    """Return settings that suit a throw of any size."""
     usual, scale = ShapeSettings(), usual_scale(scene)
     kept = limits or usual_limits(scene)
     return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept)
@@ -138,7 +138,7 @@ def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
 
 
 def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene:
-    """The parametric web fitted to a density optimisation that has none yet."""
+    """Return the parametric web fitted to a density optimisation that has none yet."""
     info(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
     made = remodel_run(str(run.path), given=vars(limits), evaluated=False, info=info)
     return load_scene(str(Path(made["folder"]) / made["files"]["design"]))
@@ -182,7 +182,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
 
 
 def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]:
-    """Scene, exact solids and drawing of the best web; returns their names by kind."""
+    """Return scene, exact solids and drawing of the best web; returns their names by kind."""
     shaped = optimum.result.web.scene
     heading = (
         f"Web of {scene.name} with the best dimensions for: {optimum.goal.sense} {optimum.goal.quantity}."
@@ -195,7 +195,7 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]
 
 
 def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBody, ...]:
-    """The result and the original, the half throw of each."""
+    """Return the result and the original, the half throw of each."""
     file = original_file(scene)
     before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
     result = optimum.result.web.scene

@@ -18,8 +18,7 @@ from cranktopo.tasks.refit.dimensions import rounded, scene_at
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.envelope_clearance import EnvelopeClearance
-from cranktopo.tasks.shape.rules import rules_at, rules_of
+from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_at, rules_of
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.web_model import Responses, WebModel
 
@@ -61,15 +60,15 @@ class WebSolver(Protocol):
         """The throw."""
 
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout."""
+        """Return a web of the layout."""
 
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
-        """Quantities of a web with these values."""
+        """Return quantities of a web with these values."""
 
 
 @dataclass(frozen=True)
 class SearchBudget:
-    """How long a search may be, and how far it may go.
+    """Length and reach of a search.
 
     Attributes:
         evaluations: most webs solved.
@@ -169,7 +168,7 @@ def best_values(
     work: Work,
     effort: SearchBudget,
 ) -> tuple[Array | None, int]:
-    """Parameters of the best web of a layout near a start, and how many webs were solved.
+    """Return parameters of the best web of a layout near a start, and how many webs were solved.
 
     Args:
         webs: makes the model that solves them.
@@ -209,7 +208,7 @@ def search_on_cells(
     evaluations: int = EVALUATIONS,
     nearest: bool = False,
 ) -> tuple[SearchResult | None, int]:
-    """As `best_values` on cells, with the responses of the best web.
+    """Do as `best_values` on cells, with the responses of the best web.
 
     Args:
         nearest: whether the web that comes nearest to its limits is taken where none keeps them.
@@ -224,7 +223,7 @@ def search_on_cells(
 
 
 def why_nothing(name: str, work: Work) -> CranktopoError:
-    """What is said where a search found no web that can be made, near its limits or not."""
+    """Return the error where a search found no web that can be made, near its limits or not."""
     return CranktopoError(
         f"shape: no web can be made near the one to begin with: {work.kept[name]['why']}.",
         hint="Enlarge the envelope, allow a smaller wall or radius, or begin with another web.",
@@ -235,7 +234,7 @@ def why_nothing(name: str, work: Work) -> CranktopoError:
 def multipliers_of(
     scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
 ) -> Multipliers:
-    """What each limit, rule and bound costs at an optimum.
+    """Return what each limit, rule and bound costs at an optimum.
 
     Args:
         at: (n,) parameters of the optimum.
@@ -251,7 +250,7 @@ def multipliers_of(
 
 
 def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
-    """The scene with a web of the family and its dimensions of the throw, rounded to 0.01 mm.
+    """Return the scene with a web of the family and its dimensions of the throw, rounded to 0.01 mm.
 
     What only concerns the original web is left out.
 
@@ -265,13 +264,13 @@ def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
 
 
 def _violation(goal: SearchGoal, found: Quantities) -> float:
-    """By how much the worst limit is missed, relative; 0 where all count as kept."""
+    """Return by how much the worst limit is missed, relative; 0 where all count as kept."""
     violation = float(goal.violations(found.values).max(initial=0.0))
     return 0.0 if violation < _NEARLY else violation
 
 
 def _refused(scene: Scene, layout: Layout, values: Array) -> str:
-    """Why the scene refuses the web of the rounded dimensions; empty where it accepts it."""
+    """Return why the scene refuses the web of the rounded dimensions; empty where it accepts it."""
     try:
         shaped_scene(scene, layout, values)
     except CranktopoError as error:
@@ -280,7 +279,7 @@ def _refused(scene: Scene, layout: Layout, values: Array) -> str:
 
 
 def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) -> None:
-    """Search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
+    """Return search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
     start, reach = restore_feasibility(task.rules, task.web.bounds, start), effort.reach
     for _ in range(_ATTEMPTS):
         try:

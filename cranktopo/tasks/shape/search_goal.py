@@ -1,20 +1,23 @@
-"""A goal and its limits as numbers that a search can use: one objective, relative limits, their slopes."""
+"""A goal and its limits as numbers that a search can use: one objective, relative limits, their gradients."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import degrees
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.goal.constraint import Constraint, with_error
-from cranktopo.design.goal.quantities import quantity_named
+from cranktopo.design.goal.constraint import Constraint, bound_in_model, minimum_scale, scale_of, with_error
+from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName, quantity_named
+from cranktopo.engine.load_case import LoadCase
 
 
 @dataclass(frozen=True)
 class SearchGoal:
-    """What a search minimises, and what it keeps.
+    """Objective and constraints of a search.
 
     Attributes:
         quantity: the quantity of the goal.
@@ -30,24 +33,24 @@ class SearchGoal:
     shift: float = 0.0
 
     def objective(self, values: Mapping[str, float]) -> float:
-        """The goal, smaller is better; 1 or -1 for the original web."""
+        """Return the goal, smaller is better; 1 or -1 for the original web."""
         return self.sign * (values[self.quantity] - self.shift) / self.scale
 
     def objective_gradient(self, gradients: Mapping[str, Array]) -> Array:
-        """Its gradient, (parameters,)."""
+        """Return its gradient, (parameters,)."""
         return self.sign * gradients[self.quantity] / self.scale
 
     def violations(self, values: Mapping[str, float]) -> Array:
-        """How far each limit is missed over its size, kept where <= 0."""
+        """Return how far each limit is missed over its size, kept where <= 0."""
         return np.array([limit.violation(values[limit.quantity]) for limit in self.limits])
 
     def violation_gradients(self, gradients: Mapping[str, Array], parameters: int) -> Array:
-        """Their gradients (limits, parameters)."""
+        """Return their gradients (limits, parameters)."""
         rows = [limit.factor * gradients[limit.quantity] for limit in self.limits]
         return np.array(rows).reshape(len(rows), parameters)
 
     def sensitivity_by_cell(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
-        """What the goal gains by emptying each cell, with the limits paid for at their prices.
+        """Return what the goal gains by emptying each cell, with the limits paid for at their prices.
 
         Args:
             by_cell: gradients of the quantities by the fill.
@@ -64,7 +67,7 @@ class SearchGoal:
         return (self.quantity, *(limit.quantity for limit in self.limits))
 
     def corrected(self, errors: Mapping[str, float]) -> SearchGoal:
-        """The same for a model that overrates some quantities by known errors, as `model_error` has them."""
+        """Return the same for a model that overrates quantities by known errors, as of `model_error`."""
         found = replace(self, limits=tuple(limit.corrected(errors) for limit in self.limits))
         if self.quantity not in errors:
             return found
@@ -73,9 +76,65 @@ class SearchGoal:
         return replace(found, scale=with_error(self.quantity, self.scale, errors[self.quantity]))
 
     def reserved(self, share: float, quantities: Collection[str] | None = None) -> SearchGoal:
-        """The same with limits, or those of some quantities, that are tighter by a share of their sizes."""
+        """Return the same with limits, or those of some quantities, tighter by a share of their scales."""
         moved = tuple(
             limit.tightened(share) if quantities is None or limit.quantity in quantities else limit
             for limit in self.limits
         )
         return replace(self, limits=moved)
+
+
+FOR_SAFETY: QuantityName = "bending"
+"""The goal on cells where the fatigue safety is the goal."""
+
+
+def goal_on_cells(goal: Goal) -> Goal:
+    """Return what stands for a goal where features are chosen: cells know no fatigue.
+
+    A fillet's stress follows the bending of the throw by the gas force, so the most bending stiffness within
+    the same limits stands for the most safety; the finish then maximises the safety itself.
+    """
+    return replace(goal, quantity=FOR_SAFETY) if goal.quantity == "fatigue_safety" else goal
+
+
+def search_goal_of(
+    goal: Goal,
+    original: Mapping[str, float],
+    true_original: Mapping[str, float],
+    cases: tuple[LoadCase, ...],
+) -> SearchGoal:
+    """Return a goal as a model states it.
+
+    Args:
+        original: quantities of the original web in the model.
+        true_original: by the body-fitted evaluation; limits keep their relation to it.
+        cases: load cases, for displacement and twist.
+    """
+    sign = 1.0 if goal.sense == "minimise" else -1.0
+    limits = [
+        found for limit in goal.limits for found in _search_limits(limit, original, true_original, cases)
+    ]
+    scale = scale_of(original[goal.quantity], 0.0, minimum_scale(goal.quantity, original))
+    return SearchGoal(goal.quantity, sign, scale, tuple(limits))
+
+
+def _search_limits(
+    limit: Limit, original: Mapping[str, float], truth: Mapping[str, float], cases: tuple[LoadCase, ...]
+) -> Iterator[Constraint]:
+    quantity = STIFFNESS_OF.get(limit.quantity, limit.quantity)
+    if quantity not in original:
+        return
+    own, true = original[quantity], truth[quantity]
+    if quantity == limit.quantity:
+        sense, required = limit.sense, limit.value / 100 * true if limit.percent else limit.value
+    else:
+        sense = ">=" if limit.sense == "<=" else "<="
+        required = 100 / limit.value * true if limit.percent else _load(quantity, cases) / limit.value
+    bound = bound_in_model(quantity, required, own, true)
+    yield Constraint(quantity, sense, bound, own, minimum_scale(quantity, original))
+
+
+def _load(stiffness: str, cases: tuple[LoadCase, ...]) -> float:
+    """Return the load whose ratio to a limit is the stiffness it asks for: N, or N m deg/rad."""
+    case = next(case for case in cases if case.name == stiffness)
+    return case.radial_N if stiffness == "bending" else degrees(case.torque_Nm)

@@ -27,13 +27,12 @@ from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.free_bores import first_on_cells, not_on_cells
-from cranktopo.tasks.shape.goal_in_model import goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs, coarse_shares
 from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, shaped_scene
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 
@@ -53,7 +52,7 @@ _SCATTER = 5e-3
 
 @dataclass(frozen=True)
 class ShapeSettings:
-    """How a shape is searched for.
+    """Settings of a shape optimisation.
 
     Attributes:
         cell_mm: cells on which features are chosen.
@@ -86,12 +85,12 @@ class ShapeRound:
 
     @property
     def violation(self) -> float:
-        """How far the limit that is missed most is missed by the evaluation, as a part; 0 or less is kept."""
+        """Violation of the worst limit by the evaluation, as a part; 0 or less is kept."""
         return max(self.excess_percent, default=0.0) / 100
 
     @property
     def held(self) -> bool:
-        """Whether every limit is kept by the evaluation."""
+        """True where every limit is kept by the evaluation."""
         return self.violation <= HELD
 
 
@@ -124,7 +123,7 @@ class ShapeOptimum:
 
     @property
     def judge_seconds(self) -> float:
-        """What the evaluations on the default mesh took."""
+        """Time that the evaluations on the default mesh took."""
         return sum(web.seconds for web in (self.original, *(found.web for found in self.rounds)))
 
 
@@ -135,7 +134,7 @@ def optimise_shape(
     work: Work | None = None,
     start: WebRead | None = None,
 ) -> ShapeOptimum:
-    """The best web of the family for a goal; call inside `double_precision()`.
+    """Return the best web of the family for a goal; call inside `double_precision()`.
 
     Args:
         start: web to begin with; by default the scene's own, `scene_start`.
@@ -195,7 +194,7 @@ class LocalRefinement:
         self._anchor: tuple[ShapeRound, MeshResponses] | None = None
 
     def anchored(self, web: ShapeRound) -> MeshResponses:
-        """The quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
+        """Return the quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
         if self._anchor is None or self._anchor[0] is not web:
             fraction = _FILLET_FRACTION if self._fatigue else None
             webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
@@ -209,7 +208,7 @@ class LocalRefinement:
         return self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
 
     def rounds(self, start: Array) -> tuple[ShapeRound, ...]:
-        """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
+        """Return the web of the cells and those of the finishes, until they keep limits and settle."""
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
         for number in range(1, self._maximum_rounds + 1):
             before = rounds[_best(rounds, self._goal)]
@@ -232,7 +231,7 @@ class LocalRefinement:
     def _finished(
         self, before: ShapeRound, number: int, effort: SearchBudget, violation: float
     ) -> ShapeRound | None:
-        """The best web near one that was evaluated, by its gradients; None where none promises to pay.
+        """Return the best web near one that was evaluated, by its gradients; None where none promises to pay.
 
         Args:
             missed: part of a limit that the last webs found beside it missed; kept in reserve as well.
@@ -261,7 +260,7 @@ class LocalRefinement:
 
 
 def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
-    """The held round with the best goal by the evaluation, the first of equals; else the nearest to held."""
+    """Return the round with the best goal of those that keep the limits; else the nearest to them."""
     held = [index for index, found in enumerate(rounds) if found.held]
     if held:
         return min(held, key=lambda i: (round(goal.objective(rounds[i].web.values), 6), i))

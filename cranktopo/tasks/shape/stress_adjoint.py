@@ -29,7 +29,7 @@ def stress_adjoint(
     adjoint: tuple[Array, Array],
     elastic: tuple[float, float],
 ) -> tuple[Array, Array]:
-    """Derivative of sum(worth * result of `surface_stress`) by displacements and nodes.
+    """Return the derivative of sum(worth * result of `surface_stress`) by displacements and nodes.
 
     Args:
         fields: displacements, shape (fields, unknowns).
@@ -103,7 +103,7 @@ def _through_nodes(
     elastic: tuple[float, float],
     by_nodes: Array,
 ) -> Array:
-    """What displacements are worth, (fields, unknowns); what nodes are is added to theirs."""
+    """Return what displacements are worth, (fields, unknowns); what nodes are is added to theirs."""
     from skfem import Basis, ElementTetP2
 
     active = (adjoint != 0).any(axis=(0, 2))

@@ -19,7 +19,7 @@ _BESIDE_MM = 1e-3
 
 
 def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[tuple[str, DistanceOf]]:
-    """Faces that no parameter of the web's section moves but the counterweight's, each with its distance.
+    """Yield faces that only the counterweight's parameters move, each with its distance.
 
     Args:
         with_journals: journals and both end sections as well.
@@ -41,7 +41,7 @@ def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[t
 
 
 def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, DistanceOf]]:
-    """Rim and sharp flank of a counterweight that is one piece with the web, its face where it is thinner."""
+    """Yield rim and sharp flank of a counterweight of one piece with the web, its face if thinner."""
     weight = scene.web.counterweight
     if weight is None or weight.bolted:
         return
@@ -54,7 +54,7 @@ def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, DistanceOf]]:
 
 
 def sector_of(scene: Scene) -> Sector:
-    """The counterweight of a scene that has one, without its fillets."""
+    """Return the counterweight of a scene that has one, without its fillets."""
     assert scene.web.counterweight is not None
     return scene.web.counterweight.sector(scene)
 
@@ -80,7 +80,7 @@ def _off_journal(number: int, scene: Scene, at: Array) -> Array:
 
 
 def off_fillet(number: int, scene: Scene, at: Array) -> Array:
-    """Distance from the quarter of the ring that is the fillet, as its section has it; far from the rest."""
+    """Return the distance from the quarter of the ring that is the fillet; far from the rest."""
     journal, y = scene.throw.journals[number]
     section, side = journal.fillet, 1.0 if number else -1.0
     across = np.hypot(at[0], at[1] - y) - journal.radius_mm - section.radial_mm

@@ -65,11 +65,11 @@ class WebFace(ABC):
 
     @abstractmethod
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        """The face at points (3, n) for some values of the parameters."""
+        """Return the face at points (3, n) for some values of the parameters."""
 
     @abstractmethod
     def gradients(self, points_mm: Array, values: Array) -> Array:
-        """Derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
+        """Return derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class FilletFace(ThrowFace):
     number: int
 
     def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
-        """Where points (3, n) of the fillet come to from some values to others: linear in these."""
+        """Return where points (3, n) of the fillet come to from some values to others: linear in these."""
         out, up, around = self._section(points_mm, start)
         out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
         section, distance, height = self._centre(values)
@@ -118,7 +118,7 @@ class FilletFace(ThrowFace):
         return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
 
     def _section(self, points_mm: Array, values: Array) -> tuple[Array, Array, Array]:
-        """Place in the section over its semi-axes, outward and along z, and the direction outward, (2, n)."""
+        """Return places in the section over its semi-axes, outward and along z, and outward directions."""
         section, distance, height = self._centre(values)
         _, y = self.scene.throw.journals[self.number]
         across = np.stack([points_mm[0], points_mm[1] - y])
@@ -127,7 +127,7 @@ class FilletFace(ThrowFace):
         return (far - distance) / section.radial_mm, up, across / far
 
     def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
-        """Section of the fillet, distance of its centre circle from the journal's axis, height of that."""
+        """Return the fillet's section, and radius and height of its centre circle."""
         scene = scene_at(self.scene, self.layout, values)
         journal, _ = scene.throw.journals[self.number]
         section, side = journal.fillet, 1.0 if self.number else -1.0
@@ -213,7 +213,7 @@ class FilletedFlank(WebFace):
         return np.where(self._on_flank(fillet, at), flank, fillet.circle.off_mm(at[0], at[1]))
 
     def _on_flank(self, fillet: MovedFillet, at: Array) -> NDArray[np.bool_]:
-        """Whether points lie farther along the flank than the place where the fillet leaves it."""
+        """Tell whether points lie farther along the flank than the place where the fillet leaves it."""
         (sine, cosine), _ = flank_directions(fillet.sector.half_angle)
         return np.asarray(np.abs(at[0]) * sine + at[1] * cosine >= fillet.circle.reach_mm)
 
@@ -241,7 +241,7 @@ class OutlineFace(WebFace):
         return np.hstack([(moved * normal[:, :, None]).sum(axis=1), np.zeros((len(u), len(rest)))])
 
     def _foot(self, points_mm: Array, values: Array) -> tuple[tuple[NDArray[np.intp], Array], Array]:
-        """Piece of the right half and place on it nearest to each point, and the outward normal, (n, 2)."""
+        """Return the nearest piece of the right half, the place on it, and the outward normal, (n, 2)."""
         flank = flank_of(self.layout, values)
         foot = _nearest(flank, np.stack([np.abs(points_mm[0]), points_mm[1]], axis=1))
         tangent = _point(flank, *foot, 1)
@@ -250,7 +250,7 @@ class OutlineFace(WebFace):
 
 
 def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
-    """All faces of the web of a layout: those of the throw, its outline, those of its features.
+    """Return all faces of the web of a layout: those of the throw, its outline, those of its features.
 
     With free dimensions of the journals theirs and those of their fillets as well.
 
@@ -267,7 +267,7 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
 
 
 def fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
-    """Both fillets of a scene; without one that is sharp."""
+    """Return both fillets of a scene; without one that is sharp."""
     return [
         FilletFace("fillet", scene, layout, partial(off_fillet, k), k)
         for k, (journal, _) in enumerate(scene.throw.journals)
@@ -291,7 +291,7 @@ def _contact(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact
 
 
 def _nearest(flank: Flank, at: Array) -> tuple[NDArray[np.intp], Array]:
-    """Piece of the flank and place on it, 0 to 1, nearest to points (n, 2)."""
+    """Return piece of the flank and place on it, 0 to 1, nearest to points (n, 2)."""
     from scipy.spatial import cKDTree
 
     u = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
@@ -307,7 +307,7 @@ def _nearest(flank: Flank, at: Array) -> tuple[NDArray[np.intp], Array]:
 
 
 def _point(flank: Flank, piece: NDArray[np.intp], u: Array, order: int) -> Array:
-    """Points at u of chosen pieces, (n, 2), or their derivatives of an order by u."""
+    """Return points at u of chosen pieces, (n, 2), or their derivatives of an order by u."""
     length = flank.lengths_mm[piece][:, None]
     start, end = flank.points_mm[piece], flank.points_mm[piece + 1]
     leave, arrive = flank.slopes[piece] * length, flank.slopes[piece + 1] * length

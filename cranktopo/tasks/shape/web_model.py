@@ -73,11 +73,11 @@ class WebModel:
     bores: FreeBores
 
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout on the cells between the web faces."""
+        """Return a web of the layout on the cells between the web faces."""
         return ParametricWeb(layout, self.scene, self.limits, centres_mm(self.domain))
 
     def webs(self) -> SolvedWebs:
-        """Webs on these cells, solved one after another."""
+        """Return webs on these cells, solved one after another."""
         return SolvedWebs(self)
 
     @property
@@ -86,13 +86,13 @@ class WebModel:
         return slice(*self.domain.web_layers)
 
     def fill(self, web: ParametricWeb, values: Array) -> Array:
-        """Fill of the web's cells (nx, ny, nw), 0 to 1."""
+        """Return the fill of the web's cells (nx, ny, nw), 0 to 1."""
         return smooth_step(web.inside_mm(values)[0], self.domain.grid.largest_edge_mm)[0]
 
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str], guess: jax.Array | None = None
     ) -> Responses:
-        """All quantities of the web with these values, and the gradients of some by the parameters.
+        """Return all quantities of the web with these values, and the gradients of some by the parameters.
 
         Raises:
             CranktopoError: the solve failed.
@@ -138,18 +138,18 @@ class SolvedWebs:
         return self._model.scene
 
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout on the cells."""
+        """Return a web of the layout on the cells."""
         return self._model.web(layout)
 
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Responses:
-        """As `WebModel.responses`."""
+        """Do as `WebModel.responses`."""
         found = self._model.responses(web, values, quantities, self._guess)
         self._guess = found.displacements
         return found
 
 
 def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -> WebModel:
-    """The cells of a scene's envelope for a search over dimensions, under bending and torsion.
+    """Return the cells of a scene's envelope for a search over dimensions, under bending and torsion.
 
     Raises:
         CranktopoError: no envelope, or a failed solve.
