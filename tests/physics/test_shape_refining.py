@@ -17,8 +17,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
-from cranktopo.tasks.shape.refining import CorrectedSurrogate, Refinement, Told, merit, refined
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.refining import CorrectedSurrogate, Refinement, merit, refined
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape_cases import Array
 
@@ -49,7 +49,7 @@ class Bowls:
     def web(self, layout: Layout) -> ParametricWeb:
         return MeshedWebs(self.scene, ManufacturingLimits(), 10.0).web(layout)
 
-    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Told:
+    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
         if values[4] > self.widest_mm:
             raise CranktopoError("mesh: an element folds.", hint="Smaller steps.", code=ExitCode.SOLVER)
         self.solved += 1
@@ -59,7 +59,7 @@ class Bowls:
         found = {"mass": (100 + float(self.steepness @ away**2), slope)}
         if self.knows_torsion:
             found["torsion"] = (values[4] + 0.01 * values[4] ** 2, second)
-        return Told({k: v for k, (v, _) in found.items()}, {k: s for k, (_, s) in found.items()})
+        return Quantities({k: v for k, (v, _) in found.items()}, {k: s for k, (_, s) in found.items()})
 
 
 def bowls(widest_mm: float = np.inf) -> tuple[Bowls, Bowls]:

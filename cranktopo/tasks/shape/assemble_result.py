@@ -52,10 +52,10 @@ def assemble_result(
             LimitPrice.model_validate(
                 {"quantity": limit.quantity, "sense": limit.sense, "goal_percent_per_percent": float(price)}
             )
-            for limit, price in zip(optimum.stated.limits, optimum.prices.limits, strict=True)
+            for limit, price in zip(optimum.stated.limits, optimum.multipliers.limits, strict=True)
         ),
         goal_on_cells=GoalWords.model_validate({goal.sense: on_cells.quantity}),
-        prices_remainder_percent=100 * optimum.prices.remainder,
+        prices_remainder_percent=100 * optimum.multipliers.remainder,
         rule_prices=_rule_prices(scene, optimum),
         trials=optimum.trials,
         rounds=tuple(
@@ -72,7 +72,7 @@ def assemble_result(
 
 def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> tuple[RulePrice, ...]:
     """Return what a unit of each rule and bound would give in the goal, % of the original's."""
-    web, paid, found = optimum.web, optimum.prices, dict[tuple[str, str], float]()
+    web, paid, found = optimum.web, optimum.multipliers, dict[tuple[str, str], float]()
     names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
     bounds = [
         (f"{'least' if price > 0 else 'greatest'} {name}", unit_of(name))

@@ -17,7 +17,7 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.initial_guess import with_stations
 from cranktopo.tasks.shape.free_bores import free_bores
 from cranktopo.tasks.shape.pocket_places import pocket_starts
-from cranktopo.tasks.shape.refining import Refinement, Told, merit, refined
+from cranktopo.tasks.shape.refining import Refinement, merit, refined
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import (
     EVALUATIONS,
@@ -27,7 +27,7 @@ from cranktopo.tasks.shape.search import (
     search_on_cells,
     why_nothing,
 )
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.tasks.shape.start import bevel_start, groove_start
 from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.bevel import FittedBevel
@@ -88,7 +88,7 @@ class WebCandidate:
     violation: float
     told: Mapping[str, float]
     errors: Mapping[str, float]
-    exact: Told | None = None
+    exact: Quantities | None = None
     solved: int = 0
 
 
@@ -271,7 +271,9 @@ class FeatureSelection:
             }
 
         kept = self._work.once(name, make)
-        exact = Told(kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()})
+        exact = Quantities(
+            kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()}
+        )
         values = np.array(kept["values"])
         return WebCandidate(
             web.layout,

@@ -9,7 +9,6 @@ are algebra on the condensed matrices.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,6 +36,7 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
+from cranktopo.tasks.shape.search_goal import Quantities
 
 _RESIDUAL = 1e-4
 """Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
@@ -44,19 +44,12 @@ _ByNodes = dict[str, tuple[float, Array]]
 """Quantities by name with their derivatives by the nodes, (3, nodes)."""
 
 
-@dataclass(frozen=True)
-class MeshResponses:
+class MeshResponses(Quantities):
     """Quantities of a web on a body-fitted mesh and their gradients by its parameters.
 
-    Attributes:
-        values: by quantity: torsion N m/rad, bending N/mm, mass kg, inertia kg mm2, unbalance kg mm, and both
-            stiffnesses per mass; fatigue_safety where it is wanted: smooth, and the least one for the
-            first web asked for.
-        gradients: the same, each (parameters,), per mm or degree.
+    Torsion N m/rad, bending N/mm, mass kg, inertia kg mm2, unbalance kg mm, and both stiffnesses per mass;
+    fatigue_safety where it is wanted: smooth, and the minimum one for the first web asked for.
     """
-
-    values: dict[str, float]
-    gradients: dict[str, Array]
 
     def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
         """Return the same with every quantity times its share, by default 1."""

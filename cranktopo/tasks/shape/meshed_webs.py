@@ -39,17 +39,12 @@ class MeshedWebs:
             fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
             shares: factors by quantity that bring the numbers of the mesh to finer ones.
         """
-        self._scene, self._limits, self._size = scene, limits, element_size_mm
+        self.scene, self._limits, self._size = scene, limits, element_size_mm
         self._fraction, self._shares = fillet_fraction, shares or {}
-
-    @property
-    def scene(self) -> Scene:
-        """The throw."""
-        return self._scene
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout, for its bounds and manufacturing constraints."""
-        return ParametricWeb(layout, self._scene, self._limits, (np.zeros(0),) * 3)
+        return ParametricWeb(layout, self.scene, self._limits, (np.zeros(0),) * 3)
 
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str] | None = None
@@ -59,7 +54,7 @@ class MeshedWebs:
         Raises:
             CranktopoError: no sound web, no valid mesh, or a failed solve.
         """
-        model = MeshModel(self._scene, web.layout, values, self._size, self._fraction)
+        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
         return model.responses(values, quantities).scaled(self._shares)
 
 

@@ -79,11 +79,6 @@ class MovedMesh:
         self._skin = _Net(self.mesh.points_mm, self._triangles)
         self._body = _Net(self.mesh.points_mm, self.mesh.cells[:4])
 
-    @property
-    def face_names(self) -> list[str]:
-        """Names of the web's faces, in the order of `distances_mm`."""
-        return [face.name for face in self._faces]
-
     def distances_mm(self, points_mm: Array, values: Array) -> Array:
         """Return the largest distance of the surface nodes from each of their faces, mm, (faces,)."""
         found = [contact.distance_mm for _, _, contact in self._contacts(points_mm, values)]

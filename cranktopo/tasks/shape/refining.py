@@ -15,11 +15,10 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Work
-from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.search import Quantities, SearchBudget, WebSolver, best_values
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.search import SearchBudget, WebSolver, best_values
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
 _MISSED = 1.0
 """What a relative excess of a limit costs in the goal when two webs are compared: above usual prices."""
@@ -42,14 +41,6 @@ class Refinement:
     evaluations: int
     reach: float
     settled: float
-
-
-@dataclass(frozen=True)
-class Told:
-    """Quantities by name, and their gradients by the parameters, per mm or degree."""
-
-    values: dict[str, float]
-    gradients: dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -94,22 +85,18 @@ class CorrectedSurrogate:
             at: (n,) its parameters.
             rough, exact: its quantities in both models.
         """
+        self.scene = webs.scene
         self._webs, self._at, self._rough, self._exact = webs, at, rough, exact
-
-    @property
-    def scene(self) -> Scene:
-        """The throw."""
-        return self._webs.scene
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout."""
         return self._webs.web(layout)
 
-    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Told:
+    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
         """Return quantities of a web with these values."""
         found = self._webs.responses(web, values, quantities)
         told = {name: self._told(name, found, values - self._at) for name in quantities}
-        return Told(
+        return Quantities(
             {name: value for name, (value, _) in told.items()},
             {name: slope for name, (_, slope) in told.items()},
         )

@@ -19,7 +19,7 @@ from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_at, rules_of
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.tasks.shape.web_model import Responses, WebModel
 
 EVALUATIONS = 20
@@ -38,18 +38,6 @@ _STEEP = 2000.0
 """Factor on the goal. The method takes a curvature of 1 to begin with, while a millimetre changes the goal by
 a thousandth: without the factor the first steps would be of micrometres."""
 _ATTEMPTS = 4
-
-
-class Quantities(Protocol):
-    """Quantities of a web by name, and their gradients by its parameters, per mm or degree."""
-
-    @property
-    def values(self) -> dict[str, float]:
-        """In the units of the goal's limits."""
-
-    @property
-    def gradients(self) -> dict[str, Array]:
-        """Of those that were asked for, each (parameters,)."""
 
 
 class WebSolver(Protocol):

@@ -16,6 +16,19 @@ from cranktopo.engine.load_case import LoadCase
 
 
 @dataclass(frozen=True)
+class Quantities:
+    """Quantities of a web by name, and their gradients by its parameters.
+
+    Attributes:
+        values: in the units of the goal's limits.
+        gradients: of those that were asked for, each (parameters,), per mm or degree.
+    """
+
+    values: dict[str, float]
+    gradients: dict[str, Array]
+
+
+@dataclass(frozen=True)
 class SearchGoal:
     """Objective and constraints of a search.
 

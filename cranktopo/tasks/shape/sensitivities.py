@@ -15,8 +15,7 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import Rules
-from cranktopo.tasks.shape.search import Quantities
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
 _SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety")
 _AT_BOUND = 0.02

@@ -114,7 +114,7 @@ class ShapeOptimum:
     best: int
     trials: tuple[FeatureTrial, ...]
     responses: MeshResponses
-    prices: Multipliers
+    multipliers: Multipliers
 
     @property
     def result(self) -> ShapeRound:

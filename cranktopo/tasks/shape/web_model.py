@@ -29,6 +29,7 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.free_bores import FreeBores, domain_without_free_bores
+from cranktopo.tasks.shape.search_goal import Quantities
 
 _TOLERANCE = 1e-5
 """Relative residual of the search; the error of a compliance is its square."""
@@ -36,19 +37,15 @@ _TOLERANCE_ORIGINAL = 1e-8
 
 
 @dataclass(frozen=True)
-class Responses:
+class Responses(Quantities):
     """Quantities of a web and their gradients.
 
     Attributes:
-        values: by quantity, in the units of its response.
-        gradients: by the parameters, each (parameters,), per mm or degree.
         by_cell: gradients by the fill of the web's cells, each (nx, ny, nw).
         fill: of the web's cells (nx, ny, nw), 0 to 1.
         displacements: of every load case, the first guess of the next solve.
     """
 
-    values: dict[str, float]
-    gradients: dict[str, Array]
     by_cell: dict[str, Array]
     fill: Array
     displacements: jax.Array
@@ -129,13 +126,8 @@ class SolvedWebs:
     """Webs on cells, each solved from the displacements of the one before."""
 
     def __init__(self, model: WebModel) -> None:
-        self._model = model
+        self.scene, self._model = model.scene, model
         self._guess: jax.Array | None = None
-
-    @property
-    def scene(self) -> Scene:
-        """The throw."""
-        return self._model.scene
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout on the cells."""
