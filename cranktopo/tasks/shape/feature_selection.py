@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from cranktopo.design.goal.constraint import Constraint, model_error, without_er
 from cranktopo.tasks.refit.dimensions import with_free, with_part
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.initial_guess import with_stations
+from cranktopo.tasks.shape.candidate import DOUBT, MINIMUM_GAIN, WebCandidate, doubtful
 from cranktopo.tasks.shape.free_bores import free_bores
 from cranktopo.tasks.shape.pocket_places import pocket_starts
 from cranktopo.tasks.shape.refining import Refinement, merit, refined
@@ -33,12 +34,8 @@ from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 
-MINIMUM_GAIN = 2e-3
-"""Least gain in the goal, relative to the original, that a feature or a station must bring."""
 _CLEAR_GAIN = 0.015
 """Gain on cells, far above their errors, with which a feature is kept unseen by the elements."""
-_DOUBT = 1e-2
-"""Relative excess of a limit above which no finish will keep it."""
 _MAXIMUM_POCKETS = 4
 _MORE_STATIONS = (9,)
 _REFINED = Refinement(3, 12, 5.0, 1.5e-3)
@@ -66,30 +63,6 @@ def no_web(reached: str) -> CranktopoError:
         hint="Loosen a limit, enlarge the envelope, or allow a smaller wall or radius.",
         code=ExitCode.CRITERION_NOT_MET,
     )
-
-
-@dataclass(frozen=True)
-class WebCandidate:
-    """The best web so far.
-
-    Attributes:
-        values: parameters of the layout, mm or degrees.
-        objective: the goal, with what slightly missed limits cost; smaller is better.
-        violation: by how much it misses its limits, relative; 0 where it keeps them.
-        told: its quantities in the numbers of the evaluation.
-        errors: by how much the cells overrate them, also taken for webs that grow from it (`model_error`).
-        exact: these by body-fitted elements; None while only the cells have told them.
-        solved: webs solved to refine it.
-    """
-
-    layout: Layout
-    values: Array
-    objective: float
-    violation: float
-    told: Mapping[str, float]
-    errors: Mapping[str, float]
-    exact: Quantities | None = None
-    solved: int = 0
 
 
 class FeatureSelection:
@@ -134,7 +107,7 @@ class FeatureSelection:
             CranktopoError: no web keeps the limits (exit code 6).
         """
         best = self._with_features(best)
-        if best.violation > _DOUBT:
+        if best.violation > DOUBT:
             raise no_web(
                 ", ".join(_asked_and_reached(r, best.told, self._original) for r in self._goal.limits)
             )
@@ -192,7 +165,7 @@ class FeatureSelection:
         found, solved = None, 0
         with self._leaving_out(step):
             found, solved, best = self._judged(best, layout, start)
-        kept = found is not None and _pays(best, found)
+        kept = found is not None and found.pays(best)
         self._note(step, layout, found, best, kept, solved)
         return found if kept and found is not None else best
 
@@ -206,11 +179,11 @@ class FeatureSelection:
         found, solved = self._on_cells(layout, start, EVALUATIONS, best.errors)
         if found is not None and best.violation == 0 < found.violation:
             found = None
-        if found is None or not MINIMUM_GAIN <= _gain(best, found) < _CLEAR_GAIN:
+        if found is None or not MINIMUM_GAIN <= found.gain_over(best) < _CLEAR_GAIN:
             return found, solved, best
         number = len(self.trials) + 1
         best = self._refined(best, f"before-{number:02d}")
-        found = self._refined(found, f"refined-{number:02d}", _hope(best))
+        found = self._refined(found, f"refined-{number:02d}", best.required_merit)
         return found, solved + found.solved, best
 
     @contextmanager
@@ -237,7 +210,7 @@ class FeatureSelection:
             if name in self._original
         }
         objective = merit(goal, found.responses.values)
-        return WebCandidate(layout, found.values, objective, _doubtful(found.violation), told, errors), solved
+        return WebCandidate(layout, found.values, objective, doubtful(found.violation), told, errors), solved
 
     def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
         """Return a quantity of the cells in the numbers of the evaluation."""
@@ -279,7 +252,7 @@ class FeatureSelection:
             web.layout,
             values,
             kept["objective"],
-            _doubtful(float(self._goal.violations(exact.values).max(initial=0.0))),
+            doubtful(float(self._goal.violations(exact.values).max(initial=0.0))),
             exact.values,
             self._errors(web.layout, values, exact.values),
             exact,
@@ -303,7 +276,7 @@ class FeatureSelection:
         kept: bool,
         solved: int,
     ) -> None:
-        gain = None if found is None or before is None else 100 * _gain(before, found)
+        gain = None if found is None or before is None else 100 * found.gain_over(before)
         objective, violation = (None, 0.0) if found is None else (found.objective, 100 * found.violation)
         trial = FeatureTrial(
             step=step,
@@ -318,32 +291,10 @@ class FeatureSelection:
         self._work.info(_trial_text(trial))
 
 
-def _gain(before: WebCandidate, found: WebCandidate) -> float:
-    """Return the gain of a web in the goal; over one that violates a limit, how much nearer it comes."""
-    if before.violation > 0 or found.violation > 0:
-        return before.violation - found.violation
-    return before.objective - found.objective
-
-
-def _doubtful(violation: float) -> float:
-    """Return a violation; 0 where a finish may still keep the limits, as the merit counts that."""
-    return violation if violation > _DOUBT else 0.0
-
-
-def _hope(best: WebCandidate) -> float:
-    """Return the merit that a web with one feature more must reach to pay."""
-    return np.inf if best.violation > 0 else best.objective - MINIMUM_GAIN
-
-
-def _pays(before: WebCandidate, found: WebCandidate) -> bool:
-    return (found.violation == 0 < before.violation) or _gain(before, found) >= MINIMUM_GAIN
-
-
 def _asked_and_reached(asked: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
     """Return a limit with what a web reaches of it."""
     whole = original[asked.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
     required, reached = size * asked.bound, size * told[asked.quantity]
-    return (
-        f"{asked.quantity.replace('_', ' ')} {asked.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"
-    )
+    name = asked.quantity.replace("_", " ")
+    return f"{name} {asked.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"

@@ -23,7 +23,8 @@ from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stressed_surface import boundary_faces
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.shape.web_faces import Contact, FilletFace, WebFace, web_faces
+from cranktopo.tasks.shape.throw_faces import Contact, FilletFace, WebFace
+from cranktopo.tasks.shape.web_faces import web_faces
 
 Index = NDArray[np.intp]
 _ON_FACE_MM = 1e-3

@@ -1,12 +1,8 @@
-"""The faces that bound a parametric web, as zero sets of distances that are smooth in place and parameters.
-
-A point that stays on a face while a parameter p changes moves by V with gradient.V + d(distance)/dp = 0.
-"""
+"""The faces that bound a parametric web, as zero sets of distances smooth in place and parameters."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,122 +13,29 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference, complex_step
+from cranktopo.numerics.derivatives import complex_step
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
-from cranktopo.tasks.shape.throw_faces import DistanceOf, off_fillet, sector_of, throw_faces
-from cranktopo.throw.fillet import FilletSection
+from cranktopo.tasks.shape.throw_faces import (
+    Contact,
+    FilletFace,
+    ThrowFace,
+    WebFace,
+    by_values,
+    contact_of,
+    off_fillet,
+    sector_of,
+    throw_faces,
+)
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.flank import Flank
 from cranktopo.throw.tangent_circle import flank_directions
 
-_STEP = 1e-6
-"""Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""
 _NEWTON = 12
 _THICKNESS: DimensionName = "web_thickness"
-
-
-@dataclass(frozen=True)
-class Contact:
-    """A face at some points.
-
-    Attributes:
-        distance_mm: (n,) zero on the face.
-        gradient: (n, 3) by the place.
-    """
-
-    distance_mm: Array
-    gradient: Array
-
-    @property
-    def steepness(self) -> Array:
-        """Length of the gradient, (n, 1)."""
-        return np.asarray(np.linalg.norm(self.gradient, axis=1)[:, None])
-
-    @property
-    def normal(self) -> Array:
-        """Unit normal, (n, 3)."""
-        return self.gradient / self.steepness
-
-
-class WebFace(ABC):
-    """One face of the web."""
-
-    name: str
-
-    @abstractmethod
-    def contact(self, points_mm: Array, values: Array) -> Contact:
-        """Return the face at points (3, n) for some values of the parameters."""
-
-    @abstractmethod
-    def gradients(self, points_mm: Array, values: Array) -> Array:
-        """Return derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
-
-
-@dataclass(frozen=True)
-class ThrowFace(WebFace):
-    """A face that only the dimensions of the throw move: web faces, bores, journals, planes of symmetry.
-
-    Attributes:
-        distance_mm: from the face, of a scene and points (3, n).
-    """
-
-    name: str
-    scene: Scene
-    layout: Layout
-    distance_mm: DistanceOf
-
-    @override
-    def contact(self, points_mm: Array, values: Array) -> Contact:
-        return _contact(partial(self.distance_mm, scene_at(self.scene, self.layout, values)), points_mm)
-
-    @override
-    def gradients(self, points_mm: Array, values: Array) -> Array:
-        def distance(values: Array) -> Array:
-            return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
-
-        first = len(values) - len(self.layout.dimensions)
-        return central_difference(distance, values, _STEP, range(first, len(values)))
-
-
-@dataclass(frozen=True)
-class FilletFace(ThrowFace):
-    """A fillet, whose nodes keep their angles around the journal and along its arc.
-
-    Attributes:
-        number: 0 at the main journal, 1 at the pin.
-    """
-
-    number: int
-
-    def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
-        """Return where points (3, n) of the fillet come to from some values to others: linear in these."""
-        out, up, around = self._section(points_mm, start)
-        out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
-        section, distance, height = self._centre(values)
-        _, y = self.scene.throw.journals[self.number]
-        x_mm, y_mm = (distance + section.radial_mm * out) * around
-        return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
-
-    def _section(self, points_mm: Array, values: Array) -> tuple[Array, Array, Array]:
-        """Return places in the section over its semi-axes, outward and along z, and outward directions."""
-        section, distance, height = self._centre(values)
-        _, y = self.scene.throw.journals[self.number]
-        across = np.stack([points_mm[0], points_mm[1] - y])
-        far = np.hypot(*across)
-        up = (points_mm[2] - height) / section.axial_mm
-        return (far - distance) / section.radial_mm, up, across / far
-
-    def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
-        """Return the fillet's section, and radius and height of its centre circle."""
-        scene = scene_at(self.scene, self.layout, values)
-        journal, _ = scene.throw.journals[self.number]
-        section, side = journal.fillet, 1.0 if self.number else -1.0
-        height = scene.web_z_mm[self.number] + side * section.axial_mm
-        return section, journal.radius_mm + section.radial_mm, height
 
 
 @dataclass(frozen=True)
@@ -153,17 +56,16 @@ class FeatureFace(WebFace):
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        return _contact(partial(self._distance, values, self._web_z_mm(values)), points_mm)
+        return contact_of(partial(self._distance, values, self._web_z_mm(values)), points_mm)
 
     @override
     def gradients(self, points_mm: Array, values: Array) -> Array:
         own = range(self.first, self.first + len(self.part.names))
         ends = [0, 1] if self.part.follows_ends else []
         thickness = [k for k, name in enumerate(self.layout.names) if name == _THICKNESS]
-        return central_difference(
+        return by_values(
             lambda moved: self._distance(moved, self._web_z_mm(moved), points_mm),
             values,
-            _STEP,
             [*own, *ends, *thickness],
         )
 
@@ -188,15 +90,14 @@ class FilletedFlank(WebFace):
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        return _contact(partial(self._distance, self._fillet(values)), points_mm)
+        return contact_of(partial(self._distance, self._fillet(values)), points_mm)
 
     @override
     def gradients(self, points_mm: Array, values: Array) -> Array:
         fillet, first = self._fillet(values), len(values) - len(self.layout.dimensions)
-        by_flank = central_difference(
+        by_flank = by_values(
             lambda moved: sector_of(scene_at(self.scene, self.layout, moved)).inside_flank_mm(*points_mm[:2]),
             values,
-            _STEP,
             range(first, len(values)),
         )
         out = np.stack(fillet.circle.outward(*points_mm[:2]), axis=1)
@@ -284,10 +185,6 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
         for number in range(count):
             yield FeatureFace(f"{part.label} {number}", scene, layout, part, number, first)
         first += len(part.names)
-
-
-def _contact(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:
-    return Contact(distance_mm(points_mm), central_difference(distance_mm, points_mm, _STEP))
 
 
 def _nearest(flank: Flank, at: Array) -> tuple[NDArray[np.intp], Array]:
