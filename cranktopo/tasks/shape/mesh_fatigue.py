@@ -141,7 +141,7 @@ class FilletFatigue:
     def _through_field(
         self, model: Elasticity, bend: Condensed, twist: Condensed, field: UnitField, force: Array
     ) -> Array:
-        """Return what nodes are worth through a field, (3, nodes), if its displacements are worth `force`."""
+        """Return the derivative by the nodes through a field, (3, nodes), whose adjoint is `force`."""
         scene, kind = self.scene, field.kind
         block = twist if kind == "torsion" else bend
         count = len(block.motions)

@@ -1,7 +1,7 @@
 """The way back from stresses of a surface, and their slopes into the depth, to displacements and nodes.
 
-Every step of `evaluate.stress` and `evaluate.surface` in reverse order: what a unit of change there is worth
-becomes what a unit of displacement of a node, or of its position, is worth.
+Every step of `numerics.tetrahedra.stress` and `stressed_surface` in reverse order: from the derivative of a
+functional by a stress to its derivatives by the displacement of a node, and by its position.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def stress_adjoint(
     adjoint: tuple[Array, Array],
     elastic: tuple[float, float],
 ) -> tuple[Array, Array]:
-    """Return the derivative of sum(worth * result of `surface_stress`) by displacements and nodes.
+    """Return the derivative of sum(adjoint * result of `surface_stress`) by displacements and nodes.
 
     Args:
         fields: displacements, shape (fields, unknowns).
@@ -50,7 +50,7 @@ def stress_adjoint(
 def _through_depth(
     model: Elasticity, surface: Surface, found: NodalStress, adjoint: Array, nodal: Array, by_nodes: Array
 ) -> None:
-    """Add what the derivatives into the depth are worth to that of the nodal stresses and of the nodes."""
+    """Add the adjoint of the derivatives into the depth to those of the nodal stresses and of the nodes."""
     number = np.bincount(surface.faces.ravel(), minlength=len(surface.nodes))
     active = (adjoint != 0).any(axis=(0, 2))
     chosen = active[surface.faces].any(axis=0)
@@ -77,7 +77,7 @@ def _through_depth(
 def _through_normals(
     model: Elasticity, surface: Surface, around: tuple[Index, Index, Index], adjoint: Array, by_nodes: Array
 ) -> None:
-    """Add what the unit normals of the surface nodes are worth to that of the nodes."""
+    """Add the adjoint of the unit normals of the surface nodes to that of the nodes."""
     faces, cells, _ = around
     numbers = surface.nodes[faces]
     at, gradients = model.nodes_mm[:, numbers], triangle_gradients()
@@ -103,7 +103,7 @@ def _through_nodes(
     elastic: tuple[float, float],
     by_nodes: Array,
 ) -> Array:
-    """Return what displacements are worth, (fields, unknowns); what nodes are is added to theirs."""
+    """Return the adjoint of the displacements, (fields, unknowns); that of the nodes is added to theirs."""
     from skfem import Basis, ElementTetP2
 
     active = (adjoint != 0).any(axis=(0, 2))
