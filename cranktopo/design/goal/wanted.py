@@ -33,7 +33,7 @@ def wanted(scene: Scene) -> Goal | None:
     return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*given, *more))
 
 
-def needed(scene: Scene, task: str, example: str) -> Goal:
+def require_goal(scene: Scene, task: str, example: str) -> Goal:
     """Return the goal of a scene for a task that needs one.
 
     Args:

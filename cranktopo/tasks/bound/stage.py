@@ -10,7 +10,7 @@ from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolu
 from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
 from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.goal.wanted import needed
+from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, densities_on_cells, prove
@@ -40,7 +40,7 @@ def bound_of(
     Raises:
         CranktopoError: no goal, one about which nothing can be proven, no envelope, or a failed solve.
     """
-    goal = needed(scene, "bound", "torsion")
+    goal = require_goal(scene, "bound", "torsion")
     assumed = assumptions(scene, _TABLES)
     info(assumed_text(assumed))
     cell_mm = resolution_mm or scene.optimise.resolution_mm

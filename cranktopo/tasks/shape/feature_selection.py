@@ -109,7 +109,7 @@ class FeatureSelection:
         best = self._with_features(best)
         if best.violation > DOUBT:
             raise no_web(
-                ", ".join(_asked_and_reached(r, best.told, self._original) for r in self._goal.limits)
+                ", ".join(_required_and_reached(r, best.told, self._original) for r in self._goal.limits)
             )
         return best
 
@@ -291,10 +291,10 @@ class FeatureSelection:
         self._work.info(_trial_text(trial))
 
 
-def _asked_and_reached(asked: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
+def _required_and_reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
     """Return a limit with what a web reaches of it."""
-    whole = original[asked.quantity]
+    whole = original[limit.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
-    required, reached = size * asked.bound, size * told[asked.quantity]
-    name = asked.quantity.replace("_", " ")
-    return f"{name} {asked.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"
+    required, reached = size * limit.bound, size * told[limit.quantity]
+    name = limit.quantity.replace("_", " ")
+    return f"{name} {limit.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"

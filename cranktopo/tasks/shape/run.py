@@ -22,7 +22,7 @@ from cranktopo.design.assumed import (
     assumptions,
 )
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import needed
+from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.new_run import new_run
@@ -145,7 +145,7 @@ def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene
 
 
 def _goal(scene: Scene) -> Goal:
-    return needed(scene, "shape optimisation", "torsion_per_mass")
+    return require_goal(scene, "shape optimisation", "torsion_per_mass")
 
 
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead, info: Info) -> ShapedRun:
