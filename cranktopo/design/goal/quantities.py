@@ -25,7 +25,7 @@ QuantityName = Literal[
     "twist",
     "fatigue_safety",
 ]
-Better = Literal["low", "high"]
+_Better = Literal["low", "high"]
 Optimiser = Literal["density", "shape"]
 MOTIONS = {"bending": "pin_displacement", "torsion": "twist"}
 """Motion of each load case's load: the load over the stiffness."""
@@ -52,7 +52,7 @@ class GoalQuantity:
     name: QuantityName
     label: str
     units: Mapping[str, float]
-    better: Better
+    better: _Better
     as_goal: bool = True
     either_limit: bool = False
     signed: bool = False

@@ -163,7 +163,7 @@ class Certificate:
     weights: Array
 
 
-def certificate_at(
+def _certificate_at(
     underestimator: LinearUnderestimator, goal: Array, constraints: Sequence[Constraint], weights: Array
 ) -> tuple[Certificate, Array]:
     """Return what the inequality says with given weights, and its slope by them.
@@ -192,7 +192,7 @@ def best_certificate(
     """
     from scipy.optimize import linprog
 
-    certificate, slope = certificate_at(underestimator, goal, constraints, first)
+    certificate, slope = _certificate_at(underestimator, goal, constraints, first)
     if not constraints:
         return certificate
     count, values, slopes, points = len(constraints), [certificate.value], [slope], [first]
@@ -211,7 +211,7 @@ def best_certificate(
                 return certificate
             continue
         weights = np.maximum(found.x[:-1], 0.0)
-        tried, slope = certificate_at(underestimator, goal, constraints, weights)
+        tried, slope = _certificate_at(underestimator, goal, constraints, weights)
         values, slopes, points = [*values, tried.value], [*slopes, slope], [*points, weights]
         if tried.value > certificate.value:
             certificate = tried
@@ -227,7 +227,7 @@ def excluded(underestimator: LinearUnderestimator, constraints: Sequence[Constra
     if total <= 0:
         return False
     return (
-        certificate_at(underestimator, np.zeros(len(underestimator.names)), constraints, weights / total)[
+        _certificate_at(underestimator, np.zeros(len(underestimator.names)), constraints, weights / total)[
             0
         ].value
         > 0

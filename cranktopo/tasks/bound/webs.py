@@ -29,7 +29,7 @@ _TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class DieSplit:
+class _DieSplit:
     """Along which axis the halves of a die leave, and where they part."""
 
     axis: int
@@ -54,7 +54,7 @@ class AdmissibleDensities:
     layers: slice
     amounts: Mapping[str, Array]
     fixed_amounts: Mapping[str, float]
-    die: DieSplit | None = None
+    die: _DieSplit | None = None
 
     def best(self, gains: Array) -> tuple[float, Array]:
         """Return the largest sum of gains times densities, and densities that reach it (nx, ny, nw)."""
@@ -144,8 +144,8 @@ def _values_and_slopes(sums: tuple[Response, ...], solid: Array) -> tuple[Array,
     return np.asarray(found[0]), np.asarray(found[1])
 
 
-def _die(scene: Scene, domain: Domain) -> DieSplit | None:
+def _die(scene: Scene, domain: Domain) -> _DieSplit | None:
     if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
         return None
     axis = pull_axis(scene)
-    return DieSplit(axis, parting_of(domain, axis))
+    return _DieSplit(axis, parting_of(domain, axis))

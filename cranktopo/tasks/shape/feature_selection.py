@@ -52,7 +52,7 @@ def _trial_text(trial: FeatureTrial) -> str:
     return f"{trial.step}: goal at {100 * abs(trial.objective):.2f} % of the original{violation}{gain}{out}"
 
 
-def no_web(reached: str) -> CranktopoError:
+def _no_web(reached: str) -> CranktopoError:
     """Return the error where no web keeps the limits.
 
     Args:
@@ -108,7 +108,7 @@ class FeatureSelection:
         """
         best = self._with_features(best)
         if best.violation > DOUBT:
-            raise no_web(
+            raise _no_web(
                 ", ".join(_required_and_reached(r, best.told, self._original) for r in self._goal.limits)
             )
         return best

@@ -134,9 +134,9 @@ class MeshModel:
 
         twist, bend = side_by_side(lambda: block("torsion"), lambda: block("bending"))
         if twist:
-            found["torsion"] = torsion_gradient(model, scene, twist)
+            found["torsion"] = _torsion_gradient(model, scene, twist)
         if bend:
-            found["bending"] = bending_gradient(model, scene, bend)
+            found["bending"] = _bending_gradient(model, scene, bend)
         if safety and twist and bend:
             fillets = safety.safety(model, scene, bend, twist)
             self._smoothing = self._smoothing or fillets.minimum / fillets.smooth
@@ -177,7 +177,7 @@ def _exact(meshed: MeshedThrow) -> Array:
     return np.array([half.volume_mm3, half.volume_mm3 * half.centre_mm[1], half.inertia_z_mm5])
 
 
-def torsion_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+def _torsion_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
     """Return the torsional stiffness, N m/rad, with the scene's support, and its derivative by the nodes.
 
     Args:
@@ -192,7 +192,7 @@ def torsion_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple
     return value, value / twist * block.parts * _work(model, scene, field)
 
 
-def bending_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+def _bending_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
     """Return the bending stiffness, N/mm, with the scene's support, and its derivative by the nodes.
 
     Args:

@@ -54,7 +54,7 @@ from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
 
-SHAPE_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
+_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """What a shape optimisation uses of a scene."""
 _KEPT = "work.json"
 _BEGUN = "begun"
@@ -106,7 +106,7 @@ def shape_design(
     if scene.envelope is None:
         raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
     settings = settings or shape_settings(scene)
-    assumed = assumptions(scene, SHAPE_TABLES)
+    assumed = assumptions(scene, _TABLES)
     if assumed:
         info(assumed_text(assumed))
     if isinstance(begun, RunStore):

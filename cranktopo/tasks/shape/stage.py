@@ -166,7 +166,7 @@ def optimise_shape(
     )
     stated = search_goal_of(goal, original.values, original.values, cases)
     layout, first = with_free(candidate.layout, candidate.values, scene, not_on_cells(scene), start.sizes)
-    finish = LocalRefinement(cells, stated, layout, original, settings, work)
+    finish = _LocalRefinement(cells, stated, layout, original, settings, work)
     rounds = finish.rounds(first)
     best = _best(rounds, stated)
     found = finish.anchored(rounds[best])
@@ -175,7 +175,7 @@ def optimise_shape(
     return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
 
 
-class LocalRefinement:
+class _LocalRefinement:
     """Webs of one layout on body-fitted elements, and what the default mesh says of them."""
 
     def __init__(

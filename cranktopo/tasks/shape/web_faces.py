@@ -39,7 +39,7 @@ _THICKNESS: DimensionName = "web_thickness"
 
 
 @dataclass(frozen=True)
-class FeatureFace(WebFace):
+class _FeatureFace(WebFace):
     """One of the faces of a feature.
 
     Attributes:
@@ -81,7 +81,7 @@ class FeatureFace(WebFace):
 
 
 @dataclass(frozen=True)
-class FilletedFlank(WebFace):
+class _FilletedFlank(WebFace):
     """Flank of a counterweight and the fillet it ends in, one smooth face; distances positive inside."""
 
     scene: Scene
@@ -120,7 +120,7 @@ class FilletedFlank(WebFace):
 
 
 @dataclass(frozen=True)
-class OutlineFace(WebFace):
+class _OutlineFace(WebFace):
     """The outline, swept along the crank axis; distances positive inside."""
 
     layout: Layout
@@ -161,13 +161,13 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
     """
     found = throw_faces(scene, mirrored, move_journals(layout.dimensions))
     throw = [ThrowFace(name, scene, layout, distance) for name, distance in found]
-    fillets = fillet_faces(scene, layout) if move_journals(layout.dimensions) else []
+    fillets = _fillet_faces(scene, layout) if move_journals(layout.dimensions) else []
     weight = scene.web.counterweight
-    flanks = [FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
-    return [*throw, *fillets, *flanks, OutlineFace(layout), *_feature_faces(scene, layout)]
+    flanks = [_FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
+    return [*throw, *fillets, *flanks, _OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
-def fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
+def _fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
     """Return both fillets of a scene; without one that is sharp."""
     return [
         FilletFace("fillet", scene, layout, partial(off_fillet, k), k)
@@ -183,7 +183,7 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
         named = dict.fromkeys(part.names, 1.0)
         count = len(part.faces_mm(named, np.array([-1.0, 9.0]) + origin, one, scene.web_z_mm))
         for number in range(count):
-            yield FeatureFace(f"{part.label} {number}", scene, layout, part, number, first)
+            yield _FeatureFace(f"{part.label} {number}", scene, layout, part, number, first)
         first += len(part.names)
 
 
