@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.outcome import goal_outcome, limit_outcome
+from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome, limit_outcome
 from cranktopo.report.goal_table import broken_limits, goal_line, limits_table
 from cranktopo.report.result_table import terminal
 
@@ -76,3 +78,18 @@ def test_percent_of_a_balanced_original_is_none() -> None:
     (limit,) = goal_outcome(goal, {"unbalance": 3.0}, {"unbalance": 0.0}).limits
     assert limit.reached_percent is None
     assert limit.holds is True
+
+
+def test_an_outcome_is_read_back_as_it_was_written_and_its_order_is_that_of_the_metrics() -> None:
+    goal = Goal("maximise", "torsion", (Limit("mass", "<=", 1.5), Limit("fatigue_safety", ">=", 1.2)))
+    cells = goal_outcome(goal, {"torsion": 150e3, "mass": 1.4}, ORIGINAL)
+    how = {"fillets": False, "element_size_mm": 4.2, "error_estimate_percent": {"torsion": 0.3}, "rounds": ()}
+    better = goal_outcome(goal, {"torsion": 151e3, "mass": 1.52}, ORIGINAL)
+    for found in (cells, cells.with_evaluation(better, **how), cells.without_evaluation("no mesh")):
+        text = json.dumps(found.as_json())
+        assert json.dumps(GoalOutcome.of_json(json.loads(text), "goal").as_json()) == text
+        assert text.startswith('{"maximise": "torsion", "reached": 150000.0')
+    mass, safety = cells.with_evaluation(better, **how).limits
+    assert (mass.holds, mass.reached, safety.holds) == (False, 1.4, None)
+    assert mass.evaluation is not None
+    assert mass.evaluation.reached == 1.52
