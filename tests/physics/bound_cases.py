@@ -54,7 +54,7 @@ def _relative(model: BoundModel, moduli: Array, solid: Array) -> Array:
     known = quantities(model.model, model.scene.material.density_kg_m3)
     found = Design(stiff, filled, works, works, u)
     sums = [float(known[name].value(found)) / model.original.quantities[name] for name in model.webs.amounts]
-    cases = zip(np.asarray(works), model.works.values(), strict=True)
+    cases = zip(np.asarray(works), model.reference_compliances.values(), strict=True)
     return np.array([*(work / own for work, own in cases), *sums])
 
 

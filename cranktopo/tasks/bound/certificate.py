@@ -133,14 +133,14 @@ def underestimator_of(
     cases: Sequence[str],
     proven: Energies,
     original: Mapping[str, float],
-    works: Mapping[str, float],
+    reference_compliances: Mapping[str, float],
 ) -> LinearUnderestimator:
     """Return what displacements prove, every quantity over that of the original web.
 
     Args:
-        works: compliances of the original web by load case, N mm.
+        reference_compliances: compliances of the original web by load case, N mm.
     """
-    cells = np.array([works[case] for case in cases])
+    cells = np.array([reference_compliances[case] for case in cases])
     sums = tuple(webs.amounts)
     scale = np.concatenate([cells, [original[name] or 1.0 for name in sums]])
     base = np.concatenate([proven.constant, [webs.fixed_amounts[name] for name in sums]])

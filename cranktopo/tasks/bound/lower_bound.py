@@ -71,7 +71,7 @@ class BoundModel:
     outside: float
 
     @property
-    def works(self) -> dict[str, float]:
+    def reference_compliances(self) -> dict[str, float]:
         """Compliances of the original, N mm, by load case."""
         return {case.name: case.compliance_N_mm for case in self.original.cases}
 
@@ -89,7 +89,7 @@ class BoundModel:
         """Return what displacements prove about every web."""
         proven = energies(self.model, self.webs, u)
         return underestimator_of(
-            self.webs, self.model.case_names, proven, self.original.quantities, self.works
+            self.webs, self.model.case_names, proven, self.original.quantities, self.reference_compliances
         )
 
 

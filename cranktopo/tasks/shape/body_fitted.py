@@ -40,12 +40,6 @@ class EvaluatedWeb:
         """Its quantities by name, in the units of the goal's limits."""
         return goal_values(self.scene, self.evaluation)
 
-    @property
-    def error_percent(self) -> dict[str, float]:
-        """Bound of the discretisation error of both stiffnesses."""
-        estimate: dict[str, float] = self.evaluation["error_estimate_percent"]
-        return estimate
-
 
 def evaluated_web(
     scene: Scene,
