@@ -1,4 +1,4 @@
-"""What was wanted and what was reached, as text and as a table."""
+"""Goal and limits with what was reached, as text and as a table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What became of a goal: each limit as required and as reached, the same for every optimiser."""
+"""Outcome of a goal: each limit as required and as reached, the same for every optimiser."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class LimitOutcome(Result):
     holds: bool | None
     """None where required or reached is unknown."""
     active: bool
-    """Whether the web is at the limit or beyond it."""
+    """True where the web is at the limit or beyond it."""
     assumed: bool
     evaluation: LimitEvaluation | None = UNLESS_NONE
     violation: float | None = Field(default=None, exclude=True)

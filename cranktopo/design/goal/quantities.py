@@ -1,4 +1,4 @@
-"""What a goal or a limit may speak of: name, units, which way is better, and what it takes to know it.
+"""Quantities of goals and limits: name, units, which way is better, and what it takes to know them.
 
 The only such table: the schema, the command line, the plan and the optimisers look a quantity up here.
 """

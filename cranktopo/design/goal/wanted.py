@@ -9,7 +9,7 @@ from cranktopo.design.goal.table import LimitsTable
 from cranktopo.design.schema import Scene
 
 _KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety")
-"""What may not become worse than the original's unless the goal or a limit says otherwise."""
+"""Quantities that may not become worse than the original's unless the goal or a limit says otherwise."""
 
 
 def wanted(scene: Scene) -> Goal | None:

@@ -60,4 +60,4 @@ def multipliers(
 
 
 _NEAR_LIMIT, _NEAR_MM = 2e-3, 0.05
-"""How near a limit (relative) and a rule or bound (mm, degrees) must be to count as active."""
+"""Distance from a limit (relative) and from a rule or bound (mm, degrees) that counts as active."""

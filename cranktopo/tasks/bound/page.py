@@ -1,4 +1,4 @@
-"""How far a result is from the best possible web, as a section of its page."""
+"""Distance of a result from the best possible web, as a section of its page."""
 
 from __future__ import annotations
 

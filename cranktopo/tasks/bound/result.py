@@ -1,4 +1,4 @@
-"""What `bound --json` prints, and the entry `bound` beside other results."""
+"""Output of `bound --json`, and the entry `bound` beside other results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a web is by the body-fitted evaluation, the last word on every limit."""
+"""A web by the body-fitted evaluation, which has the last word on every limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which features a web should have: each is tried for what it gains in the goal, and kept only if it pays."""
+"""Features of a web: each is tried for what it gains in the goal, and kept only if it pays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a pocket would pay most: what each cell is worth at an optimum, summed over pockets of two sizes."""
+"""Places where a pocket would pay most: the sensitivity of each cell, summed over pockets of two sizes."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from cranktopo.tasks.shape.search import SearchBudget, WebSolver, best_values
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
 _MISSED = 1.0
-"""What a relative excess of a limit costs in the goal when two webs are compared: above usual prices."""
+"""Cost of a relative excess of a limit in the goal when two webs are compared: above usual prices."""
 SHORTER = 0.25
 """Factor on the reach after a step that did not pay."""
 

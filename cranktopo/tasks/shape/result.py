@@ -40,7 +40,7 @@ class ShapeParameter(DimensionSensitivity):
     """A dimension of the optimum."""
 
     start: float | None
-    """Where the search began; None for a feature that it added."""
+    """Value at the start of the search; None for a feature that it added."""
 
 
 class SensitivityTable(Result):

@@ -55,7 +55,7 @@ from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_sh
 from cranktopo.tasks.shape.start import scene_start
 
 _TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
-"""What a shape optimisation uses of a scene."""
+"""Tables of a scene that a shape optimisation uses."""
 _KEPT = "work.json"
 _BEGUN = "begun"
 """Key of the scene whose web the search began with, among the manifest's options."""

@@ -24,7 +24,7 @@ from cranktopo.tasks.shape.web_model import Responses, WebModel
 
 EVALUATIONS = 20
 _REACH = 15.0
-"""How far a parameter may move in one search, mm or degrees."""
+"""Largest move of a parameter in one search, mm or degrees."""
 _RULES = 0.05
 """Weight of a millimetre of a manufacturing constraint against a limit's relative excess."""
 _KEPT_MM = 5e-3

@@ -1,4 +1,4 @@
-"""What a millimetre of each dimension is worth, what holds it, and the worst case within tolerances."""
+"""Sensitivities of the dimensions of a web, what holds them, and the worst case within tolerances."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a millimetre of each dimension is worth, what holds it, and the worst case, as tables and text."""
+"""Sensitivities of the dimensions, what holds them, and the worst case, as tables and text."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ DistanceOf = Callable[[Scene, Array], Array]
 _STEP = 1e-6
 """Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
 _BESIDE_MM = 1e-3
-"""How far beyond its rims a point may lie that counts as on a fillet."""
+"""Distance beyond its rims at which a point still counts as on a fillet."""
 
 
 @dataclass(frozen=True)
