@@ -10,11 +10,12 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.design.goal.outcome import goal_json
+from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run, open_run
+from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import ShapedRun
 from cranktopo.tasks.shape.stage import ShapeSettings
 
@@ -74,10 +75,10 @@ class ShapeStandIn:
             raise self.error
         (run.path / "web.toml").write_text(toml_text(scene.model_copy(update={"goal": None}), "result"))
         export_solid(scene, "half", run.path / "web.stl", 6.0)
-        data = self._data(scene)
-        (run.path / "shape.json").write_text(json.dumps(data))
+        result = ShapeResult.of_json(self._data(scene), "shape.json")
+        (run.path / "shape.json").write_text(json.dumps(result.as_json()))
         run.set_status("done")
-        return ShapedRun(run.path, data)
+        return ShapedRun(run.path, result)
 
     def _data(self, scene: Scene) -> dict[str, Any]:
         goal = wanted(scene)
@@ -85,8 +86,23 @@ class ShapeStandIn:
         now = {name: ORIGINAL[name] * self.percent.get(name, 100.0) / 100 for name in ORIGINAL}
         now |= {f"{name}_per_mass": now[name] / now["mass"] for name in ("torsion", "bending")}
         return {
+            "design": scene.name,
+            "status": "converged",
             "stop_reason": "as it was told",
-            "goal": goal_json(goal, now, ORIGINAL, 5e-4),
+            "original": {},
+            "change_percent": {},
+            "parameters": [],
+            "worst_case_percent": {},
+            "prices": [],
+            "goal_on_cells": {},
+            "prices_remainder_percent": 0.0,
+            "rule_prices": [],
+            "trials": [],
+            "rounds": [],
+            "best_round": 0,
+            "iterations": 0,
+            "evaluations": 0,
+            "goal": goal_outcome(goal, now, ORIGINAL, 5e-4).as_json(),
             "values": {"original": ORIGINAL, "result": now},
             "result": {
                 "supports": {"torsion": "free", "bending": "pinned"},

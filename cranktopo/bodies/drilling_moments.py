@@ -18,6 +18,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.web_moments import Moments, integrate
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.derivatives import central_difference
 from cranktopo.throw.drilling import Channel, Mouth, channels
 from cranktopo.throw.drilling_outlet import ring_points
 from cranktopo.throw.throw_view import ThrowView
@@ -188,14 +189,9 @@ def _ring(
     out = low[:, None] + (high - low)[:, None] * share
     at = [np.broadcast_to(v[:, None], out.shape).ravel() for v in (turn, arc)] + [out.ravel()]
     points = ring_points(radius_mm, mouth, *at)
-    edges = []
-    for axis in range(3):
-        step = [_STEP * (axis == other) for other in range(3)]
-        above, below = (
-            ring_points(radius_mm, mouth, *(a + sign * s for a, s in zip(at, step, strict=True)))
-            for sign in (1, -1)
-        )
-        edges.append((above - below) / (2 * _STEP))
+    edges = np.moveaxis(
+        central_difference(lambda moved: ring_points(radius_mm, mouth, *moved), np.stack(at), _STEP), -1, 0
+    )
     size = np.abs(np.einsum("ni,ni->n", edges[0], np.cross(edges[1], edges[2]))).reshape(out.shape)
     section = np.repeat(weight, _AROUND)[:, None] * weight * (high - low)[:, None]
     volume = (size * section).ravel() * 2 * np.pi / _AROUND

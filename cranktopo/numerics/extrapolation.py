@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
-LEAST_ORDER, MOST_ORDER = 1.0, 2.2
+MINIMUM_ORDER, MAXIMUM_ORDER = 1.0, 2.2
 """Orders of convergence of a stiffness in the element size: 1.09 at a sharp ring (Williams, 1952), about 2
 with fillets, a little above on coarse meshes."""
 _TYPICAL_ORDER = 1.3
@@ -16,8 +16,8 @@ _SEARCHED = 0.05, 8.0
 
 
 @dataclass(frozen=True)
-class Limit:
-    """What a sequence converges to.
+class Extrapolation:
+    """Limit of a sequence.
 
     Attributes:
         uncertainty_percent: half the width of the band that should hold the true value.
@@ -29,12 +29,12 @@ class Limit:
     order: float | None
 
     def error_percent(self, value: float) -> float:
-        """Error of a value against the limit, %."""
+        """Return the error of a value against the limit, %."""
         return 100 * (value / self.value - 1)
 
 
 def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
-    """Order p of values f + C h^p on three sizes.
+    """Return order p of values f + C h^p on three sizes.
 
     Args:
         sizes: three element sizes, falling.
@@ -57,8 +57,8 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
     return float(brentq(excess, low, high))
 
 
-def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None:
-    """The limit of values on falling sizes (Richardson, 1911).
+def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolation | None:
+    """Return the limit of values on falling sizes (Richardson, 1911).
 
     The band covers the limits that every plausible order would give; where none is observed a typical one
     gives the value. Where the three finest values go to and fro, their scatter is the band.
@@ -76,13 +76,13 @@ def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Limit | None
     fine, step = values[-1], values[-1] - values[-2]
     recent = values[-3:]
     if len(values) > 2 and (recent[0] - recent[1]) * step >= 0:
-        return Limit(fine, 100 * (max(recent) - min(recent)) / abs(fine), None)
-    used = min(max(order or _TYPICAL_ORDER, LEAST_ORDER), MOST_ORDER)
+        return Extrapolation(fine, 100 * (max(recent) - min(recent)) / abs(fine), None)
+    used = min(max(order or _TYPICAL_ORDER, MINIMUM_ORDER), MAXIMUM_ORDER)
     value = fine + step * _further(sizes, used)
-    ends = [fine + step * _further(sizes, p) for p in (LEAST_ORDER, MOST_ORDER)]
-    return Limit(value, 100 * max(abs(end - value) for end in ends) / abs(value), order)
+    ends = [fine + step * _further(sizes, p) for p in (MINIMUM_ORDER, MAXIMUM_ORDER)]
+    return Extrapolation(value, 100 * max(abs(end - value) for end in ends) / abs(value), order)
 
 
 def _further(sizes: Sequence[float], order: float) -> float:
-    """What is still to come over the last step, for an order."""
+    """Return what is still to come over the last step, for an order."""
     return 1 / (math.pow(sizes[-2] / sizes[-1], order) - 1)

@@ -1,113 +1,130 @@
-"""What was wanted and what was reached, as `goal` of metrics.json holds it."""
+"""Goal and limits with what was reached, as text and as a table."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.design.goal.outcome import ACTIVE
-from cranktopo.design.goal.quantities import QUANTITIES, GoalQuantity
+from cranktopo.design.goal.constraint import ACTIVE
+from cranktopo.design.goal.outcome import (
+    GoalEvaluation,
+    GoalOutcome,
+    GoalWords,
+    LimitEvaluation,
+    LimitOutcome,
+)
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 
-_Entry = Mapping[str, Any]
+
+def goal_of(metrics: Mapping[str, Any]) -> GoalOutcome | None:
+    """Return the goal of a run's metrics; None for a run without one."""
+    goal = metrics.get("goal")
+    return GoalOutcome.of_json(goal, "goal") if goal else None
 
 
-def goal_line(goal: _Entry, reference: str = "the original web") -> str:
-    """The goal and its value: `least mass: 1.407 kg, 88.6 % of the original web`."""
-    line = f"{goal_words(goal)}: {value_text(goal['reached'], quantity_of(goal).unit)}"
-    percent = goal["reached_percent"]
+def goal_line(goal: GoalOutcome, reference: str = "the original web") -> str:
+    """Return the goal and its value: `least mass: 1.407 kg, 88.6 % of the original web`."""
+    line = f"{goal_words(goal)}: {value_text(goal.reached, goal.quantity.unit)}"
+    percent = goal.reached_percent
     line = line if percent is None else f"{line}, {percent:.1f} % of {reference}"
-    better = {**goal, **goal["evaluation"]} if "evaluation" in goal else None
-    return (
-        line if better is None else f"{line}; by the evaluation {_reached({**better, 'unit': goal['unit']})}"
-    )
+    if goal.evaluation is None:
+        return line
+    return f"{line}; by the evaluation {_reached(goal.evaluation, goal.unit)}"
 
 
-def evaluation_note(goal: _Entry) -> str:
-    """What the evaluated columns of the limits are; empty for a goal that was not evaluated."""
-    if "evaluation" not in goal:
+def evaluation_note(goal: GoalOutcome) -> str:
+    """Return what the evaluated columns of the limits are; empty for a goal that was not evaluated."""
+    if goal.evaluation is None:
         return ""
-    size = goal["evaluation"]["element_size_mm"]
     return (
-        f"evaluated: the extracted surface on body-fitted elements of {size:.3g} mm, in percent of the "
-        "original web without fillets, since a density has none; these decide whether a limit holds"
+        f"evaluated: the extracted surface on body-fitted elements of {goal.evaluation.element_size_mm:.3g} "
+        "mm, in percent of the original web without fillets, since a density has none; these decide whether "
+        "a limit holds"
     )
 
 
-def goal_words(goal: _Entry) -> str:
-    """The goal without its value: `least mass`."""
-    return f"{'least' if 'minimise' in goal else 'largest'} {quantity_of(goal).label}"
+def goal_words(goal: GoalWords) -> str:
+    """Return the goal without its value: `least mass`."""
+    return f"{'least' if goal.minimise else 'largest'} {goal.quantity.label}"
 
 
-def quantity_of(goal: _Entry) -> GoalQuantity:
-    """The quantity that is minimised or maximised."""
-    return QUANTITIES[goal.get("minimise") or goal["maximise"]]
-
-
-def percent_line(goal: _Entry) -> str:
-    """Goal and limits in percent of the original where that is known: `mass 87.0 %, torsion 100.1 %`."""
-    own = {**goal, "quantity": quantity_of(goal).name}
-    told = [entry for entry in (own, *goal["limits"]) if entry["reached"] is not None]
-    texts = (f"{entry['quantity'].replace('_', ' ')} {_reached(entry)}" for entry in told)
+def percent_line(goal: GoalOutcome) -> str:
+    """Return goal and limits in percent of the original where known: `mass 87.0 %, torsion 100.1 %`."""
+    named: list[tuple[str, GoalOutcome | LimitOutcome]] = [(goal.quantity.name, goal)]
+    named += [(limit.quantity, limit) for limit in goal.limits]
+    texts = (
+        f"{name.replace('_', ' ')} {_reached(entry, entry.unit)}"
+        for name, entry in named
+        if entry.reached is not None
+    )
     return ", ".join(dict.fromkeys(texts))
 
 
-def limits_table(goal: _Entry) -> ResultTable:
-    """One row per limit: what is required, what was reached, and whether it holds."""
-    evaluated = any("evaluation" in entry for entry in goal["limits"])
-    return tabulate((*_COLUMNS[:-1], *_EVALUATED, _COLUMNS[-1]) if evaluated else _COLUMNS, goal["limits"])
+def limits_table(goal: GoalOutcome) -> ResultTable:
+    """Return one row per limit: what is required, what was reached, and whether it holds."""
+    evaluated = any(limit.evaluation for limit in goal.limits)
+    return tabulate((*_COLUMNS[:-1], *_EVALUATED, _COLUMNS[-1]) if evaluated else _COLUMNS, goal.limits)
 
 
-def broken_limits(goal: _Entry) -> list[str]:
-    """The limits that do not hold, with what was reached, by the evaluation where there is one."""
-    broken = ({**entry, **entry.get("evaluation", {})} for entry in goal["limits"] if entry["holds"] is False)
-    return [f"{_limit(entry)}: reached {value_text(entry['reached'], entry['unit'])}" for entry in broken]
+def broken_limits(goal: GoalOutcome) -> list[str]:
+    """Return the limits that do not hold, with what was reached, by the evaluation where there is one."""
+    return [
+        f"{_limit(limit)}: reached {value_text((limit.evaluation or limit).reached, limit.unit)}"
+        for limit in goal.limits
+        if limit.holds is False
+    ]
 
 
-def unjudged_line(goal: _Entry) -> str:
-    """Which limits could not be judged and why, where an evaluation of them failed; else empty."""
-    if "not_evaluated" not in goal:
+def unjudged_line(goal: GoalOutcome | None) -> str:
+    """Return which limits could not be judged and why, where an evaluation of them failed; else empty."""
+    if goal is None or goal.not_evaluated is None:
         return ""
-    limits = ", ".join(_limit(entry) for entry in goal["limits"] if entry["reached"] is not None)
+    limits = ", ".join(_limit(limit) for limit in goal.limits if limit.reached is not None)
     return (
-        f"not judged: {limits}: the evaluation failed, {goal['not_evaluated'].rstrip('.')}; "
+        f"not judged: {limits}: the evaluation failed, {goal.not_evaluated.rstrip('.')}; "
         "the limits hold in the cells only"
     )
 
 
 def value_text(value: float | None, unit: str) -> str:
-    """A value with its unit, large ones without decimals; a dash for what is not known."""
+    """Return a value with its unit, large ones without decimals; a dash for what is not known."""
     if value is None:
         return "-"
     number = f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
     return f"{number} {unit}".rstrip()
 
 
-def _limit(entry: _Entry) -> str:
-    if entry["required"] is None:
-        return f"{entry['quantity']} {entry['sense']} {entry['required_percent']:g} %"
-    return f"{entry['quantity']} {entry['sense']} {value_text(entry['required'], entry['unit'])}"
+def _limit(limit: LimitOutcome) -> str:
+    required = (limit.evaluation or limit).required
+    if required is None:
+        return f"{limit.quantity} {limit.sense} {limit.required_percent:g} %"
+    return f"{limit.quantity} {limit.sense} {value_text(required, limit.unit)}"
 
 
-def _reached(entry: _Entry) -> str:
-    percent = entry["reached_percent"]
-    return value_text(entry["reached"], entry["unit"]) if percent is None else f"{percent:.1f} %"
+def _reached(entry: GoalOutcome | GoalEvaluation | LimitOutcome, unit: str) -> str:
+    percent = entry.reached_percent
+    return value_text(entry.reached, unit) if percent is None else f"{percent:.1f} %"
 
 
-def _holds(entry: _Entry) -> str:
-    if entry["holds"] is None:
+def _holds(limit: LimitOutcome) -> str:
+    if limit.holds is None:
         return "not told"
-    return (f"yes, within {100 * ACTIVE:g} %" if entry["active"] else "yes") if entry["holds"] else "NO"
+    return (f"yes, within {100 * ACTIVE:g} %" if limit.active else "yes") if limit.holds else "NO"
 
 
-_COLUMNS: tuple[Column[_Entry], ...] = (
+def _evaluated(limit: LimitOutcome) -> LimitEvaluation:
+    assert limit.evaluation is not None
+    return limit.evaluation
+
+
+_COLUMNS: tuple[Column[LimitOutcome], ...] = (
     Column("limit", 0, _limit),
-    Column("reached", 0, lambda entry: value_text(entry["reached"], entry["unit"])),
-    Column("required_percent", 1, lambda entry: entry["required_percent"]),
-    Column("reached_percent", 1, lambda entry: entry["reached_percent"]),
+    Column("reached", 0, lambda limit: value_text(limit.reached, limit.unit)),
+    Column("required_percent", 1, lambda limit: limit.required_percent),
+    Column("reached_percent", 1, lambda limit: limit.reached_percent),
     Column("holds", 0, _holds),
 )
-_EVALUATED: tuple[Column[_Entry], ...] = (
-    Column("evaluated", 0, lambda entry: value_text(entry["evaluation"]["reached"], entry["unit"])),
-    Column("evaluated_percent", 1, lambda entry: entry["evaluation"]["reached_percent"]),
+_EVALUATED: tuple[Column[LimitOutcome], ...] = (
+    Column("evaluated", 0, lambda limit: value_text(_evaluated(limit).reached, limit.unit)),
+    Column("evaluated_percent", 1, lambda limit: _evaluated(limit).reached_percent),
 )

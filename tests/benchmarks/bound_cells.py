@@ -26,7 +26,7 @@ def print_cells(design: str, cells_mm: Sequence[float]) -> None:
     print("|---" * (len(cells_mm) + 3) + "|")
     for goal in GOALS:
         scene = with_goal(load_scene(design), **goal)
-        percent = [bound_of(scene, h)["bound"]["percent_of_original"] for h in cells_mm]
+        percent = [bound_of(scene, h).bound.percent_of_original for h in cells_mm]
         limit = extrapolate(cells_mm, percent)
         told = (
             "- | -"

@@ -76,7 +76,7 @@ def row(name: str, web: str, scene: Scene, values: dict[str, float], before: dic
 def shaped(scene: Scene, limits: tuple[str, ...], folder: Path) -> tuple[Scene, dict[str, Any]]:
     """The web of least mass and what its run tells."""
     goal = with_goal(scene, minimise="mass", maximise=None, limits=limits)
-    data = shape_design(goal, out=folder).data
+    data = shape_design(goal, out=folder).result.as_json()
     return load_scene(str(folder / "web.toml")), data["values"]
 
 

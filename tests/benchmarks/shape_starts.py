@@ -20,8 +20,8 @@ from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.goal_in_model import search_goal_of
-from cranktopo.tasks.shape.search import EVALUATIONS, Found, search
+from cranktopo.tasks.shape.search import EVALUATIONS, SearchResult, search_on_cells
+from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import bevel_start, outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
@@ -41,7 +41,7 @@ def main(engine: str = "mikron-iiic", quantity: str = "torsion_per_mass", starts
     pocket = [0.6 * thick, 0.4 * scene.throw.radius_mm, 0.4 * thick, 0.5 * thick, 0.3 * thick]
     bevels = [bevel_start(scene, bevel) for bevel in BEVELS]
     middle = np.concatenate([outline_start(scene, limits), *bevels, pocket])
-    found: list[tuple[Found, int]] = []
+    found: list[tuple[SearchResult, int]] = []
     with double_precision():
         model = web_model(scene, limits, CELL_MM)
         goal = wanted(scene)
@@ -49,7 +49,9 @@ def main(engine: str = "mikron-iiic", quantity: str = "torsion_per_mass", starts
         stated = search_goal_of(goal, model.original, model.original, model.model.cases)
         for number in range(starts):
             moved = np.random.default_rng(number).uniform(-SPREAD_MM, SPREAD_MM, len(middle))
-            one, solved = search(model, layout, middle + moved, stated, f"{number}", Work(), 2 * EVALUATIONS)
+            one, solved = search_on_cells(
+                model, layout, middle + moved, stated, f"{number}", Work(), 2 * EVALUATIONS
+            )
             if one is not None:
                 found.append((one, solved))
     found.sort(key=lambda item: item[0].objective)

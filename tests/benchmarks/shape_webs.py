@@ -72,10 +72,12 @@ def webs(name: str, goal: str) -> Iterator[tuple[str, dict[str, float], str]]:
     asked = {"minimise": goal, "maximise": None} if goal == "mass" else {"minimise": None, "maximise": goal}
     scene = with_goal(scene_of(name), limits=(), **asked)
     with tempfile.TemporaryDirectory() as folder:
-        shaped = shape_design(scene, out=Path(folder) / "shape").data
+        shaped = shape_design(scene, out=Path(folder) / "shape").result.as_json()
         yield "dimensions", shaped["change_percent"], _told(shaped)
         if name in THICKNESS_MM:
-            freed = shape_design(_thickness_free(scene, THICKNESS_MM[name]), out=Path(folder) / "free").data
+            freed = shape_design(
+                _thickness_free(scene, THICKNESS_MM[name]), out=Path(folder) / "free"
+            ).result.as_json()
             yield "dimensions, thickness free", freed["change_percent"], _told(freed)
         began = time.perf_counter()
         run = optimise_design(scene, Path(folder) / "density")

@@ -6,13 +6,13 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import design_text, designs_folder
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal
 from cranktopo.tasks.fatigue.rule_check import AlternatingLoads, RuleCheck, dimensions
@@ -42,7 +42,7 @@ def evaluated(name: str, torsion: float, error: float) -> Evaluation:
 @pytest.fixture(autouse=True)
 def _without_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
-    monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_beside", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_for_result", lambda *_: NoBound(none=""))
 
 
 @pytest.mark.slow
@@ -50,14 +50,18 @@ def test_what_no_web_can_beat(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     """Of the leading web at its mass, as a curve in the plots; not asked for where it is switched off."""
     asked: list[dict[str, float]] = []
 
-    def bounds(scene: Scene, reached: dict[str, float], *_: object) -> dict[str, Any]:
+    def bounds(scene: Scene, reached: dict[str, float], *_: object) -> BoundStatements:
         asked.append(reached)
         entry = {"quantity": "torsion", "value": 1.0, "percent_of_original": 108.0, "dropped": []}
-        told = {"reached_percent": reached["torsion"], "at_mass_percent": 75.0, "model": {"cell_mm": 4.0}}
+        told = {
+            "reached_percent": reached["torsion"],
+            "at_mass_percent": 75.0,
+            "model": {"cell_mm": 4.0, "error_percent": {}},
+        }
         curves = {"mass_percent": [70.0, 100.0], "torsion_percent": [None, 115.0]}
-        return {"statements": [entry | told], "stiffest": curves}
+        return BoundStatements.of_json({"statements": [entry | told], "stiffest": curves}, "bound")
 
-    monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_beside", bounds)
+    monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_for_result", bounds)
     path = tmp_path / "page.html"
     command = ["compare", NAMES[0], str(copied(NAMES[0], tmp_path)), "--baseline", NAMES[0], "--quiet"]
     assert main([*command, "--report", str(path), "--plot", str(tmp_path / "plot.png")]) == 0

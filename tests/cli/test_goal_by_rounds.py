@@ -20,8 +20,9 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Work
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.outcome import limit_outcomes
+from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.bound.result import NoBound
 from cranktopo.tasks.density.responses import Response
 from cranktopo.tasks.density.state import Record, State
 from cranktopo.tasks.density.statement import Requirement
@@ -76,12 +77,12 @@ def bounds() -> Iterator[list[dict[str, float]]]:
     """What the bound, which is no subject here, is asked to stand beside, percent of the original."""
     asked: list[dict[str, float]] = []
 
-    def beside(_: Scene, reached: dict[str, float], *__: Any) -> dict[str, Any]:
+    def beside(_: Scene, reached: dict[str, float], *__: Any) -> NoBound:
         asked.append(reached)
-        return {"none": "not proven"}
+        return NoBound(none="not proven")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cranktopo.tasks.optimise.judgement.bounds_beside", beside)
+        patch.setattr("cranktopo.tasks.optimise.judgement.bounds_for_result", beside)
         yield asked
 
 
@@ -191,7 +192,7 @@ class Invented:
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
         in_cells = Requirement(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
-        (outcome,) = limit_outcomes(self.goal, self.reached(state), self.original())
+        (outcome,) = goal_outcome(self.goal, self.reached(state), self.original()).limits
         return (CheckedLimit(in_cells, in_cells.bound, outcome),)
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.tasks.bound.result import NoBound
 from cranktopo.tasks.designs.run_webs import web_target
 from cranktopo.tasks.iterate import loop, shape_step
 from tests.cli.test_iterate import with_stand_ins
@@ -26,7 +27,7 @@ def stand_in(monkeypatch: pytest.MonkeyPatch) -> ShapeStandIn:
     monkeypatch.setattr(shape_step, "resume_shape", found.resume)
     # The bound itself is no subject here, only what it is asked to stand beside.
     monkeypatch.setattr(
-        loop, "bounds_beside", lambda _, reached, *__: {"none": f"beside {reached['torsion']} %"}
+        loop, "bounds_for_result", lambda _, reached, *__: NoBound(none=f"beside {reached['torsion']} %")
     )
     return found
 

@@ -28,7 +28,7 @@ def light(scene: Scene) -> Scene:
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     folder = tmp_path_factory.mktemp("shape") / "run"
     found = shape_design(light(load_scene("mikron-iiic")), COARSE, folder)
-    return folder, found.data
+    return folder, found.result.as_json()
 
 
 @pytest.mark.slow
@@ -108,7 +108,7 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_web(
         shape_design(light(load_scene("mikron-iiic")), COARSE, tmp_path / "run")
     assert error.value.code == ExitCode.INTERRUPTED
     monkeypatch.undo()
-    again = resume_shape(str(tmp_path / "run")).data
+    again = resume_shape(str(tmp_path / "run")).result.as_json()
     assert again["parameters"] == data["parameters"]
     assert again["values"] == data["values"]
 

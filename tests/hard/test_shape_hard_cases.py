@@ -21,13 +21,12 @@ from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.feature_selection import Growth
-from cranktopo.tasks.shape.goal_in_model import search_goal_of
+from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
-from cranktopo.tasks.shape.search import Effort, best_values, search, shaped_scene
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.search import SearchBudget, best_values, search_on_cells, shaped_scene
+from cranktopo.tasks.shape.search_goal import SearchGoal, search_goal_of
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
@@ -86,10 +85,10 @@ def stated(goal: Goal, model: WebModel) -> SearchGoal:
     return search_goal_of(goal, model.original, model.original, model.model.cases)
 
 
-def growth(model: WebModel, goal: Goal, told: list[str]) -> Growth:
+def growth(model: WebModel, goal: Goal, told: list[str]) -> FeatureSelection:
     """On cells that err in nothing, so that they stand for the elements as well."""
     both = stated(goal, model)
-    return Growth(model, model.webs(), (both, both), model.original, Work(told.append))
+    return FeatureSelection(model, model.webs(), (both, both), model.original, Work(told.append))
 
 
 @pytest.mark.parametrize("name", STARTS)
@@ -100,10 +99,10 @@ def test_a_start_that_breaks_the_rules_ends_in_a_web_that_can_be_made(
     web, values = model.web(layout), np.array(start)
     before = rules_at(mikron, web, values)
     outside = (values < web.bounds[0]) | (values > web.bounds[1])
-    assert any(rule in broken for broken in before.broken) or outside.any()
-    found, _ = search(model, layout, values, stated(LIGHT, model), name, Work(), 12, nearest=True)
+    assert any(rule in broken for broken in before.violated) or outside.any()
+    found, _ = search_on_cells(model, layout, values, stated(LIGHT, model), name, Work(), 12, nearest=True)
     assert found is not None
-    assert rules_at(mikron, web, found.values).broken == ()
+    assert rules_at(mikron, web, found.values).violated == ()
     assert shaped_scene(mikron, layout, found.values).web.thickness_mm == mikron.web.thickness_mm
 
 
@@ -130,7 +129,7 @@ def test_limits_that_no_web_meets_name_what_the_nearest_reaches(
     growing = growth(model, goal, [])
     start = outline_start(mikron, usual_limits(mikron))
     with pytest.raises(CranktopoError) as error:
-        growing.grown(growing.first(Layout(7), start))
+        growing.select(growing.first(Layout(7), start))
     assert error.value.code == ExitCode.CRITERION_NOT_MET
     assert error.value.hint
     for limit in asked:
@@ -178,9 +177,9 @@ def test_fillets_grow_no_further_than_their_shoulders_let_them(mikron: Scene) ->
     values = np.array([*OUTLINE, *starts])
     layout, start = with_free(Layout(7, bevels), values, scene, free_dimensions(scene))
     webs, goal = Plane(scene), SearchGoal("mass", 1.0, 500.0, ())
-    found, _ = best_values(lambda: webs, layout, start, goal, "a", Work(), Effort(60, 8.0))
+    found, _ = best_values(lambda: webs, layout, start, goal, "a", Work(), SearchBudget(60, 8.0))
     assert found is not None
-    assert rules_at(scene, webs.web(layout), found).broken == ()
+    assert rules_at(scene, webs.web(layout), found).violated == ()
     shaped = shaped_scene(scene, layout, found)
     pin, main = shaped.throw.crankpin, shaped.throw.main_journal
     assert pin.fillet_mm == pytest.approx(5.4)

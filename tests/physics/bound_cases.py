@@ -15,7 +15,7 @@ from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.grid.lattice import Lattice
 from cranktopo.tasks.bound.lower_bound import BoundModel
-from cranktopo.tasks.bound.webs import Webs
+from cranktopo.tasks.bound.webs import AdmissibleDensities
 from cranktopo.tasks.density.chain import build_chain
 from cranktopo.tasks.density.material import CONTRAST, physical_density
 from cranktopo.tasks.density.model import ThrowModel, case_forces
@@ -54,7 +54,7 @@ def _relative(model: BoundModel, moduli: Array, solid: Array) -> Array:
     known = quantities(model.model, model.scene.material.density_kg_m3)
     found = Design(stiff, filled, works, works, u)
     sums = [float(known[name].value(found)) / model.original.quantities[name] for name in model.webs.amounts]
-    cases = zip(np.asarray(works), model.works.values(), strict=True)
+    cases = zip(np.asarray(works), model.reference_compliances.values(), strict=True)
     return np.array([*(work / own for work, own in cases), *sums])
 
 
@@ -100,7 +100,7 @@ def own_body(model: BoundModel) -> Array:
     return build_domain(model.scene, cell_mm, "web", domain.extent, domain.grid).fixed
 
 
-def loaded_bar(layers: int = 8) -> tuple[ThrowModel, Webs, float]:
+def loaded_bar(layers: int = 8) -> tuple[ThrowModel, AdmissibleDensities, float]:
     """A bar along z, clamped at one end, pulled evenly at each layer, without Poisson's ratio.
 
     Returns:
@@ -115,6 +115,6 @@ def loaded_bar(layers: int = 8) -> tuple[ThrowModel, Webs, float]:
     forces[..., 1:] = end[..., None] * pulls
     normal = np.cumsum(pulls[::-1])[::-1]
     solid = np.ones(lattice.cells)
-    webs = Webs(0 * solid, solid, slice(0, layers), {"mass": solid}, {"mass": 0.0})
+    webs = AdmissibleDensities(0 * solid, solid, slice(0, layers), {"mass": solid}, {"mass": 0.0})
     volume = solid.sum() / 4
     return replace(beam, forces=jnp.asarray(forces)), webs, float(normal.sum()) ** 2 / (modulus * volume)

@@ -11,16 +11,20 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.goal.changing import with_goal
-from cranktopo.design.goal.limit import Limit
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
-from cranktopo.tasks.bound.curve import stiffest, stiffness_percent
-from cranktopo.tasks.bound.energies import energies
+from cranktopo.tasks.bound.bound_for_result import stiffest, stiffness_percent
+from cranktopo.tasks.bound.certificate import (
+    LinearUnderestimator,
+    best_certificate,
+    energies,
+    underestimator_of,
+)
+from cranktopo.tasks.bound.convex_problem import STIFFNESSES
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
-from cranktopo.tasks.bound.proof import Plane, best_proof, plane_of
-from cranktopo.tasks.bound.requirements import STIFFNESSES, Ceiling
 from cranktopo.tasks.bound.sizing import next_densities
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.response import solve
@@ -59,10 +63,10 @@ def lightest(mikron: Scene, model: BoundModel) -> Bound:
 
 
 @pytest.fixture(scope="module")
-def planes(model: BoundModel, lightest: Bound) -> tuple[Plane, Plane]:
+def planes(model: BoundModel, lightest: Bound) -> tuple[LinearUnderestimator, LinearUnderestimator]:
     """What good displacements prove, and those of a uniform density."""
     bad = model.solved(np.full(model.webs.design.shape, 0.5), None, 1e-3)
-    return model.plane(lightest.displacements), model.plane(bad)
+    return model.underestimator(lightest.displacements), model.underestimator(bad)
 
 
 @pytest.fixture(scope="module")
@@ -77,13 +81,15 @@ def made(mikron: Scene, model: BoundModel) -> list[Array]:
     return [*webs, quantities_of_body(model, own_body(model))]
 
 
-def test_no_web_beats_the_inequality(planes: tuple[Plane, Plane], made: list[Array]) -> None:
+def test_no_web_beats_the_inequality(
+    planes: tuple[LinearUnderestimator, LinearUnderestimator], made: list[Array]
+) -> None:
     """With no weights, and no tolerance: rounding is in the bound."""
     draw = np.random.default_rng(0)
     for plane in planes:
         for _ in range(30):
             weights = draw.exponential(size=5) * [1, 1, 1, 1, draw.choice([-1, 0, 1])]
-            least = plane.least(weights)[0]
+            least = plane.minimum(weights)[0]
             assert all(least <= weights @ web for web in made)
 
 
@@ -96,9 +102,13 @@ def test_no_web_is_lighter_than_the_lightest(lightest: Bound, made: list[Array],
     assert 0.97 * lightest.reached < lightest.value <= lightest.reached * (1 + 1e-3) < original
 
 
-def test_a_bad_proof_is_a_proof(planes: tuple[Plane, Plane], lightest: Bound) -> None:
-    goal, ceilings = np.array([0.0, 0.0, 1.0, 0.0, 0.0]), lightest.wanted.ceilings
-    good, bad = (best_proof(plane, goal, ceilings, np.ones(len(ceilings))).value for plane in planes)
+def test_a_bad_proof_is_a_proof(
+    planes: tuple[LinearUnderestimator, LinearUnderestimator], lightest: Bound
+) -> None:
+    goal, constraints = np.array([0.0, 0.0, 1.0, 0.0, 0.0]), lightest.problem.constraints
+    good, bad = (
+        best_certificate(plane, goal, constraints, np.ones(len(constraints))).value for plane in planes
+    )
     assert 0 < bad < 0.98 * good
 
 
@@ -141,14 +151,14 @@ def test_a_die_leaves_less(mikron: Scene, lightest: Bound) -> None:
     with double_precision():
         model = bound_model(scene, CELL_MM)
         die = found(scene, model, minimise="mass")
-        plane = model.plane(die.displacements)
+        plane = model.underestimator(die.displacements)
         webs = [quantities_of(model, pressed(scene, model, seed), 2.0) for seed in range(4)]
         assert model.webs.die is not None
         assert die.value is not None
         assert lightest.value is not None
         assert die.value > lightest.value
         for weights in np.random.default_rng(1).exponential(size=(20, 5)):
-            assert all(plane.least(weights)[0] <= weights @ web for web in webs)
+            assert all(plane.minimum(weights)[0] <= weights @ web for web in webs)
 
 
 def test_a_pocket_in_the_counterweight_is_among_the_webs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -177,15 +187,15 @@ def test_the_best_bar_is_known() -> None:
     with double_precision():
         model, webs, least = loaded_bar()
         density = np.full(webs.design.shape, 0.5)
-        ceilings = [Ceiling("mass", 1.0, webs.design.sum() / 4, Limit("mass", "<=", 1.0))]
+        constraints = [Constraint("mass", "<=", webs.design.sum() / 4)]
         weights, goal = np.ones(1), np.array([1.0, 0.0])
         for _ in range(12):
             moduli = jnp.asarray(CONTRAST + (1 - CONTRAST) * density)
             u = solve(model, moduli, tolerance=1e-8).displacements
-            plane = plane_of(webs, ("end",), energies(model, webs, u), {"mass": 1.0}, {"end": 1.0})
-            proof = best_proof(plane, goal, ceilings, weights)
+            plane = underestimator_of(webs, ("end",), energies(model, webs, u), {"mass": 1.0}, {"end": 1.0})
+            proof = best_certificate(plane, goal, constraints, weights)
             assert proof.value <= least
-            density, weights = next_densities(plane, 1, density, goal, ceilings, weights)
+            density, weights = next_densities(plane, 1, density, goal, constraints, weights)
         assert proof.value > 0.99 * least
 
 

@@ -48,7 +48,7 @@ def test_the_drilling_stands_still(float64: None) -> None:
     above, below = (
         model.responses(start.values + sign * step / 50, ("torsion",)).values["torsion"] for sign in (1, -1)
     )
-    assert found.slopes["torsion"][3] == pytest.approx((above - below) / 0.02, rel=1e-5)
+    assert found.gradients["torsion"][3] == pytest.approx((above - below) / 0.02, rel=1e-5)
 
 
 def test_free_journals_do_not_take_rounded_outlets_along() -> None:

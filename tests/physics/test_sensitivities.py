@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
@@ -16,12 +17,16 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.active_constraints import held_by
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.result import DimensionSensitivity
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
-from cranktopo.tasks.shape.sensitivities import Dimension, dimensions, worst_case_percent
+from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.sensitivities import (
+    active_constraints,
+    dimension_sensitivities,
+    worst_case_percent,
+)
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.side_pocket import FittedSlot
 from tests.physics.shape_cases import Array, full_web
@@ -30,13 +35,13 @@ SIZE_MM = 10.0
 
 
 @pytest.fixture(scope="module")
-def found() -> tuple[Dimension, ...]:
+def found() -> tuple[DimensionSensitivity, ...]:
     scene, layout, values = full_web()
     webs = MeshedWebs(scene, usual_limits(scene), SIZE_MM)
     web = webs.web(layout)
     responses = webs.responses(web, values)
-    held = held_by(scene, web, values, rules_at(scene, web, values))
-    return dimensions(web, values, responses, responses.values, held)
+    held = active_constraints(scene, web, values, rules_at(scene, web, values))
+    return dimension_sensitivities(web, values, responses, responses.values, held)
 
 
 def changed(name: str, step: float) -> Scene:
@@ -47,7 +52,7 @@ def changed(name: str, step: float) -> Scene:
 
 
 @pytest.mark.parametrize("name", ["half_width_3", "groove.draft", "box-pin.size_x"])
-def test_mass_is_that_of_the_exact_solid(found: tuple[Dimension, ...], name: str) -> None:
+def test_mass_is_that_of_the_exact_solid(found: tuple[DimensionSensitivity, ...], name: str) -> None:
     """Central differences of the solid by the CAD kernel; the mesh has chords, a percent is its own."""
     (row,) = [row for row in found if row.name == name]
     above, below, here = (half_throw_volume_mm3(changed(name, step)) for step in (0.05, -0.05, 0.0))
@@ -58,7 +63,7 @@ def test_mass_is_that_of_the_exact_solid(found: tuple[Dimension, ...], name: str
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["half_width_3", "groove.floor"])
-def test_stiffness_is_that_of_new_meshes(found: tuple[Dimension, ...], name: str) -> None:
+def test_stiffness_is_that_of_new_meshes(found: tuple[DimensionSensitivity, ...], name: str) -> None:
     """Evaluations of webs 1.5 mm apart on each side, on new meshes that scatter by some 0.2 %."""
     (row,) = [row for row in found if row.name == name]
     above, below = (
@@ -70,7 +75,7 @@ def test_stiffness_is_that_of_new_meshes(found: tuple[Dimension, ...], name: str
         assert row.per_unit_percent[quantity] == pytest.approx(measured, abs=0.12), quantity
 
 
-def test_the_worst_case_is_the_sum_of_all(found: tuple[Dimension, ...]) -> None:
+def test_the_worst_case_is_the_sum_of_all(found: tuple[DimensionSensitivity, ...]) -> None:
     worst = worst_case_percent(found, 0.2)
     assert worst["mass"] == pytest.approx(0.2 * sum(abs(d.per_unit_percent["mass"]) for d in found))
     assert set(worst) == set(found[0].per_unit_percent)
@@ -88,7 +93,7 @@ def plain(changes: dict[str, float]) -> tuple[Scene, MeshedWebs, Layout, Array]:
 
 def holders(scene: Scene, web: ParametricWeb, values: Array, goal: Any = None) -> dict[str, tuple[str, ...]]:
     """What holds each dimension, by its name."""
-    told = held_by(scene, web, values, rules_at(scene, web, values), goal)
+    told = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
     return dict(zip(web.layout.names, told, strict=True))
 
 
@@ -115,12 +120,12 @@ def test_a_wall_holds_every_dimension_that_it_depends_on() -> None:
     place = layout.names.index("groove.height")
     rules = rules_at(scene, web, values)
     at = rules.names.index(rule)
-    values[place] -= rules.excess[at] / rules.slopes[at, place]
+    values[place] -= rules.excess[at] / rules.gradients[at, place]
     told = holders(scene, web, values)
     assert all(told[f"groove.{name}"] == (rule,) for name in ("height", "floor", "offset"))
     assert told["y_low"] == ()
     values[place] += 1.0
-    assert rules_at(scene, web, values).broken == (rule,)
+    assert rules_at(scene, web, values).violated == (rule,)
 
 
 def test_with_a_goal_only_what_is_against_it_holds() -> None:
@@ -131,7 +136,7 @@ def test_with_a_goal_only_what_is_against_it_holds() -> None:
     slopes["mass"][[layout.names.index(n) for n in ("bevel-journal.depth", "groove.draft")]] = -0.01
     slopes["torsion"][layout.names.index("half_width_1")] = -1.0
     found = MeshResponses({"mass": 1.7, "torsion": 100.0}, slopes)
-    goal = SearchGoal("mass", 1.0, 1.6, (SearchLimit("torsion", ">=", 100.0),))
+    goal = SearchGoal("mass", 1.0, 1.6, (Constraint("torsion", ">=", 100.0),))
     wanted = goal, found, {"mass": 1.6, "torsion": 100.0}
     told = holders(scene, web, values, wanted)
     assert told["bevel-journal.depth"] == ("greatest value of its range, 16 mm",)
@@ -147,7 +152,7 @@ def test_a_rule_holds_only_in_its_direction(gain: float, held: tuple[str, ...]) 
     web, place = webs.web(layout), layout.names.index("groove.height")
     rules = rules_at(scene, web, values)
     at = rules.names.index("least wall beside the groove, 3 mm")
-    values[place] -= rules.excess[at] / rules.slopes[at, place]
+    values[place] -= rules.excess[at] / rules.gradients[at, place]
     slopes = {"mass": np.full(len(values), gain)}
     wanted = SearchGoal("mass", 1.0, 1.6, ()), MeshResponses({"mass": 1.7}, slopes), {"mass": 1.6}
     assert holders(scene, web, values, wanted)["groove.height"] == held

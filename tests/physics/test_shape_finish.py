@@ -20,7 +20,7 @@ from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
-from cranktopo.tasks.shape.search import Effort, best_values
+from cranktopo.tasks.shape.search import SearchBudget, best_values
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape_cases import COARSE_MM, Array
@@ -52,7 +52,7 @@ class Brittle:
 def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> None:
     webs, told = Brittle(load_scene("mikron-iiic"), 31.0), list[str]()
     goal = SearchGoal("torsion", -1.0, 30.0, ())
-    effort = Effort(40, 8.0)
+    effort = SearchBudget(40, 8.0)
     found, _ = best_values(lambda: webs, LAYOUT, START, goal, "a", Work(told.append), effort)
     assert found is not None
     assert 30.0 < found[4] <= 31.0
@@ -63,7 +63,7 @@ def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> Non
 def test_a_first_web_that_cannot_be_solved_is_an_error() -> None:
     webs, goal = Brittle(load_scene("mikron-iiic"), 10.0), SearchGoal("mass", 1.0, 1.0, ())
     with pytest.raises(CranktopoError, match="folds"):
-        best_values(lambda: webs, LAYOUT, START, goal, "a", Work(), Effort(40, 8.0))
+        best_values(lambda: webs, LAYOUT, START, goal, "a", Work(), SearchBudget(40, 8.0))
 
 
 def test_a_web_on_which_the_usual_meshes_fold_is_meshed() -> None:

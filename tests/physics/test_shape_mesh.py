@@ -86,7 +86,9 @@ def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
         above, below = (case.model.responses(case.values + s * step * direction) for s in (1, -1))
         for name, value in case.found.values.items():
             measured = (above.values[name] - below.values[name]) / (2 * step)
-            assert case.found.slopes[name] @ direction == pytest.approx(measured, rel=1e-4, abs=1e-8 * value)
+            assert case.found.gradients[name] @ direction == pytest.approx(
+                measured, rel=1e-4, abs=1e-8 * value
+            )
 
 
 def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -> None:
@@ -159,7 +161,7 @@ def test_gradients_by_each_parameter_are_those_of_the_moved_mesh(case: Case) -> 
         for quantity, value in case.found.values.items():
             measured = (above.values[quantity] - below.values[quantity]) / (2 * step)
             exact = pytest.approx(measured, rel=1e-3, abs=1e-7 * value)
-            assert case.found.slopes[quantity][i] == exact, f"{quantity} by {name}"
+            assert case.found.gradients[quantity][i] == exact, f"{quantity} by {name}"
 
 
 @pytest.mark.slow

@@ -10,14 +10,15 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
-from cranktopo.tasks.shape.refining import MatchedWebs, Refinement, Told, merit, refined
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.refining import CorrectedSurrogate, Refinement, merit, refined
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape_cases import Array
 
@@ -48,7 +49,7 @@ class Bowls:
     def web(self, layout: Layout) -> ParametricWeb:
         return MeshedWebs(self.scene, ManufacturingLimits(), 10.0).web(layout)
 
-    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Told:
+    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
         if values[4] > self.widest_mm:
             raise CranktopoError("mesh: an element folds.", hint="Smaller steps.", code=ExitCode.SOLVER)
         self.solved += 1
@@ -58,7 +59,7 @@ class Bowls:
         found = {"mass": (100 + float(self.steepness @ away**2), slope)}
         if self.knows_torsion:
             found["torsion"] = (values[4] + 0.01 * values[4] ** 2, second)
-        return Told({k: v for k, (v, _) in found.items()}, {k: s for k, (_, s) in found.items()})
+        return Quantities({k: v for k, (v, _) in found.items()}, {k: s for k, (_, s) in found.items()})
 
 
 def bowls(widest_mm: float = np.inf) -> tuple[Bowls, Bowls]:
@@ -73,14 +74,16 @@ def test_a_matched_web_has_the_value_and_the_slopes_of_the_exact_one() -> None:
     web, names = exact.web(LAYOUT), ("mass", "torsion")
     at = START + 0.3
     truth = exact.responses(web, at, names)
-    matched = MatchedWebs(rough, at, rough.responses(web, at, names), truth)
+    matched = CorrectedSurrogate(rough, at, rough.responses(web, at, names), truth)
     found = matched.responses(web, at, names)
     assert found.values == pytest.approx(truth.values, rel=1e-14)
     for name in names:
-        assert found.slopes[name] == pytest.approx(truth.slopes[name], abs=1e-12)
+        assert found.gradients[name] == pytest.approx(truth.gradients[name], abs=1e-12)
     step = np.linspace(-1, 1, len(at))
     away = matched.responses(web, at + step, ("torsion",))
-    assert away.values["torsion"] == pytest.approx(truth.values["torsion"] + truth.slopes["torsion"] @ step)
+    assert away.values["torsion"] == pytest.approx(
+        truth.values["torsion"] + truth.gradients["torsion"] @ step
+    )
 
 
 def test_the_optimum_is_that_of_the_meshed_webs() -> None:
@@ -94,7 +97,7 @@ def test_the_optimum_is_that_of_the_meshed_webs() -> None:
 def test_a_limit_that_only_the_meshed_webs_know_is_kept() -> None:
     """With the second half-width held at 29 mm or less the bowl's lowest point is out of reach."""
     rough, exact = bowls()
-    goal = SearchGoal("mass", 1.0, 100.0, (SearchLimit("torsion", "<=", 29.0 + 0.01 * 29.0**2),))
+    goal = SearchGoal("mass", 1.0, 100.0, (Constraint("torsion", "<=", 29.0 + 0.01 * 29.0**2),))
     found = refined(rough, exact, LAYOUT, START, goal, Work(), EXTENT)
     assert found.values[MIDDLE] == pytest.approx([TRUE[0], 29.0, TRUE[2]], abs=0.02)
     assert merit(goal, found.found.values) == pytest.approx(1.01, abs=1e-4)

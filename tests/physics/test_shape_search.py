@@ -9,15 +9,16 @@ import pytest
 from numpy.testing import assert_allclose
 
 from cranktopo.base.progress import Work
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import prices
+from cranktopo.numerics.optimisers.multipliers import multipliers
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.dimensions import with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.search import Found, prices_of, search
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.search import SearchResult, multipliers_of, search_on_cells
+from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
@@ -63,10 +64,10 @@ def test_gradients_of_every_quantity_are_those_of_differences(model: WebModel, m
         ahead, back = (model.responses(web, values + sign * move, ()).values for sign in (1, -1))
         for quantity in QUANTITIES:
             slope = (ahead[quantity] - back[quantity]) / (2 * step)
-            scale = np.abs(found.slopes[quantity]).max()
+            scale = np.abs(found.gradients[quantity]).max()
             message = f"{quantity} by {name}"
             assert_allclose(
-                found.slopes[quantity][index], slope, rtol=1e-4, atol=1e-4 * scale, err_msg=message
+                found.gradients[quantity][index], slope, rtol=1e-4, atol=1e-4 * scale, err_msg=message
             )
 
 
@@ -90,8 +91,10 @@ def test_gradients_by_free_bores_are_those_of_differences(mikron: Scene) -> None
             for name in QUANTITIES:
                 slope = (ahead[name] - back[name]) / (2 * step)
                 told = f"{name} by {layout.names[index]}"
-                scale = np.abs(found.slopes[name]).max()
-                assert_allclose(found.slopes[name][index], slope, rtol=1e-4, atol=1e-4 * scale, err_msg=told)
+                scale = np.abs(found.gradients[name]).max()
+                assert_allclose(
+                    found.gradients[name][index], slope, rtol=1e-4, atol=1e-4 * scale, err_msg=told
+                )
         solid = bored.responses(bored.web(Layout(7, PARTS)), values[:-2], ()).values["mass"]
     gone = np.pi / 4 * 19.0**2 * (19 + 18) * 2 * scene.material.density_kg_m3 * 1e-9
     assert solid - found.values["mass"] == pytest.approx(gone, rel=0.04)
@@ -121,7 +124,7 @@ def test_prices_of_a_problem_in_closed_form() -> None:
     x, y = np.sqrt(2), 1 / np.sqrt(2)
     none = np.zeros(0), np.zeros((0, 2))
     limit = np.array([1 - x * y]), np.array([[-y, -x]])
-    found = prices(np.array([1.0, 2.0]), limit, none, (np.ones(2), np.ones(2)))
+    found = multipliers(np.array([1.0, 2.0]), limit, none, (np.ones(2), np.ones(2)))
     assert found.limits == pytest.approx([np.sqrt(2)], rel=1e-12)
     assert found.remainder < 1e-12
 
@@ -129,50 +132,50 @@ def test_prices_of_a_problem_in_closed_form() -> None:
 def test_a_limit_that_is_not_active_has_no_price() -> None:
     rows = np.array([[-1.0, 0.0], [0.0, -1.0]])
     none = np.zeros(0), np.zeros((0, 2))
-    found = prices(np.array([3.0, 0.0]), (np.array([0.0, -0.5]), rows), none, (np.ones(2), np.ones(2)))
+    found = multipliers(np.array([3.0, 0.0]), (np.array([0.0, -0.5]), rows), none, (np.ones(2), np.ones(2)))
     assert found.limits == pytest.approx([3.0, 0.0])
 
 
 def test_a_search_makes_the_web_lighter_and_keeps_both_stiffnesses(model: WebModel, mikron: Scene) -> None:
     original = model.original
-    limits = tuple(SearchLimit(name, ">=", original[name]) for name in ("torsion", "bending"))
+    limits = tuple(Constraint(name, ">=", original[name]) for name in ("torsion", "bending"))
     goal = SearchGoal("mass", 1.0, original["mass"], limits)
     layout = Layout(7, PARTS[:2])
     start = values_of(mikron)[: len(layout.names)]
-    found, solved = search(model, layout, start, goal, "a", Work())
+    found, solved = search_on_cells(model, layout, start, goal, "a", Work())
     assert found is not None
     assert solved <= 40
     assert found.objective < 0.96
     for limit in limits:
-        assert found.responses.values[limit.quantity] >= 0.998 * limit.value
+        assert found.responses.values[limit.quantity] >= 0.998 * limit.bound
     assert model.web(layout).constraints(found.values).max() < 6e-3
 
 
 def test_a_price_predicts_the_optimum_of_a_limit_moved_by_one_percent(model: WebModel, mikron: Scene) -> None:
     original, layout = model.original, Layout(7, PARTS[:2])
 
-    def optimum(torsion: float, start: np.ndarray) -> tuple[Found, SearchGoal]:
+    def optimum(torsion: float, start: np.ndarray) -> tuple[SearchResult, SearchGoal]:
         shares = {"torsion": torsion, "bending": 1.0}
-        limits = tuple(SearchLimit(name, ">=", share * original[name]) for name, share in shares.items())
+        limits = tuple(Constraint(name, ">=", share * original[name]) for name, share in shares.items())
         goal = SearchGoal("mass", 1.0, original["mass"], limits)
-        found, _ = search(model, layout, start, goal, "a", Work(), 60)
+        found, _ = search_on_cells(model, layout, start, goal, "a", Work(), 60)
         assert found is not None
         return found, goal
 
     found, _ = optimum(1.1, values_of(mikron)[: len(layout.names)])
     found, goal = optimum(1.1, found.values)
-    paid = prices_of(mikron, model.web(layout), found.values, found.responses, goal)
+    paid = multipliers_of(mikron, model.web(layout), found.values, found.responses, goal)
     assert paid.remainder < 0.05
     tighter, _ = optimum(1.1 * 1.01, found.values)
     assert tighter.objective - found.objective == pytest.approx(0.01 * paid.limits[0], rel=0.2)
 
 
 def test_a_search_that_is_kept_is_not_done_again(model: WebModel, mikron: Scene) -> None:
-    goal = SearchGoal("mass", 1.0, model.original["mass"], (SearchLimit("bending", ">=", 1.0),))
+    goal = SearchGoal("mass", 1.0, model.original["mass"], (Constraint("bending", ">=", 1.0),))
     layout, start = Layout(7), outline_start(mikron, usual_limits(mikron))
     work = Work()
-    first, _ = search(model, layout, start, goal, "a", work, 6)
-    again, _ = search(model, layout, start + 1.0, goal, "a", Work(kept=dict(work.kept)), 6)
+    first, _ = search_on_cells(model, layout, start, goal, "a", work, 6)
+    again, _ = search_on_cells(model, layout, start + 1.0, goal, "a", Work(kept=dict(work.kept)), 6)
     assert first is not None
     assert again is not None
     assert first.values.tobytes() == again.values.tobytes()
@@ -180,9 +183,11 @@ def test_a_search_that_is_kept_is_not_done_again(model: WebModel, mikron: Scene)
 
 
 def test_limits_that_no_web_keeps_end_without_a_web(model: WebModel, mikron: Scene) -> None:
-    impossible = (SearchLimit("torsion", ">=", 3 * model.original["torsion"]),)
+    impossible = (Constraint("torsion", ">=", 3 * model.original["torsion"]),)
     goal = SearchGoal("mass", 1.0, model.original["mass"], impossible)
-    found, _ = search(model, Layout(7), outline_start(mikron, usual_limits(mikron)), goal, "a", Work(), 12)
+    found, _ = search_on_cells(
+        model, Layout(7), outline_start(mikron, usual_limits(mikron)), goal, "a", Work(), 12
+    )
     assert found is None
 
 
@@ -194,7 +199,7 @@ def test_a_web_stays_inside_a_narrow_envelope(mikron: Scene) -> None:
     with double_precision():
         small = web_model(narrow, usual_limits(narrow), 8.0)
         goal = SearchGoal("torsion", -1.0, small.original["torsion"], ())
-        found, _ = search(
+        found, _ = search_on_cells(
             small, Layout(7), outline_start(narrow, usual_limits(narrow)), goal, "a", Work(), 20
         )
     assert found is not None

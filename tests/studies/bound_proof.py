@@ -28,8 +28,8 @@ from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, pr
 from cranktopo.tasks.refit.dimensions import with_part
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.goal_in_model import search_goal_of
-from cranktopo.tasks.shape.search import search
+from cranktopo.tasks.shape.search import search_on_cells
+from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import bevel_start, outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
@@ -92,7 +92,7 @@ class Proven:
 
     @property
     def _sign(self) -> float:
-        return 1.0 if self.bound.wanted.goal.sense == "minimise" else -1.0
+        return 1.0 if self.bound.problem.goal.sense == "minimise" else -1.0
 
     @property
     def _costs(self) -> list[float]:
@@ -152,7 +152,7 @@ def shaped_webs(scene: Scene, model: BoundModel) -> Iterator[Array]:
             if part is not None:
                 layout, start = with_part(layout, start, part, bevel_start(scene, part))
             step = f"{name}-{len(layout.parts)}"
-            found, _ = search(cells, layout, start, sought, step, Work(), nearest=True)
+            found, _ = search_on_cells(cells, layout, start, sought, step, Work(), nearest=True)
             if found is not None:
                 start = found.values
                 yield found.responses.fill
@@ -169,9 +169,9 @@ def proven(scene: Scene, model: BoundModel, webs: list[Judged]) -> Iterator[Prov
 
 def stay_above(model: BoundModel, density: Array, webs: Sequence[Judged]) -> bool:
     """Whether what the displacements of a web prove holds for all weights of the quantities, exactly."""
-    plane = model.plane(model.solved(density, None, 1e-3))
+    plane = model.underestimator(model.solved(density, None, 1e-3))
     return all(
-        plane.least(weights)[0] <= weights @ web.values
+        plane.minimum(weights)[0] <= weights @ web.values
         for weights in np.random.default_rng(8).exponential(size=(40, 5))
         for web in webs
     )
@@ -191,13 +191,13 @@ def _value(model: BoundModel, web: Judged, quantity: str) -> float:
 
 
 def _keeps(model: BoundModel, bound: Bound, web: Judged) -> bool:
-    return all(c.sign * (_value(model, web, c.quantity) - c.limit) <= 0 for c in bound.wanted.ceilings)
+    return all(c.sign * (_value(model, web, c.quantity) - c.bound) <= 0 for c in bound.problem.constraints)
 
 
 def _told(model: BoundModel, bound: Bound, web: Judged) -> float:
-    value = _value(model, web, bound.wanted.quantity)
-    mass = _value(model, web, "mass") if bound.wanted.per_mass else 1.0
-    return bound.wanted.told(value * mass, bound.original)
+    value = _value(model, web, bound.problem.quantity)
+    mass = _value(model, web, "mass") if bound.problem.per_mass else 1.0
+    return bound.problem.goal_value(value * mass, bound.original)
 
 
 def print_gaps(name: str) -> bool:

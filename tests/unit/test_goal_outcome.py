@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.outcome import LimitOutcome, goal_json
+from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome, limit_outcome
 from cranktopo.report.goal_table import broken_limits, goal_line, limits_table
 from cranktopo.report.result_table import terminal
 
@@ -37,7 +39,12 @@ def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
     holds: bool | None,
     active: bool,
 ) -> None:
-    found = LimitOutcome(limit, reached, original)
+    name = limit.quantity
+    found = limit_outcome(
+        limit,
+        {} if reached is None else {name: reached},
+        {} if original is None else {name: original},
+    )
     assert found.required == pytest.approx(required)
     assert (found.holds, found.active) == (holds, active)
 
@@ -45,10 +52,11 @@ def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
 def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
     limits = (Limit("torsion", ">=", 110.0, percent=True), Limit("unbalance", "<=", 30.0))
     goal = Goal("minimise", "mass", (*limits, Limit("fatigue_safety", ">=", 100.0, True, assumed=True)))
-    found = goal_json(goal, {"mass": 1.4, "torsion": 147e3, "unbalance": 28.0}, ORIGINAL)
-    assert found["minimise"] == "mass"
-    assert found["reached_percent"] == pytest.approx(87.5)
-    torsion, unbalance, safety = found["limits"]
+    found = goal_outcome(goal, {"mass": 1.4, "torsion": 147e3, "unbalance": 28.0}, ORIGINAL)
+    told = found.as_json()
+    assert told["minimise"] == "mass"
+    assert told["reached_percent"] == pytest.approx(87.5)
+    torsion, unbalance, safety = told["limits"]
     assert {"quantity", "required", "reached", "unit", "holds", "active"} <= torsion.keys()
     assert (torsion["required"], torsion["unit"]) == (pytest.approx(154e3), "N m/rad")
     assert (torsion["required_percent"], torsion["reached_percent"]) == (110.0, pytest.approx(105.0))
@@ -67,6 +75,21 @@ def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
 
 def test_percent_of_a_balanced_original_is_none() -> None:
     goal = Goal("minimise", "mass", (Limit("unbalance", "<=", 30.0),))
-    (limit,) = goal_json(goal, {"unbalance": 3.0}, {"unbalance": 0.0})["limits"]
-    assert limit["reached_percent"] is None
-    assert limit["holds"] is True
+    (limit,) = goal_outcome(goal, {"unbalance": 3.0}, {"unbalance": 0.0}).limits
+    assert limit.reached_percent is None
+    assert limit.holds is True
+
+
+def test_an_outcome_is_read_back_as_it_was_written_and_its_order_is_that_of_the_metrics() -> None:
+    goal = Goal("maximise", "torsion", (Limit("mass", "<=", 1.5), Limit("fatigue_safety", ">=", 1.2)))
+    cells = goal_outcome(goal, {"torsion": 150e3, "mass": 1.4}, ORIGINAL)
+    how = {"fillets": False, "element_size_mm": 4.2, "error_estimate_percent": {"torsion": 0.3}, "rounds": ()}
+    better = goal_outcome(goal, {"torsion": 151e3, "mass": 1.52}, ORIGINAL)
+    for found in (cells, cells.with_evaluation(better, **how), cells.without_evaluation("no mesh")):
+        text = json.dumps(found.as_json())
+        assert json.dumps(GoalOutcome.of_json(json.loads(text), "goal").as_json()) == text
+        assert text.startswith('{"maximise": "torsion", "reached": 150000.0')
+    mass, safety = cells.with_evaluation(better, **how).limits
+    assert (mass.holds, mass.reached, safety.holds) == (False, 1.4, None)
+    assert mass.evaluation is not None
+    assert mass.evaluation.reached == 1.52

@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 
 from cranktopo.report.plot import picture
-from cranktopo.tasks.shape.multiplier_text import price_sentences, prices_table
-from cranktopo.tasks.shape.rounds_plot import draw_goal, draw_worst_limit
+from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
+from cranktopo.tasks.shape.result import ShapeResult
+from cranktopo.tasks.shape.text import multiplier_table, multiplier_text
 
 
 @pytest.fixture
 def data() -> dict[str, Any]:
     """What shape.json holds, of an invented web."""
     return {
-        "goal": {"minimise": "mass"},
+        "goal": _goal(minimise="mass"),
         "prices": [
             {"quantity": "torsion", "sense": ">=", "goal_percent_per_percent": 0.312},
             {"quantity": "unbalance", "sense": "<=", "goal_percent_per_percent": 0.05},
@@ -28,30 +29,51 @@ def data() -> dict[str, Any]:
             {"name": "room of the envelope", "unit": "mm", "goal_percent_per_unit": 1e-7},
         ],
         "prices_remainder_percent": 4.0,
-        "values": {"original": {"mass": 2.0}},
+        "values": {"original": {"mass": 2.0}, "result": {}},
         "rounds": [
             {"values": {"mass": 1.8}, "excess_percent": [0.4, -2.0]},
             {"values": {"mass": 1.75}, "excess_percent": []},
         ],
         "best_round": 1,
+        "design": "invented",
+        "status": "converged",
+        "stop_reason": "",
+        "original": {},
+        "result": {},
+        "change_percent": {},
+        "parameters": [],
+        "worst_case_percent": {},
+        "goal_on_cells": {},
+        "trials": [],
+        "iterations": 2,
+        "evaluations": 2,
+        "seconds": {},
     }
 
 
+def _goal(**goal: str) -> dict[str, Any]:
+    return {**goal, "reached": None, "original": None, "unit": "", "reached_percent": None, "limits": []}
+
+
+def _found(data: dict[str, Any]) -> ShapeResult:
+    return ShapeResult.of_json(data, "shape.json")
+
+
 def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:
-    assert price_sentences(data) == [
+    assert multiplier_text(_found(data)) == [
         "1 % more torsion costs 0.31 % mass",
         "1 % less unbalance costs 0.05 % mass",
         "1 % more fatigue safety costs nothing: this limit does not decide",
         "1 degree of 'least slot.draft' would give 0.20 % less mass",
         "1 mm of 'wall between both bores, 5 mm' would give 0.02 % less mass",
     ]
-    told = [f"{row['a_move_of']} {row['the_goal']}" for row in prices_table(data).rows]
-    assert told == price_sentences(data)
+    told = [f"{row['a_move_of']} {row['the_goal']}" for row in multiplier_table(_found(data)).rows]
+    assert told == multiplier_text(_found(data))
 
 
 def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:
-    told = price_sentences(
-        data | {"goal": {"maximise": "torsion_per_mass"}, "prices_remainder_percent": 45.0}
+    told = multiplier_text(
+        _found(data | {"goal": _goal(maximise="torsion_per_mass"), "prices_remainder_percent": 45.0})
     )
     assert told[0] == "1 % more torsion costs 0.31 % torsion per mass"
     assert told[3] == "1 degree of 'least slot.draft' would give 0.20 % more torsion per mass"
@@ -59,7 +81,9 @@ def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(dat
 
 
 def test_the_convergence_shows_goal_and_worst_limit_of_every_web(data: dict[str, Any]) -> None:
-    goal, limit = (picture("a", "a", draw, data).figure.axes[0] for draw in (draw_goal, draw_worst_limit))
+    goal, limit = (
+        picture("a", "a", draw, _found(data)).figure.axes[0] for draw in (draw_goal, draw_worst_limit)
+    )
     assert np.asarray(goal.lines[0].get_ydata()) == pytest.approx([90.0, 87.5])
     assert np.asarray(limit.lines[0].get_ydata()) == pytest.approx([0.4, 0.0])
     assert [tick.get_text() for tick in goal.get_xticklabels()] == ["cells", "finish 1"]

@@ -64,7 +64,7 @@ class Told:
         def first(layout: Any, start: Any) -> Any:
             return SimpleNamespace(layout=layout, values=start)
 
-        return SimpleNamespace(first=first, grown=lambda found: found, trials=[])
+        return SimpleNamespace(first=first, select=lambda found: found, trials=[])
 
 
 class Meshes(MeshedWebs):
@@ -88,7 +88,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
         monkeypatch.setattr(stage, "web_model", lambda *_: cells)
         monkeypatch.setattr(stage, "coarse_shares", lambda *_: {})
-        monkeypatch.setattr(stage, "Growth", told.growth)
+        monkeypatch.setattr(stage, "FeatureSelection", told.growth)
         monkeypatch.setattr(stage, "stepped", told.stepped)
         monkeypatch.setattr(stage, "MeshedWebs", Meshes)
         return optimise_shape(scene, goal_of(scene), None, Work(told.lines.append))

@@ -1,1 +1,1 @@
-"""What is wanted of a web: a goal and limits, in words that every optimiser understands."""
+"""Goals of a web: a quantity and limits, in words that every optimiser understands."""

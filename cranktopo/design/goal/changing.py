@@ -21,7 +21,7 @@ _LIMIT = re.compile(r"\s*([^\s<>=!~≤≥]*)\s*(.*)", re.S)
 def with_goal(
     scene: Scene, *, minimise: str | None = None, maximise: str | None = None, limits: Sequence[str] = ()
 ) -> Scene:
-    """The scene with another goal or with other limits.
+    """Return the scene with another goal or with other limits.
 
     Args:
         minimise, maximise: a new goal in place of the scene's, whose limits go with it.
@@ -48,7 +48,7 @@ def with_goal(
 
 
 def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]:
-    """Limits as the scene's table has them.
+    """Return limits as the scene's table has them.
 
     Raises:
         CranktopoError: an unknown quantity.

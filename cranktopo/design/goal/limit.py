@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from pydantic_core import PydanticCustomError
 
 from cranktopo.base.errors import shown, suggest
-from cranktopo.design.goal.quantities import QUANTITIES, GoalQuantity, QuantityName, unit_size
+from cranktopo.design.goal.constraint import LimitSense
+from cranktopo.design.goal.quantities import QUANTITIES, GoalQuantity, Optimiser, QuantityName, unit_size
 
-LimitSense = Literal["<=", ">="]
-NO_LIMIT = "none"
+_NO_LIMIT = "none"
 """Text of a limit that takes a default one away."""
 _LARGEST = 1e15
 _LARGEST_PERCENT = 1e4
@@ -48,13 +48,19 @@ class Limit:
         """The limit without its quantity, as the scene's table has it."""
         return f"{self.sense} {self.value:g} {self.unit}".rstrip()
 
+    def required(self, original: float | None) -> float | None:
+        """Return the value in the internal unit; None for percent of an unknown original."""
+        if not self.percent:
+            return self.value
+        return None if original is None else self.value / 100 * original
+
     def __str__(self) -> str:
         return f"{self.quantity} {self.condition}"
 
 
 @dataclass(frozen=True)
 class Goal:
-    """What an optimiser is asked for: one quantity as low or as high as the limits allow."""
+    """Task of an optimiser: one quantity as low or as high as the limits allow."""
 
     sense: Literal["minimise", "maximise"]
     quantity: QuantityName
@@ -66,23 +72,35 @@ class Goal:
         names = (self.quantity, *(limit.quantity for limit in self.limits))
         return frozenset(QUANTITIES[name].load_case for name in names) - {""}
 
-    def as_json(self) -> dict[str, Any]:
-        """The goal as plain data, before anything is reached."""
-        limits = [{**asdict(limit), "unit": limit.unit} for limit in self.limits]
-        return {self.sense: self.quantity, "limits": limits}
-
     def limits_of(self, quantity: QuantityName) -> tuple[Limit, ...]:
-        """The limits of one quantity: none, one, or a range."""
+        """Return the limits of one quantity: none, one, or a range."""
         return tuple(limit for limit in self.limits if limit.quantity == quantity)
 
 
+def goal_text(goal: Goal, optimiser: Optimiser) -> str:
+    """Return the goal, its limits and those left to the evaluation in a line or two."""
+    most = "least" if goal.sense == "minimise" else "largest"
+    kept = [limit for limit in goal.limits if optimiser in QUANTITIES[limit.quantity].optimisers]
+    left = [limit for limit in goal.limits if limit not in kept]
+    lines = [f"goal: {most} {QUANTITIES[goal.quantity].label}; {_listed(kept) or 'no limits'}"]
+    if left:
+        lines.append(f"not known to the {optimiser} optimisation, left to the evaluation: {_listed(left)}")
+    return "\n".join(lines)
+
+
+def _listed(limits: list[Limit]) -> str:
+    """Return limits in one phrase; percent is explained once."""
+    text = ", ".join(str(limit) for limit in limits)
+    return f"{text} (% of the original web)" if any(limit.percent for limit in limits) else text
+
+
 def refused(why: str, hint: str = "Correct that value.") -> PydanticCustomError:
-    """A mistake in a goal or limit as the scene's messages show it: what is wrong, and what to do next."""
+    """Return a mistake in a goal or limit as the scene's messages show it: what is wrong, and what to do."""
     return PydanticCustomError("statement", "{why}", {"why": why, "hint": hint})
 
 
 def read_limits(quantity: GoalQuantity, value: Any) -> tuple[Limit, ...]:
-    """The limits of a quantity from what the user wrote: a text, or two of them for a range.
+    """Read the limits of a quantity off what the user wrote: a text, or two of them for a range.
 
     Returns:
         Empty where the text takes the limit away.
@@ -91,7 +109,7 @@ def read_limits(quantity: GoalQuantity, value: Any) -> tuple[Limit, ...]:
         PydanticCustomError: no limit can be read off it, or two that contradict each other.
     """
     texts = value if isinstance(value, tuple | list) else (value,)
-    if texts == (NO_LIMIT,):
+    if texts == (_NO_LIMIT,):
         return ()
     limits = tuple(_read(quantity, text) for text in texts)
     if not limits:
@@ -196,7 +214,7 @@ def _check_together(limits: tuple[Limit, ...]) -> None:
 
 
 def _clipped(text: str) -> str:
-    """What the user wrote, for a message: on one line and not too long."""
+    """Return what the user wrote, for a message: on one line and not too long."""
     return shown(text, 50)[1:-1]
 
 

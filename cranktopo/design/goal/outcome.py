@@ -1,146 +1,197 @@
-"""What became of a goal: each limit as required and as reached, the same for every optimiser."""
+"""Outcome of a goal: each limit as required and as reached, the same for every optimiser."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict
 from typing import Any
 
+from pydantic import Field
+
+from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.goal.constraint import TOLERANCE, Constraint, LimitSense, minimum_scale
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.moved import least_size, size_of
-from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.design.goal.quantities import QUANTITIES, GoalQuantity, QuantityName
 
 Values = Mapping[str, float]
-HOLDS = 5e-3
-"""Share of its size by which a limit may be missed and still holds."""
-ACTIVE = 1e-2
-"""Share of its size within which a limit decides the design."""
 
 
-@dataclass(frozen=True)
-class LimitOutcome:
-    """A limit and what a web reaches of it, in the quantity's internal unit.
+class StatedLimit(Result):
+    """A limit before anything is reached, as `bound --json` has it."""
 
-    Attributes:
-        reached, original: None where nobody has told it.
-        tolerance: share of its size by which the limit may be missed and still holds.
-        least_size: of a limit on what may be 0.
-    """
+    quantity: QuantityName
+    sense: LimitSense
+    value: float
+    """In the quantity's unit, or in percent of the original web."""
+    percent: bool
+    assumed: bool
+    unit: str
 
-    limit: Limit
+
+class LimitEvaluation(Result):
+    """A limit by the evaluation of the extracted surface."""
+
+    required: float | None
+    reached: float | None
+    reached_percent: float | None
+
+
+class LimitOutcome(Result):
+    """A limit and what a web reaches of it, in the quantity's internal unit."""
+
+    quantity: QuantityName
+    sense: LimitSense
+    required: float | None
+    """None for percent of an original that is unknown."""
+    reached: float | None
+    unit: str
+    required_percent: float | None
+    reached_percent: float | None
+    holds: bool | None
+    """None where required or reached is unknown."""
+    active: bool
+    """True where the web is at the limit or beyond it."""
+    assumed: bool
+    evaluation: LimitEvaluation | None = UNLESS_NONE
+    violation: float | None = Field(default=None, exclude=True)
+    """Share of its scale by which the limit is broken, negative where there is room; no part of the JSON."""
+
+
+class MovedBounds(Result):
+    """Bounds of the limits in the cells as they were moved after an iteration."""
+
+    iteration: int
+    bounds: tuple[float, ...]
+
+
+class GoalEvaluation(Result):
+    """A goal by the evaluation of the extracted surface."""
+
     reached: float | None
     original: float | None
-    tolerance: float = HOLDS
-    least_size: float = 0.0
+    reached_percent: float | None
+    fillets: bool
+    element_size_mm: float
+    error_estimate_percent: dict[str, float]
+    rounds: tuple[MovedBounds, ...]
+
+
+class GoalWords(Result):
+    """Sense and quantity of a goal: one of both is there."""
+
+    minimise: QuantityName | None = UNLESS_NONE
+    maximise: QuantityName | None = UNLESS_NONE
 
     @property
-    def required(self) -> float | None:
-        """The limit's value; None for percent of an original that nobody has told."""
-        if not self.limit.percent:
-            return self.limit.value
-        return None if self.original is None else self.limit.value / 100 * self.original
-
-    @property
-    def missed(self) -> float | None:
-        """Share of its size by which the limit is missed, negative where there is room; None if unknown."""
-        if self.required is None or self.reached is None:
-            return None
-        size = size_of(self.required, self.original or 0.0, self.least_size)
-        over = self.reached - self.required
-        return (over if self.limit.sense == "<=" else -over) / size
-
-    @property
-    def holds(self) -> bool | None:
-        """Whether the limit holds; None if unknown."""
-        return None if self.missed is None else self.missed <= self.tolerance
-
-    @property
-    def active(self) -> bool:
-        """Whether the web is at the limit or beyond it."""
-        return self.missed is not None and self.missed >= -ACTIVE
-
-    def as_json(self) -> dict[str, Any]:
-        """The entry of `limits` in the metrics."""
-        limit = self.limit
-        return {
-            "quantity": limit.quantity,
-            "sense": limit.sense,
-            "required": self.required,
-            "reached": self.reached,
-            "unit": QUANTITIES[limit.quantity].unit,
-            "required_percent": limit.value if limit.percent else _percent(self.required, self.original),
-            "reached_percent": _percent(self.reached, self.original),
-            "holds": self.holds,
-            "active": self.active,
-            "assumed": limit.assumed,
-        }
+    def quantity(self) -> GoalQuantity:
+        """The quantity that is minimised or maximised."""
+        found = self.minimise or self.maximise
+        assert found is not None
+        return QUANTITIES[found]
 
 
-def limit_outcomes(
-    goal: Goal, reached: Values, original: Values, tolerance: float = HOLDS
-) -> tuple[LimitOutcome, ...]:
-    """Every limit of a goal with what was reached.
+class StatedGoal(GoalWords):
+    """A goal before anything is reached, as `bound --json` has it."""
+
+    limits: tuple[StatedLimit, ...]
+
+
+class GoalOutcome(GoalWords):
+    """The entry `goal` of the metrics."""
+
+    reached: float | None
+    original: float | None
+    unit: str
+    reached_percent: float | None
+    limits: tuple[LimitOutcome, ...]
+    evaluation: GoalEvaluation | None = UNLESS_NONE
+    not_evaluated: str | None = UNLESS_NONE
+    """Why the evaluation that decides whether limits hold failed."""
+
+    def with_evaluation(self, evaluated: GoalOutcome, **how: Any) -> GoalOutcome:
+        """Return the outcome in the optimiser's model with the evaluation, whose word on limits is the last.
+
+        Args:
+            how: the fields of `GoalEvaluation` that say how it was evaluated.
+        """
+        pairs = zip(self.limits, evaluated.limits, strict=True)
+        limits = tuple(own.model_copy(update=_evaluated(own, better)) for own, better in pairs)
+        total = GoalEvaluation(
+            reached=evaluated.reached,
+            original=evaluated.original,
+            reached_percent=evaluated.reached_percent,
+            **how,
+        )
+        return self.model_copy(update={"limits": limits, "evaluation": total})
+
+    def without_evaluation(self, why: str) -> GoalOutcome:
+        """Return the outcome where the limits were to hold by an evaluation that failed: nobody can tell."""
+        limits = tuple(limit.model_copy(update={"holds": None}) for limit in self.limits)
+        return self.model_copy(update={"limits": limits, "not_evaluated": why})
+
+
+def stated_goal(goal: Goal) -> StatedGoal:
+    """Return a goal as JSON has it before anything is reached."""
+    limits = tuple(StatedLimit(**asdict(limit), unit=limit.unit) for limit in goal.limits)
+    return StatedGoal(**{goal.sense: goal.quantity}, limits=limits)
+
+
+def goal_outcome(goal: Goal, reached: Values, original: Values, tolerance: float = TOLERANCE) -> GoalOutcome:
+    """Return what became of a goal.
 
     Args:
         reached, original: values of a web and of the original in the same model, by quantity, in its internal
             unit; what is not known is left out.
+        tolerance: share of its scale by which a limit may be violated and still holds.
     """
-    return tuple(
-        LimitOutcome(
-            limit,
-            reached.get(limit.quantity),
-            original.get(limit.quantity),
-            tolerance,
-            least_size(limit.quantity, original),
-        )
-        for limit in goal.limits
+    name = goal.quantity
+    now, before = reached.get(name), original.get(name)
+    senses: dict[str, Any] = {goal.sense: name}
+    return GoalOutcome(
+        **senses,
+        reached=now,
+        original=before,
+        unit=QUANTITIES[name].unit,
+        reached_percent=_percent(now, before),
+        limits=tuple(limit_outcome(limit, reached, original, tolerance) for limit in goal.limits),
     )
 
 
-def goal_json(goal: Goal, reached: Values, original: Values, tolerance: float = HOLDS) -> dict[str, Any]:
-    """The entry `goal` of the metrics; arguments as in `limit_outcomes`."""
-    name = goal.quantity
+def limit_outcome(
+    limit: Limit, reached: Values, original: Values, tolerance: float = TOLERANCE
+) -> LimitOutcome:
+    """Return a limit with what was reached; arguments as in `goal_outcome`."""
+    name = limit.quantity
     now, before = reached.get(name), original.get(name)
-    return {
-        goal.sense: name,
-        "reached": now,
-        "original": before,
-        "unit": QUANTITIES[name].unit,
-        "reached_percent": _percent(now, before),
-        "limits": [outcome.as_json() for outcome in limit_outcomes(goal, reached, original, tolerance)],
-    }
+    required = limit.required(before)
+    found = LimitOutcome(
+        quantity=name,
+        sense=limit.sense,
+        required=required,
+        reached=now,
+        unit=QUANTITIES[name].unit,
+        required_percent=limit.value if limit.percent else _percent(required, before),
+        reached_percent=_percent(now, before),
+        holds=None,
+        active=False,
+        assumed=limit.assumed,
+    )
+    if required is None or now is None:
+        return found
+    kept = Constraint(name, limit.sense, required, before or 0.0, minimum_scale(name, original))
+    judged = {"holds": kept.satisfied(now, tolerance), "active": kept.active(now)}
+    return found.model_copy(update={**judged, "violation": kept.violation(now)})
 
 
-def with_evaluation(model: Mapping[str, Any], evaluated: Mapping[str, Any]) -> dict[str, Any]:
-    """What became of a goal in the optimiser's model, with the evaluation, which has the last word on limits.
-
-    Args:
-        model, evaluated: the same goal as `goal_json` tells it of either.
-    """
-    pairs = zip(model["limits"], evaluated["limits"], strict=True)
-    limits = [
-        {
-            **own,
-            **({} if better["holds"] is None else {key: better[key] for key in ("holds", "active")}),
-            "evaluation": {key: better[key] for key in ("required", "reached", "reached_percent")},
-        }
-        for own, better in pairs
-    ]
-    total = {key: evaluated[key] for key in ("reached", "original", "reached_percent")}
-    return {**model, "limits": limits, "evaluation": total}
-
-
-def without_evaluation(model: Mapping[str, Any], why: str) -> dict[str, Any]:
-    """What became of a goal whose limits were to hold by an evaluation that failed: nobody can tell.
-
-    Args:
-        model: the goal as `goal_json` tells it in the optimiser's model.
-        why: what failed.
-    """
-    limits = [{**limit, "holds": None} for limit in model["limits"]]
-    return {**model, "limits": limits, "not_evaluated": why}
+def _evaluated(own: LimitOutcome, better: LimitOutcome) -> dict[str, Any]:
+    """Return what changes in a limit of the optimiser's model once it is evaluated."""
+    told = LimitEvaluation(
+        required=better.required, reached=better.reached, reached_percent=better.reached_percent
+    )
+    judged = own if better.holds is None else better
+    return {"holds": judged.holds, "active": judged.active, "evaluation": told}
 
 
 def _percent(value: float | None, original: float | None) -> float | None:
-    """A value in percent of the original's, where that is above 0."""
+    """Return a value in percent of the original's, where that is above 0."""
     return None if value is None or original is None or original <= 0 else 100 * value / original

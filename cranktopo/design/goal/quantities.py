@@ -1,4 +1,4 @@
-"""What a goal or a limit may speak of: name, units, which way is better, and what it takes to know it.
+"""Quantities of goals and limits: name, units, which way is better, and what it takes to know them.
 
 The only such table: the schema, the command line, the plan and the optimisers look a quantity up here.
 """
@@ -25,7 +25,7 @@ QuantityName = Literal[
     "twist",
     "fatigue_safety",
 ]
-Better = Literal["low", "high"]
+_Better = Literal["low", "high"]
 Optimiser = Literal["density", "shape"]
 MOTIONS = {"bending": "pin_displacement", "torsion": "twist"}
 """Motion of each load case's load: the load over the stiffness."""
@@ -52,7 +52,7 @@ class GoalQuantity:
     name: QuantityName
     label: str
     units: Mapping[str, float]
-    better: Better
+    better: _Better
     as_goal: bool = True
     either_limit: bool = False
     signed: bool = False
@@ -145,12 +145,12 @@ _MEANT: dict[str, QuantityName] = {
 
 
 def quantity_named(name: str) -> GoalQuantity:
-    """The quantity of a name that is known to be one."""
+    """Return the quantity of a name that is known to be one."""
     return next(quantity for quantity in QUANTITIES.values() if quantity.name == name)
 
 
 def nearest_quantity(word: str) -> str:
-    """A sentence that names the quantity which a misspelt word means, or all that there are."""
+    """Return a sentence that names the quantity which a misspelt word means, or all that there are."""
     plain = word.strip().lower().replace("-", "_").replace(" ", "_")[:100]
     if plain in QUANTITIES or plain in _MEANT:
         return f"Did you mean '{_MEANT.get(plain, plain)}'?"
@@ -158,12 +158,12 @@ def nearest_quantity(word: str) -> str:
 
 
 def unit_size(quantity: GoalQuantity, unit: str) -> float | None:
-    """Size of a unit in the quantity's internal one; None for a unit that it cannot have."""
+    """Return size of a unit in the quantity's internal one; None for a unit that it cannot have."""
     return next((size for name, size in quantity.units.items() if _plain(name) == _plain(unit)), None)
 
 
 def _plain(unit: str) -> str:
-    """A unit without the marks in which spellings differ.
+    """Return a unit without the marks in which spellings differ.
 
     `kg·mm²`, `kg*mm^2` and `kg mm2` are the same, and `N m/(rad kg)` is `N m/rad/kg`.
     """

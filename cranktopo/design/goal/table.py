@@ -17,21 +17,21 @@ from cranktopo.base.table import SceneTable
 from cranktopo.design.goal.limit import read_limits, refused
 from cranktopo.design.goal.quantities import QUANTITIES, nearest_quantity, quantity_named
 
-Minimised = Literal["mass", "inertia", "unbalance"]
-Maximised = Literal["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety"]
-LimitText = Annotated[
+_Minimised = Literal["mass", "inertia", "unbalance"]
+_Maximised = Literal["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety"]
+_LimitText = Annotated[
     str | tuple[str, ...], WithJsonSchema({"type": "string", "kind": "text, or a list of two texts"})
 ]
 """Such as `>= 100 %`; two of them for a range."""
 
 
-def goal_word(value: Any, sense: Literal["minimise", "maximise"]) -> Any:
-    """A quantity that may be minimised or maximised, as it is.
+def _goal_word(value: Any, sense: Literal["minimise", "maximise"]) -> Any:
+    """Return a quantity that may be minimised or maximised, as it is.
 
     Raises:
         PydanticCustomError: another one, with what is meant.
     """
-    allowed = get_args(Minimised if sense == "minimise" else Maximised)
+    allowed = get_args(_Minimised if sense == "minimise" else _Maximised)
     if not isinstance(value, str):
         raise refused("must be the name of a quantity", f"Valid: {', '.join(allowed)}.")
     if value in allowed:
@@ -48,11 +48,11 @@ def goal_word(value: Any, sense: Literal["minimise", "maximise"]) -> Any:
 
 
 def _minimised(value: Any) -> Any:
-    return value if value is None else goal_word(value, "minimise")
+    return value if value is None else _goal_word(value, "minimise")
 
 
 def _maximised(value: Any) -> Any:
-    return value if value is None else goal_word(value, "maximise")
+    return value if value is None else _goal_word(value, "maximise")
 
 
 class LimitsTable(SceneTable):
@@ -61,25 +61,25 @@ class LimitsTable(SceneTable):
     A list of two limits is a range, and "none" takes away a limit that the goal brings by default.
     """
 
-    mass: LimitText | None = Field(default=None, examples=["<= 100 %"])
+    mass: _LimitText | None = Field(default=None, examples=["<= 100 %"])
     """Mass of the throw between its two mid-journal planes."""
-    inertia: LimitText | None = Field(default=None, examples=["<= 2500 kg mm2"])
+    inertia: _LimitText | None = Field(default=None, examples=["<= 2500 kg mm2"])
     """Inertia of the throw about the crank axis."""
-    unbalance: LimitText | None = Field(default=None, examples=["<= 40 kg mm"])
+    unbalance: _LimitText | None = Field(default=None, examples=["<= 40 kg mm"])
     """Mass times distance of the centre of mass from the crank axis, positive toward the crankpin."""
-    torsion: LimitText | None = Field(default=None, examples=[">= 100 %"])
+    torsion: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Torsional stiffness of the throw."""
-    bending: LimitText | None = Field(default=None, examples=[">= 100 %"])
+    bending: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Bending stiffness of the throw."""
-    torsion_per_mass: LimitText | None = Field(default=None, examples=[">= 100 %"])
+    torsion_per_mass: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Torsional stiffness over mass."""
-    bending_per_mass: LimitText | None = Field(default=None, examples=[">= 100 %"])
+    bending_per_mass: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Bending stiffness over mass."""
-    pin_displacement: LimitText | None = Field(default=None, examples=["<= 0.15 mm"])
+    pin_displacement: _LimitText | None = Field(default=None, examples=["<= 0.15 mm"])
     """Displacement of the crankpin under the engine's largest radial force."""
-    twist: LimitText | None = Field(default=None, examples=["<= 0.3 deg"])
+    twist: _LimitText | None = Field(default=None, examples=["<= 0.3 deg"])
     """Twist between the mid-journal planes under the engine's largest torque."""
-    fatigue_safety: LimitText | None = Field(default=None, examples=[">= 100 %"])
+    fatigue_safety: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Least safety against fatigue; the density optimisation leaves it to the evaluation."""
 
     @field_validator("*", mode="before")
@@ -96,11 +96,11 @@ class GoalTable(SceneTable):
     Without this table `optimise` minimises the weighted compliance at `optimise.volume_fraction`.
     """
 
-    minimise: Annotated[Minimised | None, BeforeValidator(_minimised)] = Field(
+    minimise: Annotated[_Minimised | None, BeforeValidator(_minimised)] = Field(
         default=None, examples=["mass"], json_schema_extra={"shown": True}
     )
     """Quantity to be made as low as possible; this or `maximise`."""
-    maximise: Annotated[Maximised | None, BeforeValidator(_maximised)] = Field(
+    maximise: Annotated[_Maximised | None, BeforeValidator(_maximised)] = Field(
         default=None, examples=["torsion_per_mass"]
     )
     """Quantity to be made as high as possible; this or `minimise`."""
@@ -115,8 +115,8 @@ class GoalTable(SceneTable):
         return self
 
     @property
-    def quantity(self) -> Minimised | Maximised:
-        """What is minimised or maximised."""
+    def quantity(self) -> _Minimised | _Maximised:
+        """Quantity that is minimised or maximised."""
         found = self.minimise or self.maximise
         assert found is not None
         return found

@@ -9,11 +9,11 @@ from cranktopo.design.goal.table import LimitsTable
 from cranktopo.design.schema import Scene
 
 _KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety")
-"""What may not become worse than the original's unless the goal or a limit says otherwise."""
+"""Quantities that may not become worse than the original's unless the goal or a limit says otherwise."""
 
 
 def wanted(scene: Scene) -> Goal | None:
-    """The goal of a scene with its limits: those that are given, then those that the goal brings.
+    """Return the goal of a scene with its limits: those that are given, then those that the goal brings.
 
     By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
     of the original, but for the goal's own quantity; a stiffness per mass stands for that stiffness. With a
@@ -33,8 +33,8 @@ def wanted(scene: Scene) -> Goal | None:
     return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*given, *more))
 
 
-def needed(scene: Scene, task: str, example: str) -> Goal:
-    """The goal of a scene for a task that needs one.
+def require_goal(scene: Scene, task: str, example: str) -> Goal:
+    """Return the goal of a scene for a task that needs one.
 
     Args:
         example: a quantity that it might maximise, for the message.
@@ -53,7 +53,7 @@ def needed(scene: Scene, task: str, example: str) -> Goal:
 
 
 def judged_by_evaluation(scene: Scene) -> bool:
-    """Whether a density optimisation has limits that are to hold by the evaluation of its surface."""
+    """Tell whether a density optimisation has limits that are to hold by the evaluation of its surface."""
     goal = wanted(scene)
     if goal is None or not scene.optimise.limits_by_evaluation:
         return False
@@ -78,7 +78,7 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
 
 
 def no_safety(scene: Scene) -> str:
-    """Why the scene has no safety against fatigue; empty where it has one."""
+    """Return why the scene has no safety against fatigue; empty where it has one."""
     throw = scene.throw
     if scene.engine is None:
         return "needs an [engine]: unit loads give no stress level"

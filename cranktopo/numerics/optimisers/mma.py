@@ -3,13 +3,13 @@
     minimise f_0(x)  subject to  f_i(x) <= 0 (i = 1 ... m),  x between its bounds,
 
 or, where an entry of `epigraph` is 1, with f_i(x) <= z and z minimised as well: the largest of several
-functions. f_0 and f_i should be of the order of 1. `x`, its bounds and the slopes may have any shape; the
-first axis of `slopes` counts the limits.
+functions. f_0 and f_i should be of the order of 1. `x`, its bounds and the gradients may have any shape; the
+first axis of `gradients` counts the limits.
 
 Source: K. Svanberg, The method of moving asymptotes, IJNME 24, 1987, with the constants of K. Svanberg, MMA
 and GCMMA - two methods for nonlinear optimization, KTH, 2007. The dual is solved by an interior point method
 in the m multipliers, as in N. Aage, B. S. Lazarov, Parallel framework for topology optimization using the
-method of moving asymptotes, SMO 47, 2013: the cost of a step is that of some twenty passes over the slopes.
+method of moving asymptotes, SMO 47, 2013: a step costs what some twenty passes over the gradients do.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ _FIRST, _WIDEST, _CLOSEST = 0.5, 10.0, 0.01
 _GROW, _SHRINK = 1.2, 0.7
 # A step stays so far from the asymptotes, as a share of the distance to them.
 _AWAY = 0.1
-# Curvature that every approximation gets: shares of the slope, and of the mean slope of all variables.
+# Curvature that every approximation gets: shares of the gradient, and of its mean over all variables.
 _CURVED, _CURVED_MEAN = 1e-3, 1e-2
-# Price of breaking a limit, which only a limit that cannot be met is worth.
-_PRICE = 1000.0
+# Cost of violating a limit, which only a limit that cannot be met is worth.
+_VIOLATION_COST = 1000.0
 _EPIGRAPH_SPREAD = 10.0
 _DUAL_STEPS, _DUAL_ACCURACY = 80, 1e-9
 
 
 class Asymptotes(NamedTuple):
-    """What a step remembers of those before it: asymptotes and the two last designs.
+    """Memory of a step: asymptotes and the two last designs.
 
     Attributes:
         steps: number of steps taken since the start.
@@ -70,42 +70,42 @@ class _Subproblem(NamedTuple):
     rest: jax.Array
     low: jax.Array
     high: jax.Array
-    least: jax.Array
-    most: jax.Array
+    lowest: jax.Array
+    highest: jax.Array
     epigraph: jax.Array
 
 
 def first_asymptotes(x: jax.Array) -> Asymptotes:
-    """The memory before the first step."""
+    """Return the memory before the first step."""
     return Asymptotes(x, x, x, x, jnp.zeros((), jnp.int32))
 
 
 @jax.jit
 def mma_step(
     x: jax.Array,
-    slope: jax.Array,
+    gradient: jax.Array,
     values: jax.Array,
-    slopes: jax.Array,
+    gradients: jax.Array,
     asymptotes: Asymptotes,
     move: jax.Array,
     bounds: tuple[jax.Array, jax.Array],
     epigraph: jax.Array,
 ) -> MmaStep:
-    """The solution of the approximation about `x`.
+    """Return the solution of the approximation about `x`.
 
     Args:
-        slope: derivative of the objective.
-        values, slopes: the limits f_i (m,) and their derivatives.
+        gradient: derivative of the objective.
+        values, gradients: the limits f_i (m,) and their derivatives.
         move: largest change of a variable.
         epigraph: (m,) 1 for the functions whose largest is minimised, 0 for limits.
     """
     shape = x.shape
     flat = [v.reshape(-1) for v in jnp.broadcast_arrays(x, *bounds)]
     memory = jax.tree.map(lambda v: v.reshape(-1), asymptotes)
-    here, least, most = flat
-    low, high = _moved(here, most - least, memory)
-    all_slopes = jnp.concatenate([slope.reshape(1, -1), slopes.reshape(len(values), -1)])
-    problem = _approximation(here, (least, most), (low, high), all_slopes, values, move, epigraph)
+    here, lowest, highest = flat
+    low, high = _moved(here, highest - lowest, memory)
+    all_gradients = jnp.concatenate([gradient.reshape(1, -1), gradients.reshape(len(values), -1)])
+    problem = _approximation(here, (lowest, highest), (low, high), all_gradients, values, move, epigraph)
     multipliers = _solve_dual(problem)
     new = _minimiser(problem, multipliers)[0]
     fields = [v.reshape(shape) for v in (low, high, here, memory.last)]
@@ -114,7 +114,7 @@ def mma_step(
 
 
 def _moved(x: jax.Array, width: jax.Array, memory: Asymptotes) -> tuple[jax.Array, jax.Array]:
-    """Asymptotes about x: further away where a variable goes on, closer where it turns back."""
+    """Return asymptotes about x: further away where a variable goes on, closer where it turns back."""
     trend = (x - memory.last) * (memory.last - memory.before)
     factor = jnp.where(trend > 0, _GROW, jnp.where(trend < 0, _SHRINK, 1.0))
     first = memory.steps[0] < 2
@@ -128,14 +128,14 @@ def _approximation(
     x: jax.Array,
     bounds: tuple[jax.Array, jax.Array],
     asymptotes: tuple[jax.Array, jax.Array],
-    slopes: jax.Array,
+    gradients: jax.Array,
     values: jax.Array,
     move: jax.Array,
     epigraph: jax.Array,
 ) -> _Subproblem:
-    (least, most), (low, high) = bounds, asymptotes
-    rising, falling = jnp.maximum(slopes, 0.0), jnp.maximum(-slopes, 0.0)
-    size = jnp.abs(slopes)
+    (lowest, highest), (low, high) = bounds, asymptotes
+    rising, falling = jnp.maximum(gradients, 0.0), jnp.maximum(-gradients, 0.0)
+    size = jnp.abs(gradients)
     extra = _CURVED * size + _CURVED_MEAN * jnp.mean(size, axis=1, keepdims=True)
     p = (high - x) ** 2 * (rising + extra)
     q = (x - low) ** 2 * (falling + extra)
@@ -146,41 +146,41 @@ def _approximation(
         rest=at_x[1:] - values,
         low=low,
         high=high,
-        least=jnp.maximum(jnp.maximum(least, low + _AWAY * (x - low)), x - move),
-        most=jnp.minimum(jnp.minimum(most, high - _AWAY * (high - x)), x + move),
+        lowest=jnp.maximum(jnp.maximum(lowest, low + _AWAY * (x - low)), x - move),
+        highest=jnp.minimum(jnp.minimum(highest, high - _AWAY * (high - x)), x + move),
         epigraph=epigraph,
     )
 
 
 def _minimiser(problem: _Subproblem, multipliers: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """The x that minimises the Lagrangian, and p and q of the Lagrangian."""
+    """Return the x that minimises the Lagrangian, and p and q of the Lagrangian."""
     weights = jnp.concatenate([jnp.ones(1, multipliers.dtype), multipliers])
     p, q = weights @ problem.p, weights @ problem.q
     root_p, root_q = jnp.sqrt(p), jnp.sqrt(q)
     free = (root_p * problem.low + root_q * problem.high) / (root_p + root_q)
-    return jnp.clip(free, problem.least, problem.most), p, q
+    return jnp.clip(free, problem.lowest, problem.highest), p, q
 
 
 def _dual(problem: _Subproblem, multipliers: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Gradient of the dual (m,), the broken part of the limits taken off, and its Hessian (m, m)."""
+    """Return the gradient of the dual (m,), less the violated part of the limits, and its Hessian (m, m)."""
     x, p, q = _minimiser(problem, multipliers)
     above, below = 1 / (problem.high - x), 1 / (x - problem.low)
     limits = jnp.sum(problem.p[1:] * above + problem.q[1:] * below, axis=1) - problem.rest
-    slopes = problem.p[1:] * above**2 - problem.q[1:] * below**2
+    gradients = problem.p[1:] * above**2 - problem.q[1:] * below**2
     curvature = 2 * p * above**3 + 2 * q * below**3
-    free = (x > problem.least) & (x < problem.most)
-    hessian = -(slopes * (free / curvature)) @ slopes.T
-    broken = jnp.maximum(multipliers - _PRICE, 0.0)
+    free = (x > problem.lowest) & (x < problem.highest)
+    hessian = -(gradients * (free / curvature)) @ gradients.T
+    violation = jnp.maximum(multipliers - _VIOLATION_COST, 0.0)
     total = problem.epigraph @ multipliers
     level = jnp.maximum(0.0, _EPIGRAPH_SPREAD * (total - 1.0))
-    gradient = limits - broken - level * problem.epigraph
-    hessian -= jnp.diag((broken > 0).astype(x.dtype))
+    gradient = limits - violation - level * problem.epigraph
+    hessian -= jnp.diag((violation > 0).astype(x.dtype))
     pairs = jnp.outer(problem.epigraph, problem.epigraph)
     return gradient, hessian - jnp.where(level > 0, _EPIGRAPH_SPREAD, 0.0) * pairs
 
 
 def _solve_dual(problem: _Subproblem) -> jax.Array:
-    """Multipliers that maximise the dual: Newton's method on its conditions with a falling barrier."""
+    """Return multipliers that maximise the dual: Newton's method on its conditions with a falling barrier."""
     m = problem.p.shape[0] - 1
 
     def residual(multipliers: jax.Array, slack: jax.Array, gradient: jax.Array) -> jax.Array:

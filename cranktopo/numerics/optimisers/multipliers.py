@@ -1,4 +1,4 @@
-"""Prices of an optimum: what each limit and each rule costs, from its stationarity.
+"""Multipliers of an optimum: what each limit and each rule costs, from its stationarity.
 
 At an optimum the goal's gradient is balanced by those of the active constraints with multipliers >= 0
 (W. Karush, 1939; H. W. Kuhn, A. W. Tucker, 1951); non-negative least squares finds them.
@@ -14,7 +14,7 @@ from cranktopo.base.arrays import Array
 
 
 @dataclass(frozen=True)
-class Prices:
+class Multipliers:
     """Multipliers of an optimum.
 
     Attributes:
@@ -30,20 +30,20 @@ class Prices:
     remainder: float
 
 
-def prices(
-    slope: Array, limits: tuple[Array, Array], rules: tuple[Array, Array], bounds: tuple[Array, Array]
-) -> Prices:
-    """Multipliers of the active constraints.
+def multipliers(
+    gradient: Array, limits: tuple[Array, Array], rules: tuple[Array, Array], bounds: tuple[Array, Array]
+) -> Multipliers:
+    """Return multipliers of the active constraints.
 
     Args:
-        slope: (n,) gradient of the goal, smaller is better.
+        gradient: (n,) gradient of the goal, smaller is better.
         limits: values and gradients (m, n) of the limits, kept where <= 0, relative.
         rules: values and gradients of the rules, kept where <= 0, mm.
         bounds: room to the lower and to the upper bounds, (n,) each, mm or degrees.
     """
     from scipy.optimize import nnls
 
-    count = len(slope)
+    count = len(gradient)
     near = [limits[0] > -_NEAR_LIMIT, rules[0] > -_NEAR_MM, bounds[0] < _NEAR_MM, bounds[1] < _NEAR_MM]
     rows = np.vstack([limits[1], rules[1], -np.eye(count), np.eye(count)])
     active = np.concatenate(near)
@@ -52,12 +52,12 @@ def prices(
     kept = np.flatnonzero(active)[scale > 0]
     if kept.size:
         columns = (rows[kept] / scale[scale > 0, None]).T
-        found, _ = nnls(columns, -slope)
+        found, _ = nnls(columns, -gradient)
         weights[kept] = found / scale[scale > 0]
-    rest = float(np.linalg.norm(slope + weights @ rows)) / max(float(np.linalg.norm(slope)), 1e-30)
+    rest = float(np.linalg.norm(gradient + weights @ rows)) / max(float(np.linalg.norm(gradient)), 1e-30)
     first, second, third = np.cumsum([len(limits[0]), len(rules[0]), count])
-    return Prices(weights[:first], weights[first:second], weights[second:third] - weights[third:], rest)
+    return Multipliers(weights[:first], weights[first:second], weights[second:third] - weights[third:], rest)
 
 
 _NEAR_LIMIT, _NEAR_MM = 2e-3, 0.05
-"""How near a limit (relative) and a rule or bound (mm, degrees) must be to count as active."""
+"""Distance from a limit (relative) and from a rule or bound (mm, degrees) that counts as active."""

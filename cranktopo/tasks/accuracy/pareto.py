@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from cranktopo.numerics.extrapolation import Limit, extrapolate, observed_order
+from cranktopo.numerics.extrapolation import Extrapolation, extrapolate, observed_order
 from cranktopo.tasks.accuracy.study import Study
 from cranktopo.tasks.fea.level import EVALUATION, FILLET_STRESS, OPTIMISER, Level, StudyName
 
@@ -76,7 +76,7 @@ class ParetoFront:
     """What each accuracy costs on a design: extrapolated limits by study and value, levels with errors."""
 
     study: Study
-    limits: dict[StudyName, dict[str, Limit]]
+    limits: dict[StudyName, dict[str, Extrapolation]]
     levels: tuple[LevelError, ...]
 
     def cheapest(self, study: StudyName, percent: float) -> LevelError | None:
@@ -121,7 +121,7 @@ class ParetoFront:
 
 def pareto_front(study: Study) -> ParetoFront:
     """Errors, orders and the efficient levels of a study."""
-    limits: dict[StudyName, dict[str, Limit]] = {}
+    limits: dict[StudyName, dict[str, Extrapolation]] = {}
     found: list[LevelError] = []
     for name in _REFERENCES:
         levels = [level for level in study.levels if level.study == name]
@@ -131,7 +131,7 @@ def pareto_front(study: Study) -> ParetoFront:
     return ParetoFront(study, limits, tuple(found))
 
 
-def _limits(study: StudyName, levels: Sequence[Level]) -> dict[str, Limit]:
+def _limits(study: StudyName, levels: Sequence[Level]) -> dict[str, Extrapolation]:
     for family in _REFERENCES[study]:
         chosen = _family(levels, family)
         if len(chosen) > 1:
@@ -146,7 +146,7 @@ def _family(levels: Sequence[Level], family: str) -> list[Level]:
     return sorted((r for r in levels if r.family == family and r.values), key=lambda r: -r.size_mm)
 
 
-def _level_error(level: Level, levels: Sequence[Level], limits: dict[str, Limit]) -> LevelError:
+def _level_error(level: Level, levels: Sequence[Level], limits: dict[str, Extrapolation]) -> LevelError:
     errors = {name: limits[name].error_percent(v) for name, v in level.values.items() if name in limits}
     own = {
         name: 100 * (value / level.values[name] - 1)

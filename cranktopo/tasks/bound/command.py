@@ -55,5 +55,5 @@ def command(
         minimise = "mass"
     scene = with_goal_options(scene, minimise, maximise, limits)
     found = bound_of(scene, resolution_mm, info, detail)
-    click.echo(json.dumps(found) if as_json else bound_summary(found))
-    return ExitCode.DONE if found["bound"]["possible"] else ExitCode.CRITERION_NOT_MET
+    click.echo(json.dumps(found.as_json()) if as_json else bound_summary(found))
+    return ExitCode.DONE if found.bound.possible else ExitCode.CRITERION_NOT_MET

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.bound.proof import Plane, Proof, best_proof
-from cranktopo.tasks.bound.requirements import Ceiling
+from cranktopo.design.goal.constraint import Constraint
+from cranktopo.tasks.bound.certificate import Certificate, LinearUnderestimator, best_certificate
 
 _LINES = 13
 _SPAN = 3.0
@@ -23,11 +23,11 @@ _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
-class Line:
+class SupportingLine:
     """Every web has compliance + slope * mass >= offset.
 
     Attributes:
-        weights: of the ceilings that prove it.
+        weights: of the constraints that prove it.
     """
 
     slope: float
@@ -35,33 +35,38 @@ class Line:
     weights: Array
 
 
-def lines_of(
-    plane: Plane, goal: Array, mass: Array, ceilings: Sequence[Ceiling], first: Array, slope: float
-) -> list[Line]:
-    """Lines below the pairs of mass and compliance of every web that keeps the ceilings.
+def supporting_lines(
+    underestimator: LinearUnderestimator,
+    goal: Array,
+    mass: Array,
+    constraints: Sequence[Constraint],
+    first: Array,
+    slope: float,
+) -> list[SupportingLine]:
+    """Return lines below the pairs of mass and compliance of every web that keeps the constraints.
 
     Args:
         goal, mass: weights of the quantities that make the compliance and the mass.
-        ceilings: without those of the mass, which `least_product` takes.
-        first: weights of the ceilings to begin with.
+        constraints: without those of the mass, which `minimum_product` takes.
+        first: weights of the constraints to begin with.
         slope: of the compliance over the mass where the least product is expected, made positive.
     """
     lines, weights = [], first
     for t in (0.0, *(slope * np.geomspace(1 / _SPAN, _SPAN, _LINES))):
-        proof = best_proof(plane, goal + t * mass, ceilings, weights)
-        weights = weights if np.isinf(proof.value) else proof.weights
-        lines.append(Line(float(t), proof.value, weights))
+        certificate = best_certificate(underestimator, goal + t * mass, constraints, weights)
+        weights = weights if np.isinf(certificate.value) else certificate.weights
+        lines.append(SupportingLine(float(t), certificate.value, weights))
     return lines
 
 
-def least_product(lines: Sequence[Line], low: float, high: float) -> tuple[Proof, float]:
-    """A lower bound of compliance times mass between two masses, and the slope that suits its corner.
+def minimum_product(lines: Sequence[SupportingLine], low: float, high: float) -> tuple[Certificate, float]:
+    """Return a lower bound of compliance times mass between two masses, and the slope that suits its corner.
 
     A convex curve through the corner on which no other product is smaller has that slope.
     """
     slopes, offsets = np.array([line.slope for line in lines]), np.array([line.offset for line in lines])
     if low > high or np.isinf(offsets).any():
-        return Proof(np.inf, lines[0].weights), 0.0
+        return Certificate(np.inf, lines[0].weights), 0.0
     first, second = np.triu_indices(len(slopes), 1)
     apart = slopes[first] != slopes[second]
     first, second = first[apart], second[apart]
@@ -72,14 +77,16 @@ def least_product(lines: Sequence[Line], low: float, high: float) -> tuple[Proof
     worst = int(np.argmin(products))
     slope = float(above[:, worst].max() / masses[worst])
     line = lines[int(np.argmax(above[:, worst]))]
-    return Proof(float(products[worst]) * (1 - _ROUNDING), line.weights), slope
+    return Certificate(float(products[worst]) * (1 - _ROUNDING), line.weights), slope
 
 
-def mass_range(plane: Plane, mass: Array, ceilings: Sequence[Ceiling]) -> tuple[float, float]:
-    """Least and greatest mass of the webs, within the ceilings of the mass."""
-    low, high = plane.least(mass)[0], -plane.least(-mass)[0]
-    limits = [c for c in ceilings if c.quantity == "mass"]
+def mass_range(
+    underestimator: LinearUnderestimator, mass: Array, constraints: Sequence[Constraint]
+) -> tuple[float, float]:
+    """Return the least and greatest mass of the webs, within the constraints of the mass."""
+    low, high = underestimator.minimum(mass)[0], -underestimator.minimum(-mass)[0]
+    limits = [c for c in constraints if c.quantity == "mass"]
     return (
-        max([low, *(c.limit for c in limits if c.sign < 0)]),
-        min([high, *(c.limit for c in limits if c.sign > 0)]),
+        max([low, *(c.bound for c in limits if c.sign < 0)]),
+        min([high, *(c.bound for c in limits if c.sign > 0)]),
     )

@@ -1,50 +1,119 @@
-"""What `bound --json` prints: the goal, the bound beside the original, and what it is about."""
+"""Output of `bound --json`, and the entry `bound` beside other results."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.tasks.bound.lower_bound import Bound, BoundModel
-from cranktopo.tasks.density.error_bound import model_error_percent
-from cranktopo.tasks.density.manufacturing import is_manufactured
-
-SCHEMA_VERSION = 1
+from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.goal.outcome import StatedGoal
+from cranktopo.design.goal.quantities import QuantityName
 
 
-def bound_json(model: BoundModel, bound: Bound) -> dict[str, Any]:
-    """The entry of one bound."""
-    goal, grid = bound.wanted.goal, model.domain.grid
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "design": model.scene.name,
-        "goal": {
-            **goal.as_json(),
-            "dropped": [{"limit": str(limit), "reason": why} for limit, why in bound.wanted.dropped],
-        },
-        "bound": {
-            "quantity": goal.quantity,
-            "value": bound.value,
-            "unit": QUANTITIES[goal.quantity].unit,
-            "percent_of_original": bound.percent,
-            "possible": bound.value is not None,
-        },
-        "variable_stiffness": {
-            "value": bound.reached,
-            "percent_of_original": 100 * bound.reached / bound.original,
-            "steps": bound.steps,
-        },
-        "original": dict(model.original.quantities),
-        "original_outside_envelope_percent": 100 * model.outside,
-        "weights": {
-            ceiling.told.quantity: price
-            for ceiling, price in zip(bound.wanted.ceilings, bound.prices, strict=True)
-        },
-        "process": model.scene.optimise.process if is_manufactured(model.scene) else "free",
-        "die": model.webs.die is not None,
-        "cells": list(grid.cells),
-        "design_cells": int((model.webs.design > 0).sum()),
-        "resolution_mm": model.scene.optimise.resolution_mm,
-        "model_error_percent": model_error_percent(model.scene, grid.largest_edge_mm),
-        "seconds": bound.seconds,
-    }
+class DroppedLimit(Result):
+    """A limit that is left out of the proof, which only makes the bound looser."""
+
+    limit: str
+    reason: str
+
+
+class BoundGoal(StatedGoal):
+    """The goal of a bound."""
+
+    dropped: tuple[DroppedLimit, ...]
+
+
+class ProvenBound(Result):
+    """The bound itself."""
+
+    quantity: QuantityName
+    value: float | None
+    """None where no web keeps all limits."""
+    unit: str
+    percent_of_original: float | None
+    possible: bool
+
+
+class VariableStiffness(Result):
+    """Value that cells of any stiffness reach, which is no web: the proof cannot do better."""
+
+    value: float
+    percent_of_original: float
+    steps: int
+
+
+class BoundResult(Result):
+    """Output of `bound --json`."""
+
+    schema_version: int = 1
+    design: str
+    goal: BoundGoal
+    bound: ProvenBound
+    variable_stiffness: VariableStiffness
+    original: dict[str, float]
+    original_outside_envelope_percent: float
+    weights: dict[str, float]
+    """Percent that the bound loses per percent of each limit."""
+    process: str
+    die: bool
+    cells: tuple[int, ...]
+    design_cells: int
+    resolution_mm: float
+    model_error_percent: dict[str, float]
+    seconds: float
+    assumed: tuple[dict[str, Any], ...]
+
+
+class BoundCells(Result):
+    """The cells of a bound."""
+
+    cell_mm: float
+    error_percent: dict[str, float]
+
+
+class NoBound(Result):
+    """Why there is no bound beside a result."""
+
+    none: str
+    reached_percent: float | None = UNLESS_NONE
+
+
+class BoundStatement(Result):
+    """Bound of one quantity, and what a result reaches of it."""
+
+    quantity: QuantityName
+    value: float | None
+    percent_of_original: float | None
+    dropped: tuple[str, ...]
+    model: BoundCells
+    at_mass_percent: float | None = UNLESS_NONE
+    reached_percent: float | None = UNLESS_NONE
+
+
+class BoundStatements(Result):
+    """Bounds beside a web whose goal may be no more than stiffness."""
+
+    statements: tuple[BoundStatement, ...]
+    stiffest: dict[str, tuple[float | None, ...]]
+    """Curves over the mass by their quantity and unit."""
+
+    def with_reached(self, percent: float | None) -> BoundStatements:
+        """Return the same with what the first statement's quantity reached, where that is known."""
+        if percent is None or not self.statements:
+            return self
+        first = self.statements[0].model_copy(update={"reached_percent": percent})
+        return self.model_copy(update={"statements": (first, *self.statements[1:])})
+
+
+AnyBound = NoBound | BoundStatement | BoundStatements
+
+
+def read_bound(data: Mapping[str, Any]) -> AnyBound | None:
+    """Return the entry `bound` of shape.json, metrics.json or iterate.json; None where none was asked for."""
+    entry = data.get("bound")
+    if entry is None:
+        return None
+    if "none" in entry:
+        return NoBound.of_json(entry, "bound")
+    kind = BoundStatements if "statements" in entry else BoundStatement
+    return kind.of_json(entry, "bound")

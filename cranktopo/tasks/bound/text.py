@@ -2,74 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words, value_text
-from cranktopo.report.result_table import ResultTable, terminal
+from cranktopo.report.result_table import ResultTable, Row, terminal
+from cranktopo.tasks.bound.result import AnyBound, BoundResult, BoundStatement, BoundStatements, NoBound
 
 _ABOUT = "proven for every web in the envelope, whatever its topology, in the cells of the optimiser's model"
 
 
-def bound_summary(data: Mapping[str, Any]) -> str:
-    """What `cranktopo bound` prints."""
+def bound_summary(found: BoundResult) -> str:
+    """Return what `cranktopo bound` prints."""
     lines = [
-        f"{data['design']}: {goal_words(data['goal'])}",
+        f"{found.design}: {goal_words(found.goal)}",
         "",
-        terminal(_table(data)),
+        terminal(_table(found)),
         "",
-        _claim(data),
-        _error(data),
+        _claim(found),
+        _error(found),
     ]
-    lines += [
-        f"left out, so that the bound is looser: {d['limit']}: {d['reason']}" for d in data["goal"]["dropped"]
-    ]
-    process = data["process"]
-    if process != "free":
+    lines += [f"left out, so that the bound is looser: {d.limit}: {d.reason}" for d in found.goal.dropped]
+    if found.process != "free":
         lines.append(
             "the web comes from a die; its draft is left out"
-            if data["die"]
-            else f"process {process!r}: what it excludes is left out, so that the bound is looser"
+            if found.die
+            else f"process {found.process!r}: what it excludes is left out, so that the bound is looser"
         )
-    if data["original_outside_envelope_percent"] > 0.1:
-        share = data["original_outside_envelope_percent"]
+    share = found.original_outside_envelope_percent
+    if share > 0.1:
         lines.append(
             f"{share:.1f} % of the original web lies outside of the envelope, and the bound is not about it"
         )
     return "\n".join(lines)
 
 
-def bound_lines(data: Mapping[str, Any]) -> list[str]:
-    """How far a result is from the best possible web, a line for each statement.
-
-    Args:
-        data: with `bound` as shape.json, metrics.json or iterate.json holds it.
-    """
-    return [statement_line(entry) for entry in statements(data)]
+def bound_lines(bound: AnyBound | None) -> list[str]:
+    """Return how far a result is from the best possible web, a line for each statement."""
+    return [statement_line(entry) for entry in statements(bound)]
 
 
-def statements(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """The bounds beside a result, none where they were not asked for.
-
-    Args:
-        data: with `bound` as shape.json, metrics.json or iterate.json holds it.
-    """
-    bound = data.get("bound") or {"statements": []}
-    found = bound.get("statements", [bound])
-    return [entry for entry in found if "none" in entry or entry["reached_percent"] is not None]
+def statements(bound: AnyBound | None) -> list[BoundStatement | NoBound]:
+    """Return the bounds beside a result, none where they were not asked for."""
+    if bound is None:
+        return []
+    found = bound.statements if isinstance(bound, BoundStatements) else (bound,)
+    return [entry for entry in found if isinstance(entry, NoBound) or entry.reached_percent is not None]
 
 
-def statement_line(bound: Mapping[str, Any]) -> str:
-    """How far a result is from what no web can beat in one quantity."""
-    if "none" in bound:
-        return f"no bound: {bound['none']}"
-    reached = bound["reached_percent"]
-    if bound["value"] is None:
+def statement_line(bound: BoundStatement | NoBound) -> str:
+    """Return how far a result is from what no web can beat in one quantity."""
+    if isinstance(bound, NoBound):
+        return f"no bound: {bound.none}"
+    percent, reached = bound.percent_of_original, bound.reached_percent
+    if bound.value is None or percent is None or reached is None:
         return "bound: no web of the envelope keeps these limits in the cells of the bound"
-    quantity, most = QUANTITIES[bound["quantity"]], bound["percent_of_original"] - 100
-    name, at = quantity.label, " at this mass" if "at_mass_percent" in bound else ""
-    cell = bound["model"]["cell_mm"]
+    quantity, most = QUANTITIES[bound.quantity], percent - 100
+    name, at = quantity.label, "" if bound.at_mass_percent is None else " at this mass"
+    cell = bound.model.cell_mm
     if (reached - 100 - most) * (1 if quantity.better == "high" else -1) > 0:
         return (
             f"{name} {reached - 100:+.1f} %{at}: beyond {most:+.1f} %, the best that cells of {cell:.3g} mm "
@@ -81,50 +69,45 @@ def statement_line(bound: Mapping[str, Any]) -> str:
     )
 
 
-def bound_table(bound: Mapping[str, Any]) -> ResultTable:
-    """Original, result and bound on one scale, in percent of the original.
+def bound_table(bound: BoundStatement) -> ResultTable:
+    """Return original, result and bound on one scale, in percent of the original.
 
     Args:
         bound: a statement that has one.
     """
     rows = (
         ("original", 100.0),
-        ("result", bound["reached_percent"]),
-        ("bound", bound["percent_of_original"]),
+        ("result", bound.reached_percent),
+        ("bound", bound.percent_of_original),
     )
     return ResultTable({"web": 0, "percent": 1}, tuple({"web": web, "percent": value} for web, value in rows))
 
 
-def _claim(data: Mapping[str, Any]) -> str:
-    bound = data["bound"]
-    if not bound["possible"]:
+def _claim(found: BoundResult) -> str:
+    bound = found.bound
+    if bound.percent_of_original is None:
         return f"NO WEB of this envelope keeps these limits: {_ABOUT}"
-    best = "at most" if "maximise" in data["goal"] else "not below"
-    change = bound["percent_of_original"] - 100
-    told = f"{value_text(bound['value'], bound['unit'])}, {change:+.1f} % of the original"
+    best = "at most" if found.goal.maximise else "not below"
+    change = bound.percent_of_original - 100
+    told = f"{value_text(bound.value, bound.unit)}, {change:+.1f} % of the original"
     return f"{best} {told}: {_ABOUT}"
 
 
-def _error(data: Mapping[str, Any]) -> str:
-    errors = data["model_error_percent"]
-    told = ", ".join(f"{name} {value:.1f} %" for name, value in errors.items())
-    return f"cells of {data['resolution_mm']:g} mm; their own error against exact solids: {told}"
+def _error(found: BoundResult) -> str:
+    told = ", ".join(f"{name} {value:.1f} %" for name, value in found.model_error_percent.items())
+    return f"cells of {found.resolution_mm:g} mm; their own error against exact solids: {told}"
 
 
-def _table(data: Mapping[str, Any]) -> ResultTable:
-    bound, relaxed, own = (
-        data["bound"],
-        data["variable_stiffness"],
-        data["original"][data["bound"]["quantity"]],
-    )
-    unit = QUANTITIES[bound["quantity"]].unit
-    rows = [
+def _table(found: BoundResult) -> ResultTable:
+    bound, relaxed, own = found.bound, found.variable_stiffness, found.original[found.bound.quantity]
+    unit = bound.unit
+    rows: list[Row] = [
         {"web": "original", "value": value_text(own, unit), "percent": 100.0},
         {
             "web": "cells of any stiffness",
-            "value": value_text(relaxed["value"], unit),
-            "percent": relaxed["percent_of_original"],
+            "value": value_text(relaxed.value, unit),
+            "percent": relaxed.percent_of_original,
         },
-        {"web": "bound", "value": value_text(bound["value"], unit), "percent": bound["percent_of_original"]},
+        {"web": "bound", "value": value_text(bound.value, unit), "percent": bound.percent_of_original},
     ]
-    return ResultTable({"web": 0, "value": 0, "percent": 1}, tuple(rows if bound["possible"] else rows[:1]))
+    return ResultTable({"web": 0, "value": 0, "percent": 1}, tuple(rows if bound.possible else rows[:1]))

@@ -20,7 +20,7 @@ from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.forging import Parting
-from cranktopo.tasks.bound.requirements import LINEAR
+from cranktopo.tasks.bound.convex_problem import LINEAR
 from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.responses import Design, Response, quantities
@@ -29,7 +29,7 @@ _TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class Die:
+class _DieSplit:
     """Along which axis the halves of a die leave, and where they part."""
 
     axis: int
@@ -37,7 +37,7 @@ class Die:
 
 
 @dataclass(frozen=True)
-class Webs:
+class AdmissibleDensities:
     """The webs of an envelope.
 
     Attributes:
@@ -54,10 +54,10 @@ class Webs:
     layers: slice
     amounts: Mapping[str, Array]
     fixed_amounts: Mapping[str, float]
-    die: Die | None = None
+    die: _DieSplit | None = None
 
     def best(self, gains: Array) -> tuple[float, Array]:
-        """The largest sum of gains times densities, and densities that reach it (nx, ny, nw)."""
+        """Return the largest sum of gains times densities, and densities that reach it (nx, ny, nw)."""
         if self.die is None:
             taken = gains > 0
             return float(np.sum(np.where(taken, gains, 0.0))), taken.astype(np.float64)
@@ -78,7 +78,7 @@ class Webs:
         return float(np.sum(roots)), np.moveaxis(chosen, 0, self.die.axis)
 
     def made(self, density: Array, above: Array, below: Array) -> Array:
-        """The densities that a die can make and that cost least of above / density + below * density.
+        """Return the densities that a die can make and that cost least of above / density + below * density.
 
         Args:
             density: those of each cell on its own.
@@ -95,7 +95,7 @@ class Webs:
 
 
 def _falling(above: Array, below: Array) -> Array:
-    """Weighted means of above / below that never grow along the first axis and lie nearest to each of them.
+    """Return means of above / below that never grow along the first axis and lie nearest to each of them.
 
     Source: R. E. Barlow et al., Statistical Inference under Order Restrictions, 1972, min-max formula.
     """
@@ -108,7 +108,7 @@ def _falling(above: Array, below: Array) -> Array:
 
 
 def _best_chain(gains: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Largest sums over first parts of columns along the first axis, not below 0, and what they take."""
+    """Return the largest sums over first parts of columns along the first axis, >= 0, and what they take."""
     ahead, paying = np.zeros(gains.shape[1:]), np.zeros(gains.shape, bool)
     for layer in range(len(gains) - 1, -1, -1):
         ahead = np.maximum(gains[layer] + ahead, 0.0)
@@ -116,14 +116,14 @@ def _best_chain(gains: Array) -> tuple[Array, NDArray[np.bool_]]:
     return ahead, np.logical_and.accumulate(paying, axis=0)
 
 
-def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> Webs:
-    """The webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
+def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> AdmissibleDensities:
+    """Return the webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
     layers = slice(*domain.web_layers)
     design = np.asarray(designable(scene, domain))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     sums = {name: known[name] for name in LINEAR}
     values, slopes = _values_and_slopes(tuple(sums.values()), domain.fixed)
-    return Webs(
+    return AdmissibleDensities(
         fixed=domain.fixed,
         design=design,
         layers=layers,
@@ -134,7 +134,7 @@ def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> Webs:
 
 
 def _values_and_slopes(sums: tuple[Response, ...], solid: Array) -> tuple[Array, Array]:
-    """Values (k,) of sums over the cells and their derivatives (k, nx, ny, nz) by the solid fraction."""
+    """Return sums over the cells (k,) and their derivatives (k, nx, ny, nz) by the solid fraction."""
 
     def values(solid: jax.Array) -> jax.Array:
         none = jnp.zeros(0)
@@ -144,8 +144,8 @@ def _values_and_slopes(sums: tuple[Response, ...], solid: Array) -> tuple[Array,
     return np.asarray(found[0]), np.asarray(found[1])
 
 
-def _die(scene: Scene, domain: Domain) -> Die | None:
+def _die(scene: Scene, domain: Domain) -> _DieSplit | None:
     if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
         return None
     axis = pull_axis(scene)
-    return Die(axis, parting_of(domain, axis))
+    return _DieSplit(axis, parting_of(domain, axis))

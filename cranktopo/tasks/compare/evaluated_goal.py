@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-from cranktopo.design.goal.outcome import goal_json
+from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.tasks.compare.result import Entry
 from cranktopo.tasks.fea.goal_values import goal_values
@@ -14,7 +13,7 @@ from cranktopo.tasks.fea.targets import Target
 
 def evaluated_goals(
     targets: Sequence[Target], entries: Sequence[Entry], baseline: int
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, GoalOutcome]:
     """Goal and limits of every target that has a goal, but for the baseline, by name of the target.
 
     Args:
@@ -25,7 +24,7 @@ def evaluated_goals(
     for row, (target, entry) in enumerate(zip(targets, entries, strict=True)):
         goal = wanted(target.scene)
         if goal is not None and row != baseline:
-            found[target.name] = goal_json(goal, _values(target, entry), original)
+            found[target.name] = goal_outcome(goal, _values(target, entry), original)
     return found
 
 

@@ -18,6 +18,7 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.tasks.accuracy.plot import error_picture
 from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.compare.plot import scatter_points
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import percent_table, published_table, value_table
@@ -91,7 +92,8 @@ def comparison_page(record: ComparisonRecord) -> Page:
         sections=(
             _variants(comparison, record.undercuts, record.bound),
             *bound_sections(
-                {"bound": record.bound}, f"{comparison.base.name} and {leader} in the body-fitted evaluation"
+                read_bound({"bound": record.bound}),
+                f"{comparison.base.name} and {leader} in the body-fitted evaluation",
             ),
             *_goals(comparison),
             _accuracy(comparison),

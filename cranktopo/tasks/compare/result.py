@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.schema import Published
 from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
@@ -61,7 +61,7 @@ class Comparison:
     entries: tuple[Entry, ...]
     baseline: int
     fatigue: FatigueComparison | None = None
-    goals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    goals: Mapping[str, GoalOutcome] = field(default_factory=dict)
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

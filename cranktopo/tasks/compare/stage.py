@@ -22,7 +22,7 @@ from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
-from cranktopo.tasks.bound.beside_result import bounds_beside
+from cranktopo.tasks.bound.bound_for_result import bounds_for_result
 from cranktopo.tasks.compare.evaluated_goal import evaluated_goals
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
@@ -106,7 +106,7 @@ def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Jso
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
-    return bounds_beside(scene, reached, None, info)
+    return bounds_for_result(scene, reached, None, info).as_json()
 
 
 def report_comparison(

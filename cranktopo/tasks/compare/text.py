@@ -104,6 +104,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
     """The comparison as the object that `compare --json` prints."""
     published = published_table(comparison)
     best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
+    goals = {name: goal.as_json() for name, goal in comparison.goals.items()}
     return {
         "schema_version": SCHEMA_VERSION,
         "baseline": comparison.base.name,
@@ -118,7 +119,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         },
         "published": None if published is None else records(published),
         "fatigue": None if comparison.fatigue is None else comparison.fatigue.json,
-        **({"goals": dict(comparison.goals)} if comparison.goals else {}),
+        **({"goals": goals} if goals else {}),
     }
 
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.design.goal.constraint import minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal as WantedGoal
 from cranktopo.design.goal.limit import Limit
-from cranktopo.design.goal.moved import least_size, size_of
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Optimise, Scene
@@ -95,9 +95,9 @@ def _of_volume(
 
 
 def _of_goal(goal: WantedGoal, known: Mapping[str, Response], original: Mapping[str, float]) -> Statement:
-    first, least = _known(known, goal.quantity, "goal"), least_size(goal.quantity, original)
+    first, least = _known(known, goal.quantity, "goal"), minimum_scale(goal.quantity, original)
     return Statement(
-        (Goal(first, goal.sense, size_of(original[goal.quantity], 0.0, least)),),
+        (Goal(first, goal.sense, scale_of(original[goal.quantity], 0.0, least)),),
         tuple(
             _requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
             for limit in goal.limits
@@ -128,5 +128,5 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
 def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> Requirement:
     own = original[limit.quantity]
     bound = limit.value / 100 * own if limit.percent else limit.value
-    least = least_size(limit.quantity, original)
+    least = minimum_scale(limit.quantity, original)
     return Requirement(response, limit.sense, bound, own, limit.percent, least)

@@ -13,7 +13,7 @@ from typing import Literal
 import jax
 import jax.numpy as jnp
 
-from cranktopo.design.goal.moved import size_of
+from cranktopo.design.goal.constraint import scale_of
 from cranktopo.tasks.density.responses import Design, Response
 
 Sense = Literal["minimise", "maximise"]
@@ -88,7 +88,7 @@ class Requirement:
 
     @property
     def _size(self) -> float:
-        return size_of(self.bound, self.original, self.least_size)
+        return scale_of(self.bound, self.original, self.least_size)
 
 
 @dataclass(frozen=True)

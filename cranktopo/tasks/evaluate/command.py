@@ -77,13 +77,13 @@ def command(
     else:
         from cranktopo.report.result_table import terminal
         from cranktopo.tasks.fea.table import evaluation_table, result_line
-        from cranktopo.tasks.shape.sensitivity_text import worth_lines
+        from cranktopo.tasks.shape.sensitivity_text import sensitivity_text
 
         click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:
             click.echo(result_line(evaluation))
         for told in worth:
-            click.echo("\n" + "\n".join(worth_lines(told.as_json(), told.scene.name)))
+            click.echo("\n" + "\n".join(sensitivity_text(told.table, told.scene.name)))
     warn_missed(found.missed, accuracy)
 
 

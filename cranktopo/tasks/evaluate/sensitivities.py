@@ -25,10 +25,10 @@ from cranktopo.tasks.iterate.settings import Settings
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.active_constraints import held_by
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at
-from cranktopo.tasks.shape.sensitivities import Dimension, dimensions, sensitivities_json
+from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.start import scene_start
 
 _COARSER = 2.0
@@ -51,13 +51,17 @@ class Sensitivities:
 
     file: str
     scene: Scene
-    dimensions: tuple[Dimension, ...]
+    dimensions: tuple[DimensionSensitivity, ...]
     broken: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
         """The entry `sensitivities` of an evaluation."""
-        found = sensitivities_json(self.dimensions, self.scene.shape.tolerance_mm)
-        return {**found, "broken_rules": list(self.broken)}
+        return {**self.table.as_json(), "broken_rules": list(self.broken)}
+
+    @property
+    def table(self) -> SensitivityTable:
+        """The dimensions with the worst case."""
+        return sensitivity_table(self.dimensions, self.scene.shape.tolerance_mm)
 
 
 def evaluate_sensitivities(
@@ -87,12 +91,12 @@ def evaluate_sensitivities(
     webs = MeshedWebs(planned, limits, size, _fraction(planned, info))
     parametric = webs.web(layout)
     rules = rules_at(planned, parametric, values)
-    if rules.broken:
-        info(f"{scene.name}: keeps these rules not: {'; '.join(rules.broken)}")
+    if rules.violated:
+        info(f"{scene.name}: keeps these rules not: {'; '.join(rules.violated)}")
     responses = webs.responses(parametric, values)
-    holders = held_by(planned, parametric, values, rules)
-    worth = dimensions(parametric, values, responses, responses.values, holders)
-    return Sensitivities(str(found.file or target), scene, worth, rules.broken)
+    holders = active_constraints(planned, parametric, values, rules)
+    worth = dimension_sensitivities(parametric, values, responses, responses.values, holders)
+    return Sensitivities(str(found.file or target), scene, worth, rules.violated)
 
 
 def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:

@@ -28,7 +28,7 @@ from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind
 from cranktopo.runs.status import working_in
-from cranktopo.tasks.bound.beside_result import bounds_beside
+from cranktopo.tasks.bound.bound_for_result import bounds_for_result
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.notices import baseline_notice
 from cranktopo.tasks.designs.run_webs import best_row
@@ -155,7 +155,7 @@ def _bound(scene: Scene, outcome: Outcome, info: Info) -> Json | None:
     best = best_row(outcome.as_json())
     if best is None or plan(scene)["bound"].state == "off":
         return None
-    return bounds_beside(scene, best["percent_of_original"], None, info)
+    return bounds_for_result(scene, best["percent_of_original"], None, info).as_json()
 
 
 def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Callable[[], None]) -> Outcome:

@@ -12,6 +12,7 @@ from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versio
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.designs.run_webs import best_row, row_words
 from cranktopo.tasks.fea.quantities import (
     BENDING,
@@ -41,7 +42,7 @@ def iterate_page(data: Mapping[str, Any], manifest: Mapping[str, Any], bodies: t
         facts=(*_facts(data), Fact("Ended", f"{_done(data)} steps", data["stop_reason"], "neutral")),
         sections=(
             _steps(data),
-            *bound_sections(data, "the body-fitted evaluation"),
+            *bound_sections(read_bound(data), "the body-fitted evaluation"),
             _provenance(data, manifest),
             versions_section(manifest["versions"]),
         ),

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import read_json
 from cranktopo.base.near_ties import clearly_more
-from cranktopo.base.progress import Json
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.outcome import limit_outcomes
+from cranktopo.design.goal.outcome import GoalWords, goal_outcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -24,6 +21,7 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.iterate.settings import Settings
 from cranktopo.tasks.iterate.step import LoopStep
 from cranktopo.tasks.iterate.transition import transition_mm
+from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 from cranktopo.tasks.shape.search import HELD
 
@@ -43,7 +41,7 @@ class ShapeStep:
 
     row: LoopStep | None
     reason: str
-    goal: Json
+    goal: GoalWords
     better: bool = False
     step_percent: float | None = None
     not_judged: tuple[str, ...] = ()
@@ -54,7 +52,7 @@ class ShapeStep:
             "folder": SHAPE,
             "found": self.row is not None,
             "reason": self.reason,
-            "goal": self.goal,
+            "goal": self.goal.as_json(),
             "better_than_best_step": self.better,
             "best_step_percent": self.step_percent,
             "not_judged_of_steps": list(self.not_judged),
@@ -87,20 +85,20 @@ def shape_step(
     """
     wanted_scene = shape_scene(scene)
     goal = _goal(wanted_scene)
-    asked: Json = {goal.sense: goal.quantity}
+    asked = GoalWords.model_validate({goal.sense: goal.quantity})
     try:
         data = _shaped(run.path / SHAPE, wanted_scene, begun, settings, info)
     except CranktopoError as error:
         if error.code == ExitCode.INTERRUPTED:
             raise
         return ShapeStep(None, str(error), asked)
-    if not all(limit["holds"] for limit in data["goal"]["limits"]):
-        return ShapeStep(None, data["stop_reason"], data["goal"])
-    row = _row(number, data, load_scene(str(run.path / SHAPE / data["files"]["design"])))
+    if not data.held:
+        return ShapeStep(None, data.stop_reason, data.goal)
+    row = _row(number, data, load_scene(str(run.path / SHAPE / data.files["design"])))
     return _compared(row, best, goal, data)
 
 
-def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings, info: Info) -> Json:
+def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings, info: Info) -> ShapeResult:
     """shape.json of the optimisation: begun, continued, or read where it is done."""
 
     def indented(text: str) -> None:
@@ -109,15 +107,15 @@ def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings,
     if not (folder / "manifest.json").is_file():
         own = replace(shape_settings(scene, settings.limits), element_size_mm=settings.element_size_mm)
         command = ["cranktopo", "iterate"]
-        return shape_design(scene, own, folder, None, command, indented, begun).data
+        return shape_design(scene, own, folder, None, command, indented, begun).result
     if open_run(str(folder)).manifest()["status"] == "done":
-        return read_json(folder / RESULT_FILES[SHAPE])
-    return resume_shape(str(folder), indented).data
+        return ShapeResult.read(folder / RESULT_FILES[SHAPE])
+    return resume_shape(str(folder), indented).result
 
 
-def _row(number: int, data: Mapping[str, Any], web: Scene) -> LoopStep:
+def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:
     """The result of a shape optimisation as a row of the table of steps."""
-    found, supports = data["result"], data["result"]["supports"]
+    found, supports = data.result, data.result["supports"]
     return LoopStep(
         number=number,
         throw_kg=found["mass_kg"]["throw"],
@@ -129,22 +127,22 @@ def _row(number: int, data: Mapping[str, Any], web: Scene) -> LoopStep:
         transition_mm=transition_mm(surface_of(web, "web", coarse_facet_mm(web)), web),
         overlap_percent=None,
         removed_percent=None,
-        seconds=data["seconds"]["total"],
+        seconds=data.seconds["total"],
     )
 
 
-def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: Mapping[str, Any]) -> ShapeStep:
+def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: ShapeResult) -> ShapeStep:
     """The step is better only where it keeps the limits and is so clearly, for a near-tie is no loss."""
     if best is None:
-        return ShapeStep(row, data["stop_reason"], data["goal"], better=True)
-    original, shaped, own = data["values"]["original"], data["values"]["result"], _values(best)
-    told = limit_outcomes(goal, own, original, HELD)
-    unknown = tuple(dict.fromkeys(o.limit.quantity for o in told if o.holds is None))
+        return ShapeStep(row, data.stop_reason, data.goal, better=True)
+    original, shaped, own = data.values.original, data.values.result, _values(best)
+    told = goal_outcome(goal, own, original, HELD).limits
+    unknown = tuple(dict.fromkeys(o.quantity for o in told if o.holds is None))
     broken = any(outcome.holds is False for outcome in told)
     name = goal.quantity
     percent = 100 * own[name] / original[name] if name in own else None
     step_wins = not broken and name in own and _clearly_better(own[name], shaped[name], goal)
-    return ShapeStep(row, data["stop_reason"], data["goal"], not step_wins, percent, unknown)
+    return ShapeStep(row, data.stop_reason, data.goal, not step_wins, percent, unknown)
 
 
 def _clearly_better(value: float, other: float, goal: Goal) -> bool:

@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.designs.run_webs import Step, best_row, row_folder, row_words
 from cranktopo.tasks.fea.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
@@ -92,9 +94,8 @@ def shape_line(data: Mapping[str, Any]) -> str:
     if not shape["found"]:
         return f"shape: no web that keeps the limits, the result of {step} stands: {shape['reason']}"
     goal = shape["goal"]
-    reached = (
-        f"shape: {goal_words(goal)} {goal['reached_percent']:.1f} % of the original web, every limit holds"
-    )
+    words = goal_words(GoalWords.of_json(goal, "goal"))
+    reached = f"shape: {words} {goal['reached_percent']:.1f} % of the original web, every limit holds"
     reached += _thin_words(data)
     if data["best_step"] is None:
         return f"{reached}; no step beats the original web"
@@ -125,7 +126,7 @@ def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
     for caption, table in steps_tables(data["steps"]):
         lines += [caption, terminal(table), ""]
     lines.append(steps_estimate(data["steps"]))
-    lines += bound_lines(data)
+    lines += bound_lines(read_bound(data))
     lines += [f"ended: {data['stop_reason']}", *filter(None, [shape_line(data)]), best_line(data)]
     lines += [f"note: {notice}" for notice in data.get("notices", ())]
     best = best_row(data)

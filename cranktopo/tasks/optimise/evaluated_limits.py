@@ -8,9 +8,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cranktopo.base.progress import Json, Work
+from cranktopo.design.goal.constraint import ACTIVE, TOLERANCE, bound_in_model
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.moved import moved_bound
-from cranktopo.design.goal.outcome import ACTIVE, HOLDS, LimitOutcome, limit_outcomes
+from cranktopo.design.goal.outcome import LimitOutcome, goal_outcome
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import without
@@ -47,11 +47,11 @@ class CheckedLimit:
     @property
     def met(self) -> bool:
         """Whether the limit holds by the evaluation, and with no reserve if it decides the design."""
-        missed = self.outcome.missed
+        missed = self.outcome.violation
         if missed is None:
             return True
         decides = self.in_cells.broken(self.value) >= -ACTIVE
-        return abs(missed) <= HOLDS if decides else missed <= HOLDS
+        return abs(missed) <= TOLERANCE if decides else missed <= TOLERANCE
 
     @property
     def moved(self) -> float:
@@ -59,7 +59,7 @@ class CheckedLimit:
         required, reached = self.outcome.required, self.outcome.reached
         if required is None or reached is None:
             return self.in_cells.bound
-        return moved_bound(self.outcome.limit.quantity, required, self.value, reached)
+        return bound_in_model(self.outcome.quantity, required, self.value, reached)
 
 
 @dataclass(frozen=True)
@@ -104,8 +104,8 @@ class EvaluatedGoal:
         """The limits of the last design of a state; raises as `reached`."""
         limits = self.problem.with_bounds(state.bounds).statement.limits
         names = {limit.response.name for limit in limits}
-        found = limit_outcomes(self.goal, self.reached(state), self.original())
-        known = (outcome for outcome in found if outcome.limit.quantity in names)
+        found = goal_outcome(self.goal, self.reached(state), self.original()).limits
+        known = (outcome for outcome in found if outcome.quantity in names)
         return tuple(CheckedLimit(*row) for row in zip(limits, state.last.limits, known, strict=True))
 
     def _original(self, path: Path) -> Target:

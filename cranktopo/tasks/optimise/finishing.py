@@ -9,12 +9,13 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.side_by_side import Ahead, side_by_side
+from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.numerics.precision import CompileClock
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.runs.directories import RunStore
-from cranktopo.tasks.bound.beside_result import Cells, model_beside
+from cranktopo.tasks.bound.bound_for_result import Cells, model_for_result
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.stage import Prepared
@@ -35,7 +36,7 @@ def finisher(run: RunStore, prepared: Prepared) -> Finisher:
     """What can be had before the design is known; a thread makes the cells of the bound."""
     if prepared.plan["bound"].state != "on":
         return Finisher(run, prepared, None)
-    cells = Ahead(lambda: model_beside(prepared.scene, wanted(prepared.scene), run.log))
+    cells = Ahead(lambda: model_for_result(prepared.scene, wanted(prepared.scene), run.log))
     cells.begin()
     return Finisher(run, prepared, cells.result)
 
@@ -93,10 +94,11 @@ class Finisher:
             assumed,
         )
         if case is not None:
-            metrics["goal"] = told_by_evaluation(metrics["goal"], case, state, failure)
+            goal = GoalOutcome.of_json(metrics["goal"], "goal")
+            metrics["goal"] = told_by_evaluation(goal, case, state, failure).as_json()
             metrics["seconds"]["evaluation"] = evaluation_seconds(case)
         if judged.bound is not None:
-            metrics["bound"] = beside_goal(judged.bound, metrics.get("goal"))
+            metrics["bound"] = beside_goal(judged.bound, metrics.get("goal")).as_json()
             metrics["seconds"]["bound"] = judged.bound_s
         metrics["files"] = {**files, **metrics["files"], "report": REPORT}
         run.write_metrics(metrics)

@@ -6,13 +6,12 @@ the optimisation goes on from there, until every limit that decides the design i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
-from cranktopo.design.goal.outcome import goal_json, with_evaluation, without_evaluation
+from cranktopo.design.goal.outcome import GoalOutcome, MovedBounds, goal_outcome
 from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
 from cranktopo.design.schema import Scene
 from cranktopo.report.goal_table import broken_limits, percent_line
@@ -60,7 +59,7 @@ def met_by_evaluation(
                 raise
             case.work.info(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
             return replace(state, reason=f"{state.reason}; its limits are not judged"), error.message
-        told = goal_json(case.goal, case.reached(state), case.original())
+        told = goal_outcome(case.goal, case.reached(state), case.original())
         done = len(state.rounds) == ROUNDS or all(limit.met for limit in limits)
         more = "" if done else "; the limits in the cells are moved by their error"
         case.work.info(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
@@ -72,7 +71,7 @@ def met_by_evaluation(
     return (replace(state, reason=f"{state.reason} ({_MOVED})") if state.rounds else state), ""
 
 
-def _verdict(told: Mapping[str, Any], rounds: int) -> str:
+def _verdict(told: GoalOutcome, rounds: int) -> str:
     after = f"after the limits in the cells were moved {'once' if rounds == 1 else f'{rounds} times'}"
     after = f" {after}" if rounds else ""
     broken = broken_limits(told)
@@ -81,28 +80,25 @@ def _verdict(told: Mapping[str, Any], rounds: int) -> str:
     return f"every limit holds by the evaluation{after}"
 
 
-def told_by_evaluation(
-    goal: Mapping[str, Any], case: EvaluatedGoal, state: State, failure: str
-) -> dict[str, Any]:
+def told_by_evaluation(goal: GoalOutcome, case: EvaluatedGoal, state: State, failure: str) -> GoalOutcome:
     """The entry `goal` of the metrics with what the evaluation says of the last design; as it is without.
 
     Args:
         failure: why the last design could not be evaluated; empty where it was, or was not to be.
     """
     if failure:
-        return without_evaluation(goal, failure)
+        return goal.without_evaluation(failure)
     name, kept = iteration_name(state.last.iteration), case.work.kept
     if name not in kept:
-        return dict(goal)
-    told = goal_json(case.goal, case.reached(state), case.original())
-    found = with_evaluation(goal, told)
-    found["evaluation"] |= {
-        "fillets": False,
-        "element_size_mm": kept[name]["mesh"]["element_size_mm"],
-        "error_estimate_percent": kept[name]["error_estimate_percent"],
-        "rounds": [{"iteration": r.iteration, "bounds": list(r.bounds)} for r in state.rounds],
-    }
-    return found
+        return goal
+    told = goal_outcome(case.goal, case.reached(state), case.original())
+    return goal.with_evaluation(
+        told,
+        fillets=False,
+        element_size_mm=kept[name]["mesh"]["element_size_mm"],
+        error_estimate_percent=kept[name]["error_estimate_percent"],
+        rounds=tuple(MovedBounds(iteration=r.iteration, bounds=tuple(r.bounds)) for r in state.rounds),
+    )
 
 
 def evaluation_seconds(case: EvaluatedGoal) -> float:

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.progress import Json
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.runs.directories import RunStore
-from cranktopo.tasks.bound.beside_result import Cells, bounds_beside
+from cranktopo.tasks.bound.bound_for_result import Cells, bounds_for_result
+from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.density.assess import assess, assess_original
 from cranktopo.tasks.density.assessment import Assessment
 from cranktopo.tasks.density.problem import DensityProblem
@@ -32,7 +32,7 @@ class Judgement(NamedTuple):
 
     result: Assessment
     original: Assessment
-    bound: Json | None
+    bound: BoundStatements | NoBound | None
     bound_s: float
 
 
@@ -64,22 +64,23 @@ def judge(
 
 def _bound(
     run: RunStore, scene: Scene, state: State, result: Assessment, original: Assessment, cells: Cells
-) -> Json:
+) -> BoundStatements | NoBound:
     """What no web of the envelope can beat, beside the result in percent of the original."""
     if state.status != "converged":
-        return {"none": "the run has not converged"}
+        return NoBound(none="the run has not converged")
     own = original.quantities
     reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
-    return bounds_beside(scene, reached, wanted(scene), run.log, cells)
+    return bounds_for_result(scene, reached, wanted(scene), run.log, cells)
 
 
-def beside_goal(bound: Json, goal: Mapping[str, Any] | None) -> Json:
+def beside_goal(
+    bound: BoundStatements | NoBound, goal: Mapping[str, Any] | None
+) -> BoundStatements | NoBound:
     """The bound beside what the goal's quantity reached, by the evaluation where the run has one.
 
     Args:
         goal: entry `goal` of the metrics, if there is one.
     """
-    if goal is None or goal["reached_percent"] is None or not bound.get("statements"):
+    if goal is None or isinstance(bound, NoBound):
         return bound
-    first, *others = bound["statements"]
-    return {**bound, "statements": [{**first, "reached_percent": goal["reached_percent"]}, *others]}
+    return bound.with_reached(goal["reached_percent"])

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from cranktopo.design.clearance import clearance_text
-from cranktopo.design.goal.outcome import HOLDS
-from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
+from cranktopo.design.goal.constraint import TOLERANCE
+from cranktopo.report.goal_table import evaluation_note, goal_line, goal_of, limits_table
 from cranktopo.report.page import Page, Section
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
@@ -16,6 +16,7 @@ from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versio
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
@@ -51,7 +52,7 @@ def run_page(record: RunRecord) -> Page:
         facts=facts(record),
         sections=(
             *_goal(metrics),
-            *bound_sections(metrics, "the optimiser's own cells"),
+            *bound_sections(read_bound(metrics), "the optimiser's own cells"),
             _variants(metrics),
             _convergence(record),
             *clearance_sections(record.scene, scene3d.bodies if scene3d else ()),
@@ -70,13 +71,13 @@ def run_page(record: RunRecord) -> Page:
 
 def _goal(metrics: Mapping[str, Any]) -> tuple[Section, ...]:
     """What was wanted and what was reached; nothing for a run without a goal."""
-    goal = metrics.get("goal")
+    goal = goal_of(metrics)
     if goal is None:
         return ()
     line, note = goal_line(goal), evaluation_note(goal)
     text = (
         f"{line[0].upper()}{line[1:]}. Percent are of the original web in the same model; a limit holds "
-        f"within {100 * HOLDS:g} %, and decides the design where the web is at it."
+        f"within {100 * TOLERANCE:g} %, and decides the design where the web is at it."
     ) + (f" {note[0].upper()}{note[1:]}." if note else "")
     return (Section("goal", "Goal and limits", text, (("Limits", limits_table(goal)),)),)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.machine import peak_memory_MiB
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.design.goal.outcome import goal_json
+from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.assessment import Assessment
@@ -83,7 +83,11 @@ def optimise_metrics(
         "load_cases": _load_cases(scene, problem, result, domain),
         "stiffness_per_mass": _per_mass(result),
         "original_web": _original(scene, problem, result, original, domain),
-        **({} if goal is None else {"goal": goal_json(goal, result.quantities, original.quantities)}),
+        **(
+            {}
+            if goal is None
+            else {"goal": goal_outcome(goal, result.quantities, original.quantities).as_json()}
+        ),
         "surface": dict(surface),
         "solver": _solver(problem, state, result),
         "seconds": _seconds(state, timing),

@@ -23,7 +23,7 @@ from cranktopo.design.assumed import (
     assumptions,
     stored_assumptions,
 )
-from cranktopo.design.goal.sentence import goal_text
+from cranktopo.design.goal.limit import goal_text
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.new_run import new_run
 from cranktopo.design.of_run import scene_of_run

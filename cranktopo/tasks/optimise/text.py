@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table, unjudged_line
+from cranktopo.report.goal_table import evaluation_note, goal_line, goal_of, limits_table, unjudged_line
 from cranktopo.report.result_table import terminal
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.length_text import length_lines
 from cranktopo.tasks.extraction.undercut_table import obstacles
@@ -20,7 +21,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
     """A finished optimise run; `metrics` as metrics.json holds it."""
     original = metrics["original_web"]
     lines = [
-        *filter(None, [unjudged_line(metrics.get("goal", {}))]),
+        *filter(None, [unjudged_line(goal_of(metrics))]),
         f"{ended(metrics)}: {metrics['stop_reason']}",
         *filter(None, [worse_line(run_changes_percent(metrics), "the original web")]),
         "",
@@ -32,7 +33,8 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
         masses = f"{now:14.3f}{before:14.3f}{percent_change(now, before):+10.1f} %"
         lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
     lines += _goal_lines(metrics)
-    lines += ["", *bound_lines(metrics)] if bound_lines(metrics) else []
+    bounds = bound_lines(read_bound(metrics))
+    lines += ["", *bounds] if bounds else []
     seconds = metrics["seconds"]
     report = f", report {seconds['report']:.1f} s" if "report" in seconds else ""
     lines += [
@@ -51,7 +53,7 @@ def run_summary(metrics: Mapping[str, Any], folder: Path) -> str:
 
 def _goal_lines(metrics: Mapping[str, Any]) -> list[str]:
     """Goal and limits of a run that has them."""
-    goal = metrics.get("goal")
+    goal = goal_of(metrics)
     if goal is None:
         return []
     return ["", goal_line(goal), terminal(limits_table(goal)), *filter(None, [evaluation_note(goal)])]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.report.goal_table import broken_limits, goal_words, unjudged_line
+from cranktopo.report.goal_table import broken_limits, goal_of, goal_words, unjudged_line
 from cranktopo.report.page import Fact, FactStatus
 from cranktopo.tasks.extraction.length_text import asked_lengths, kept, shown
 from cranktopo.tasks.extraction.undercut_table import obstacles, released_text
@@ -28,7 +28,7 @@ _NO_FILLETS = (
 
 def headline(metrics: Mapping[str, Any]) -> str:
     """The verdict against the original web in the same model: limits not judged first, then what is worse."""
-    unjudged = unjudged_line(metrics.get("goal", {}))
+    unjudged = unjudged_line(goal_of(metrics))
     sentence = comparison_sentence("The optimised throw", run_changes_percent(metrics), "the original")
     return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
 
@@ -103,12 +103,12 @@ def _lengths(metrics: Mapping[str, Any]) -> list[Fact]:
 
 def _limits(metrics: Mapping[str, Any]) -> list[Fact]:
     """Whether the limits of a goal hold in the optimiser's model; nothing without a goal."""
-    goal = metrics.get("goal")
+    goal = goal_of(metrics)
     if goal is None:
         return []
-    if "not_evaluated" in goal:
+    if goal.not_evaluated is not None:
         return [Fact("Limits", "not judged", unjudged_line(goal), "bad")]
-    broken, known = broken_limits(goal), [e for e in goal["limits"] if e["holds"] is not None]
+    broken, known = broken_limits(goal), [limit for limit in goal.limits if limit.holds is not None]
     note = "; ".join(broken) if broken else f"{goal_words(goal)} within them"
     value = f"{len(known) - len(broken)} of {len(known)} hold"
     return [Fact("Limits", value, note, "bad" if broken else "good")]

@@ -40,7 +40,8 @@ def command(
         assumptions,
     )
     from cranktopo.design.checks.shaft import shaft_warnings
-    from cranktopo.design.goal.sentence import goal_text
+    from cranktopo.design.goal.limit import goal_text
+    from cranktopo.design.goal.outcome import stated_goal
     from cranktopo.design.goal.wanted import wanted
     from cranktopo.design.loading import load_scene
     from cranktopo.engine.plan.cost import effort
@@ -56,7 +57,7 @@ def command(
         payload = {
             "schema_version": 1,
             "design": scene.name,
-            **({} if goal is None else {"goal": goal.as_json()}),
+            **({} if goal is None else {"goal": stated_goal(goal).as_json()}),
             "effects": effects.as_json(),
             "evaluations": {"number": todo.evaluations, "seconds": todo.evaluation_seconds},
             "assumed": assumed_json(assumed),

@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.derivatives import central_difference
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.refit.model_fill import between_mm
@@ -65,10 +66,9 @@ class MovedFillet:
             turned = self.layout.names.index("counterweight_angle")
             moved[0, turned] = circle.reach_mm * math.radians(1.0)
         at = np.array([circle.on_outline[1]])
-        for i in range(self.layout.stations):
-            step = _STEP * np.eye(len(self.values))[i]
-            above, below = (self._half_width_mm(self.values + s * step, at)[0] for s in (1, -1))
-            moved[1, i] = normal[0] * (above - below) / (2 * _STEP)
+        stations = range(self.layout.stations)
+        by_values = central_difference(lambda v: self._half_width_mm(v, at)[0], self.values, _STEP, stations)
+        moved[1] += normal[0] * by_values
         return np.asarray(np.linalg.solve(np.stack([across, normal]), moved))
 
     @property

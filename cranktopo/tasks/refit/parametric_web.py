@@ -12,6 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.derivatives import central_difference, complex_step
 from cranktopo.tasks.refit.constraints import outline_rules, part_rules
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import all_bounds, scene_at, size_rules
@@ -19,9 +20,8 @@ from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, added_mm
 from cranktopo.throw.fitted import Axes, Rule
 
-_COMPLEX = 1e-30
 _DIFFERENCE = 1e-6
-"""Steps of the derivatives of outline and walls, mm or degrees."""
+"""Step of the derivatives of walls by dimensions of the throw, mm or degrees."""
 
 
 @dataclass(frozen=True)
@@ -50,22 +50,21 @@ class _Outline:
     def _shape(self, own: Array, values: Array) -> _Shape:
         scene = scene_at(self._scene, self._layout, values)
         points, constraints = self._raw(own, scene)
-        sides = [self._raw(own + 1j * _COMPLEX * unit, scene) for unit in np.eye(len(own))]
-        point_slopes = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
-        constraint_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
-        by_sizes = self._by_sizes(own, values, len(constraints))
+        both = complex_step(lambda v: np.concatenate([part.ravel() for part in self._raw(v, scene)]), own)
+        point_slopes, constraint_slopes = np.split(both, [points.size])
+        point_slopes = point_slopes.reshape(*points.shape, len(own))
+        by_sizes = self._by_sizes(own, values)
         return _Shape(points, constraints, point_slopes, np.hstack([constraint_slopes, by_sizes]))
 
-    def _by_sizes(self, own: Array, values: Array, count: int) -> Array:
+    def _by_sizes(self, own: Array, values: Array) -> Array:
         """Derivatives of the constraints by the parameters after the outline's, (constraints, rest)."""
-        result = np.zeros((count, len(values) - len(own)))
-        for k in range(len(values) - len(self._layout.dimensions), len(values)):
-            step = _DIFFERENCE * np.eye(len(values))[k]
-            above, below = (
-                self._raw(own, scene_at(self._scene, self._layout, values + s * step))[1] for s in (1, -1)
-            )
-            result[:, k - len(own)] = (above - below) / (2 * _DIFFERENCE)
-        return result
+        places = range(len(values) - len(self._layout.dimensions), len(values))
+
+        def constraints(moved: Array) -> Array:
+            found: Array = self._raw(own, scene_at(self._scene, self._layout, moved))[1]
+            return found
+
+        return central_difference(constraints, values, _DIFFERENCE, places)[:, len(own) :]
 
     def _raw(self, own: Any, scene: Scene) -> tuple[Any, Any]:
         flank = flank_of(self._layout, own)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.slsqp import minimise
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -17,7 +17,6 @@ from cranktopo.tasks.refit.voxel_fill import VoxelFill
 
 _TOLERANCE = 1e-4
 _FLAT = 1e-8
-_FEASIBLE = 1e-6
 _KEPT = 5e-3
 """Violation that rounding of the parameters absorbs."""
 _EVALUATIONS = 200
@@ -99,33 +98,18 @@ def search(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array,
 
 
 def _minimise(fit: Fit, guess: Array, width_mm: float) -> tuple[Array, float]:
-    import nlopt
-
     best, least = guess, np.inf
-    low, high = np.maximum(fit.web.bounds[0], guess - _REACH), np.minimum(fit.web.bounds[1], guess + _REACH)
+    bounds = np.maximum(fit.web.bounds[0], guess - _REACH), np.minimum(fit.web.bounds[1], guess + _REACH)
 
-    def value(values: Array, gradient: Array) -> float:
+    def value(values: Array) -> tuple[float, Array]:
         nonlocal best, least
         result, slope = fit.misfit(values, width_mm)
-        if gradient.size:
-            gradient[:] = slope
         if result < least and np.max(fit.web.constraints(values)) < _KEPT:
             best, least = values.copy(), float(result)
-        return float(result)
+        return float(result), slope
 
-    def constrain(result: Array, values: Array, gradient: Array) -> None:
-        if gradient.size:
-            gradient[:] = fit.web.slopes(values)
-        result[:] = fit.web.constraints(values)
+    def constrain(values: Array) -> tuple[Array, Array]:
+        return fit.web.constraints(values), fit.web.slopes(values)
 
-    optimiser = nlopt.opt(nlopt.LD_SLSQP, len(guess))
-    optimiser.set_min_objective(value)
-    optimiser.add_inequality_mconstraint(constrain, np.full(len(fit.web.constraints(guess)), _FEASIBLE))
-    optimiser.set_lower_bounds(low)
-    optimiser.set_upper_bounds(high)
-    optimiser.set_xtol_abs(_TOLERANCE)
-    optimiser.set_ftol_rel(_FLAT)
-    optimiser.set_maxeval(_EVALUATIONS)
-    with suppress(nlopt.RoundoffLimited):
-        optimiser.optimize(np.clip(guess, low, high))
+    minimise(value, constrain, bounds, guess, _TOLERANCE, _EVALUATIONS, _FLAT)
     return best, least

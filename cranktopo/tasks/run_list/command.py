@@ -61,6 +61,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
     from cranktopo.tasks.iterate.text import loop_summary
     from cranktopo.tasks.optimise.text import run_summary
+    from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.text import shape_summary
     from cranktopo.tasks.sweep.result import SweepResult
     from cranktopo.tasks.sweep.text import sweep_summary
@@ -77,11 +78,13 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
         with shown_results(found):
+            where = f"run '{run}'"
             if kind == SWEEP:
-                text = sweep_summary(SweepResult.of_json(result, f"run '{run}'"), found.path)
+                text = sweep_summary(SweepResult.of_json(result, where), found.path)
+            elif kind == SHAPE:
+                text = shape_summary(ShapeResult.of_json(result, where), found.path)
             else:
-                summaries = {LOOP: loop_summary, SHAPE: shape_summary}
-                text = summaries.get(kind, run_summary)(result, found.path)
+                text = {LOOP: loop_summary}.get(kind, run_summary)(result, found.path)
         click.echo(text)
 
 

@@ -1,4 +1,4 @@
-"""What a web is by the body-fitted evaluation, the last word on every limit."""
+"""A web by the body-fitted evaluation, which has the last word on every limit."""
 
 from __future__ import annotations
 
@@ -39,12 +39,6 @@ class EvaluatedWeb:
     def values(self) -> dict[str, float]:
         """Its quantities by name, in the units of the goal's limits."""
         return goal_values(self.scene, self.evaluation)
-
-    @property
-    def error_percent(self) -> dict[str, float]:
-        """Bound of the discretisation error of both stiffnesses."""
-        estimate: dict[str, float] = self.evaluation["error_estimate_percent"]
-        return estimate
 
 
 def evaluated_web(

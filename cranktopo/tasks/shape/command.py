@@ -89,5 +89,5 @@ def command(
         settings = shape_settings(scene, usual_limits(scene, **rules))
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, info, found.begun)
-    click.echo(json.dumps(run.data) if as_json else shape_summary(run.data, run.folder))
-    return ExitCode.DONE if run.held else ExitCode.CRITERION_NOT_MET
+    click.echo(json.dumps(run.result.as_json()) if as_json else shape_summary(run.result, run.folder))
+    return ExitCode.DONE if run.result.held else ExitCode.CRITERION_NOT_MET

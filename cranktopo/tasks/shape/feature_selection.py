@@ -1,78 +1,59 @@
-"""Which features a web should have: each is tried for what it gains in the goal, and kept only if it pays."""
+"""Features of a web: each is tried for what it gains in the goal, and kept only if it pays."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
-from cranktopo.design.goal.moved import model_error, without_error
+from cranktopo.design.goal.constraint import Constraint, model_error, without_error
 from cranktopo.tasks.refit.dimensions import with_free, with_part
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.initial_guess import with_stations
+from cranktopo.tasks.shape.candidate import DOUBT, MINIMUM_GAIN, WebCandidate, doubtful
 from cranktopo.tasks.shape.free_bores import free_bores
 from cranktopo.tasks.shape.pocket_places import pocket_starts
-from cranktopo.tasks.shape.refining import Refinement, Told, merit, refined
-from cranktopo.tasks.shape.search import EVALUATIONS, Found, Webs, prices_of, search, why_nothing
-from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
+from cranktopo.tasks.shape.refining import Refinement, merit, refined
+from cranktopo.tasks.shape.result import FeatureTrial
+from cranktopo.tasks.shape.search import (
+    EVALUATIONS,
+    SearchResult,
+    WebSolver,
+    multipliers_of,
+    search_on_cells,
+    why_nothing,
+)
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.tasks.shape.start import bevel_start, groove_start
 from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 
-LEAST_GAIN = 2e-3
-"""Least gain in the goal, relative to the original, that a feature or a station must bring."""
 _CLEAR_GAIN = 0.015
 """Gain on cells, far above their errors, with which a feature is kept unseen by the elements."""
-_DOUBT = 1e-2
-"""Relative excess of a limit above which no finish will keep it."""
-_MOST_POCKETS = 4
+_MAXIMUM_POCKETS = 4
 _MORE_STATIONS = (9,)
 _REFINED = Refinement(3, 12, 5.0, 1.5e-3)
 """Of each trial that pays on cells."""
 
 
-@dataclass(frozen=True)
-class Trial:
-    """One row of the table of what was tried.
-
-    Attributes:
-        step: stations or feature.
-        parameters: how many parameters the web then has.
-        objective: the goal, smaller is better; None where no web kept limits and rules.
-        gain_percent: gain in the goal against what was there before, % of the original's; None likewise.
-        kept: whether it is in the web.
-        evaluations: webs solved.
-        missed_percent: by how much the worst limit is missed, 0 where all are kept. Then the gain is how
-            much nearer the web comes.
-    """
-
-    step: str
-    parameters: int
-    objective: float | None
-    gain_percent: float | None
-    kept: bool
-    evaluations: int
-    missed_percent: float = 0.0
-
-
-def trial_text(trial: Trial) -> str:
-    """One line of progress."""
+def _trial_text(trial: FeatureTrial) -> str:
+    """Return one line of progress."""
     if trial.objective is None:
         return f"{trial.step}: no web that keeps limits and rules"
     gain = "" if trial.gain_percent is None else f", gain {trial.gain_percent:+.2f} %"
-    missed = f", a limit missed by {trial.missed_percent:.2f} %" if trial.missed_percent else ""
+    violation = f", a limit missed by {trial.missed_percent:.2f} %" if trial.missed_percent else ""
     out = "" if trial.kept else ", left out"
-    return f"{trial.step}: goal at {100 * abs(trial.objective):.2f} % of the original{missed}{gain}{out}"
+    return f"{trial.step}: goal at {100 * abs(trial.objective):.2f} % of the original{violation}{gain}{out}"
 
 
-def no_web(reached: str) -> CranktopoError:
-    """What is said where no web keeps the limits.
+def _no_web(reached: str) -> CranktopoError:
+    """Return the error where no web keeps the limits.
 
     Args:
         reached: what the nearest web reaches of each.
@@ -84,37 +65,13 @@ def no_web(reached: str) -> CranktopoError:
     )
 
 
-@dataclass(frozen=True)
-class Grown:
-    """The best web so far.
-
-    Attributes:
-        values: parameters of the layout, mm or degrees.
-        objective: the goal, with what slightly missed limits cost; smaller is better.
-        missed: by how much it misses its limits, relative; 0 where it keeps them.
-        told: its quantities in the numbers of the evaluation.
-        errors: by how much the cells overrate them, also taken for webs that grow from it (`model_error`).
-        exact: these by body-fitted elements; None while only the cells have told them.
-        solved: webs solved to refine it.
-    """
-
-    layout: Layout
-    values: Array
-    objective: float
-    missed: float
-    told: Mapping[str, float]
-    errors: Mapping[str, float]
-    exact: Told | None = None
-    solved: int = 0
-
-
-class Growth:
+class FeatureSelection:
     """A web that grows by features; the trials in their order."""
 
     def __init__(
         self,
         model: WebModel,
-        elements: Webs,
+        elements: WebSolver,
         goals: tuple[SearchGoal, SearchGoal],
         original: Mapping[str, float],
         work: Work,
@@ -126,12 +83,12 @@ class Growth:
             goals: in the numbers of the cells, and in those of the elements.
             original: quantities of the original web in the latter.
         """
-        self.model, self.trials = model, list[Trial]()
+        self.model, self.trials = model, list[FeatureTrial]()
         self._elements, self._original, self._work = elements, original, work
         self._cells_goal, self._goal = goals
 
-    def first(self, layout: Layout, start: Array) -> Grown:
-        """The best web of the start's layout by cells; the nearest to its limits where none keeps them.
+    def first(self, layout: Layout, start: Array) -> WebCandidate:
+        """Return the best web of the start's layout by cells; the nearest to its limits if none keeps them.
 
         Raises:
             CranktopoError: no web keeps the rules (exit code 6).
@@ -143,26 +100,26 @@ class Growth:
             raise why_nothing(name, self._work)
         return found
 
-    def grown(self, best: Grown) -> Grown:
-        """The web with every feature that pays: bevels and a groove, then pockets, then more stations.
+    def select(self, best: WebCandidate) -> WebCandidate:
+        """Return the web with every feature that pays: bevels and a groove, then pockets, then more stations.
 
         Raises:
             CranktopoError: no web keeps the limits (exit code 6).
         """
-        best = self._grown(best)
-        if best.missed > _DOUBT:
-            raise no_web(
-                ", ".join(_asked_and_reached(r, best.told, self._original) for r in self._goal.limits)
+        best = self._with_features(best)
+        if best.violation > DOUBT:
+            raise _no_web(
+                ", ".join(_required_and_reached(r, best.told, self._original) for r in self._goal.limits)
             )
         return best
 
-    def _grown(self, best: Grown) -> Grown:
+    def _with_features(self, best: WebCandidate) -> WebCandidate:
         for part, guess in self._ends(best):
             best = self._with(best, part, guess)
         for bore in [name for name in free_bores(self.model.scene) if name not in best.layout.dimensions]:
             layout, start = with_free(best.layout, best.values, self.model.scene, (bore,))
             best = self._tried(best, layout, start, bore)
-        for _ in range(_MOST_POCKETS):
+        for _ in range(_MAXIMUM_POCKETS):
             with self._leaving_out("pockets"):
                 best = self._refined(best, f"before-{len(self.trials) + 1:02d}")
             before = best
@@ -178,16 +135,16 @@ class Growth:
             best = self._tried(best, layout, values, f"{stations} stations")
         return best
 
-    def _pockets(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
+    def _pockets(self, best: WebCandidate) -> Iterator[tuple[FittedFeature, Array]]:
         if best.exact is None:
             return iter(())
         web = self.model.web(best.layout)
-        paid = prices_of(self.model.scene, web, best.values, best.exact, self._goal)
+        paid = multipliers_of(self.model.scene, web, best.values, best.exact, self._goal)
         cells = self.model.responses(web, best.values, self._cells_goal.quantities)
-        found = Found(best.layout, best.values, best.objective, cells)
+        found = SearchResult(best.layout, best.values, best.objective, cells)
         return pocket_starts(self.model, found, self._cells_goal.corrected(best.errors), paid)
 
-    def _ends(self, best: Grown) -> Iterator[tuple[FittedFeature, Array]]:
+    def _ends(self, best: WebCandidate) -> Iterator[tuple[FittedFeature, Array]]:
         there = {part.label for part in best.layout.parts}
         for bevel in (FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True)):
             if bevel.label not in there and bevel.possible(self.model.scene):
@@ -196,35 +153,37 @@ class Growth:
         if groove.label not in there and groove.possible(self.model.scene):
             yield groove, guess
 
-    def _with(self, best: Grown, part: FittedFeature, guess: Array) -> Grown:
+    def _with(self, best: WebCandidate, part: FittedFeature, guess: Array) -> WebCandidate:
         layout, start = with_part(best.layout, best.values, part, guess)
         return self._tried(best, layout, start, part.label)
 
-    def _tried(self, best: Grown, layout: Layout, start: Array, step: str) -> Grown:
-        """The web with one feature more if it pays: clearly by the cells, else by the elements.
+    def _tried(self, best: WebCandidate, layout: Layout, start: Array, step: str) -> WebCandidate:
+        """Return the web with one feature more if it pays: clearly by the cells, else by the elements.
 
         A web that misses a limit is improved by what comes nearer, or keeps it.
         """
         found, solved = None, 0
         with self._leaving_out(step):
             found, solved, best = self._judged(best, layout, start)
-        kept = found is not None and _pays(best, found)
+        kept = found is not None and found.pays(best)
         self._note(step, layout, found, best, kept, solved)
         return found if kept and found is not None else best
 
-    def _judged(self, best: Grown, layout: Layout, start: Array) -> tuple[Grown | None, int, Grown]:
-        """The best web of a layout, how many were solved, and the web to compare it with.
+    def _judged(
+        self, best: WebCandidate, layout: Layout, start: Array
+    ) -> tuple[WebCandidate | None, int, WebCandidate]:
+        """Return the best web of a layout, how many were solved, and the web to compare it with.
 
         Both are refined where the cells cannot tell which is better.
         """
         found, solved = self._on_cells(layout, start, EVALUATIONS, best.errors)
-        if found is not None and best.missed == 0 < found.missed:
+        if found is not None and best.violation == 0 < found.violation:
             found = None
-        if found is None or not LEAST_GAIN <= _gain(best, found) < _CLEAR_GAIN:
+        if found is None or not MINIMUM_GAIN <= found.gain_over(best) < _CLEAR_GAIN:
             return found, solved, best
         number = len(self.trials) + 1
         best = self._refined(best, f"before-{number:02d}")
-        found = self._refined(found, f"refined-{number:02d}", _hope(best))
+        found = self._refined(found, f"refined-{number:02d}", best.required_merit)
         return found, solved + found.solved, best
 
     @contextmanager
@@ -237,10 +196,12 @@ class Growth:
 
     def _on_cells(
         self, layout: Layout, start: Array, evaluations: int, errors: Mapping[str, float]
-    ) -> tuple[Grown | None, int]:
-        """The best web of a layout by cells that overrate it by these errors, and how many were solved."""
+    ) -> tuple[WebCandidate | None, int]:
+        """Return the best web of a layout by cells with these errors, and how many webs were solved."""
         goal = self._cells_goal.corrected(errors)
-        found, solved = search(self.model, layout, start, goal, self._name, self._work, evaluations, True)
+        found, solved = search_on_cells(
+            self.model, layout, start, goal, self._name, self._work, evaluations, True
+        )
         if found is None:
             return None, solved
         told = {
@@ -249,10 +210,10 @@ class Growth:
             if name in self._original
         }
         objective = merit(goal, found.responses.values)
-        return Grown(layout, found.values, objective, _doubtful(found.missed), told, errors), solved
+        return WebCandidate(layout, found.values, objective, doubtful(found.violation), told, errors), solved
 
     def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
-        """A quantity of the cells in the numbers of the evaluation."""
+        """Return a quantity of the cells in the numbers of the evaluation."""
         told = without_error(name, value, model_error(name, self.model.original[name], self._original[name]))
         return without_error(name, told, errors[name]) if name in errors else told
 
@@ -260,8 +221,8 @@ class Growth:
     def _name(self) -> str:
         return f"trial-{len(self.trials) + 1:02d}"
 
-    def _refined(self, web: Grown, name: str, worth: float = np.inf) -> Grown:
-        """A web of the cells, refined on body-fitted elements; one that was refined as it is.
+    def _refined(self, web: WebCandidate, name: str, required_merit: float = np.inf) -> WebCandidate:
+        """Return a web of the cells, refined on body-fitted elements; one that was refined as it is.
 
         Args:
             worth: merit without hope of which the web is not refined further.
@@ -271,23 +232,27 @@ class Growth:
 
         def make() -> Json:
             cells, start = self.model.webs(), web.values
-            made = refined(cells, self._elements, web.layout, start, self._goal, self._work, _REFINED, worth)
+            made = refined(
+                cells, self._elements, web.layout, start, self._goal, self._work, _REFINED, required_merit
+            )
             return {
                 "values": made.values.tolist(),
                 "objective": made.merit,
                 "quantities": made.found.values,
-                "slopes": {name: slope.tolist() for name, slope in made.found.slopes.items()},
+                "slopes": {name: slope.tolist() for name, slope in made.found.gradients.items()},
                 "solved": made.solved,
             }
 
         kept = self._work.once(name, make)
-        exact = Told(kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()})
+        exact = Quantities(
+            kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()}
+        )
         values = np.array(kept["values"])
-        return Grown(
+        return WebCandidate(
             web.layout,
             values,
             kept["objective"],
-            _doubtful(float(self._goal.excesses(exact.values).max(initial=0.0))),
+            doubtful(float(self._goal.violations(exact.values).max(initial=0.0))),
             exact.values,
             self._errors(web.layout, values, exact.values),
             exact,
@@ -295,7 +260,7 @@ class Growth:
         )
 
     def _errors(self, layout: Layout, values: Array, truth: Mapping[str, float]) -> dict[str, float]:
-        """By how much the cells overrate each quantity of the goal for a web whose truth is known."""
+        """Return by how much the cells overrate each quantity of the goal for a web whose truth is known."""
         cells = self.model.responses(self.model.web(layout), values, ()).values
         return {
             name: model_error(name, self._told(name, cells[name], {}), truth[name])
@@ -303,41 +268,33 @@ class Growth:
         }
 
     def _note(
-        self, step: str, layout: Layout, found: Grown | None, before: Grown | None, kept: bool, solved: int
+        self,
+        step: str,
+        layout: Layout,
+        found: WebCandidate | None,
+        before: WebCandidate | None,
+        kept: bool,
+        solved: int,
     ) -> None:
-        gain = None if found is None or before is None else 100 * _gain(before, found)
-        objective, missed = (None, 0.0) if found is None else (found.objective, 100 * found.missed)
-        trial = Trial(step, len(layout.names), objective, gain, kept, solved, missed)
+        gain = None if found is None or before is None else 100 * found.gain_over(before)
+        objective, violation = (None, 0.0) if found is None else (found.objective, 100 * found.violation)
+        trial = FeatureTrial(
+            step=step,
+            parameters=len(layout.names),
+            objective=objective,
+            gain_percent=gain,
+            kept=kept,
+            evaluations=solved,
+            missed_percent=violation,
+        )
         self.trials.append(trial)
-        self._work.info(trial_text(trial))
+        self._work.info(_trial_text(trial))
 
 
-def _gain(before: Grown, found: Grown) -> float:
-    """What a web gains over another in the goal; over one that misses a limit, how much nearer it comes."""
-    if before.missed > 0 or found.missed > 0:
-        return before.missed - found.missed
-    return before.objective - found.objective
-
-
-def _doubtful(missed: float) -> float:
-    """By how much limits are missed; 0 where a finish may still keep them, as the merit counts that."""
-    return missed if missed > _DOUBT else 0.0
-
-
-def _hope(best: Grown) -> float:
-    """Merit that a web with one feature more must reach to pay."""
-    return np.inf if best.missed > 0 else best.objective - LEAST_GAIN
-
-
-def _pays(before: Grown, found: Grown) -> bool:
-    return (found.missed == 0 < before.missed) or _gain(before, found) >= LEAST_GAIN
-
-
-def _asked_and_reached(asked: SearchLimit, told: Mapping[str, float], original: Mapping[str, float]) -> str:
-    """A limit with what a web reaches of it."""
-    whole = original[asked.quantity]
+def _required_and_reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
+    """Return a limit with what a web reaches of it."""
+    whole = original[limit.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
-    required, reached = size * asked.value, size * told[asked.quantity]
-    return (
-        f"{asked.quantity.replace('_', ' ')} {asked.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"
-    )
+    required, reached = size * limit.bound, size * told[limit.quantity]
+    name = limit.quantity.replace("_", " ")
+    return f"{name} {limit.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"

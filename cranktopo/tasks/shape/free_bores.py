@@ -24,12 +24,12 @@ from cranktopo.tasks.refit.model_fill import smooth_step
 
 
 def free_bores(scene: Scene) -> tuple[DimensionName, ...]:
-    """Bores that `[shape.free]` gives a range."""
+    """Return bores that `[shape.free]` gives a range."""
     return tuple(name for name in free_dimensions(scene) if name.endswith("bore"))
 
 
 def first_on_cells(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[DimensionName, ...]:
-    """Free dimensions of the web to begin with that cells can tell: bores and those of the counterweight.
+    """Return the free dimensions to begin with that cells know: bores and those of the counterweight.
 
     The bore of a solid journal is tried as a feature is.
 
@@ -41,7 +41,7 @@ def first_on_cells(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[
 
 
 def not_on_cells(scene: Scene) -> tuple[DimensionName, ...]:
-    """Free dimensions that cells cannot tell: fillets, which they lack, and the thickness, their grid's."""
+    """Return the free dimensions that cells do not know: fillets, and the thickness of their grid."""
     told = (*free_bores(scene), *_of_counterweight(scene))
     return tuple(name for name in free_dimensions(scene) if name not in told)
 
@@ -51,12 +51,12 @@ def _of_counterweight(scene: Scene) -> tuple[DimensionName, ...]:
 
 
 def kept_features(scene: Scene) -> tuple[Feature, ...]:
-    """Features of the journals that the evaluation keeps, whatever the plan says: fillets, and free bores."""
+    """Return the features that the evaluation keeps, whatever the plan says: fillets, and free bores."""
     return ("bores", "fillets") if free_bores(scene) else ("fillets",)
 
 
 def domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
-    """Cells of the design space with free bores filled; the pin is loaded outside its greatest bore.
+    """Return the cells of the design space with free bores filled; the pin is loaded outside its own.
 
     A counterweight that changes is no fixed part of them.
 
@@ -82,22 +82,22 @@ class FreeBores:
         self._scene, self._domain = scene, domain
 
     def left(self, layout: Layout, values: Array) -> tuple[Array, dict[str, Array]]:
-        """Share of each cell that they leave, (nx, ny, nz), and its derivatives by the diameters, 1/mm.
+        """Return the share of each cell that they leave, (nx, ny, nz), and its derivatives, 1/mm.
 
         A solid journal whose bore the layout lacks stays solid.
         """
         scene = scene_at(self._scene, layout, values)
         rests = {name: self._rest(scene, name) for name in self.names if own_dimension_mm(scene, name)}
-        left, slopes = np.ones(self._domain.grid.cells), dict[str, Array]()
+        left, gradients = np.ones(self._domain.grid.cells), dict[str, Array]()
         for name, (rest, _) in rests.items():
             left *= rest
             if name in layout.dimensions:
                 others = [other for key, (other, _) in rests.items() if key != name]
-                slopes[name] = np.prod([rests[name][1], *others], axis=0)
-        return left, slopes
+                gradients[name] = np.prod([rests[name][1], *others], axis=0)
+        return left, gradients
 
     def _rest(self, scene: Scene, name: DimensionName) -> tuple[Array, Array]:
-        """What one bore leaves of each cell, and its derivative by the diameter."""
+        """Return what one bore leaves of each cell, and its derivative by the diameter."""
         grid, (start, end) = self._domain.grid, self._domain.web_layers
         main = name == "journal_bore"
         journal, axis = scene.throw.journals[0 if main else 1]
@@ -112,7 +112,7 @@ class FreeBores:
 
 
 def _stepped_radius(radius_mm: float, step_mm: float) -> tuple[float, float]:
-    """Where the step stands so that a round hole takes its true area, and the derivative by the radius.
+    """Return the step's radius at which a hole takes its true area, and its derivative by the hole's radius.
 
     A step of half-width h about a circle of radius r takes pi (r2 + 0.2 h2).
     """

@@ -19,6 +19,7 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
+from cranktopo.numerics.derivatives import central_difference
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.stress import nodal_stress
 from cranktopo.numerics.tetrahedra.stressed_surface import (
@@ -50,14 +51,14 @@ class FilletSafety:
     """Fatigue safety of the fillets.
 
     Attributes:
-        least: the least of all nodes.
+        minimum: the least of all nodes.
         smooth: 1 over the p-norm of 1 / safety; below the least, by a factor that hardly changes.
-        slopes: derivative of `smooth` by the nodes, (3, nodes).
+        gradients: derivative of `smooth` by the nodes, (3, nodes).
     """
 
-    least: float
+    minimum: float
     smooth: float
-    slopes: Array
+    gradients: Array
 
 
 class FilletFatigue:
@@ -75,11 +76,11 @@ class FilletFatigue:
 
     @property
     def spins(self) -> bool:
-        """Whether the symmetric condensation needs the centrifugal load, as its only further load."""
+        """True where the symmetric condensation needs the centrifugal load, as its only further load."""
         return "centrifugal" in self.kinds
 
     def safety(self, model: Elasticity, scene: Scene, bend: Condensed, twist: Condensed) -> FilletSafety:
-        """Safety of the fillets on a mesh.
+        """Return the safety of the fillets on a mesh.
 
         Args:
             scene: with the fillets of the mesh.
@@ -93,19 +94,19 @@ class FilletFatigue:
         surface = outer_surface(model, found.elements, tuple(planes))
         stress = surface_stress(model, surface, found)
         signs = [image.signs for image in images_of(fields, mirrored)]
-        least, smooth, worth = self._smooth(
+        minimum, smooth, adjoint = self._smooth(
             scene, surface, stress, [unit_loads(self.history, self.kinds) * s for s in signs]
         )
-        forces, slopes = stress_adjoint(model, surface, found, moved, worth, self._elastic)
+        forces, gradients = stress_adjoint(model, surface, found, moved, adjoint, self._elastic)
         pairs = list(zip(fields, forces, strict=True))
 
         def through(torsion: bool) -> Array:
             chosen = [pair for pair in pairs if (pair[0].kind == "torsion") == torsion]
             found = (self._through_field(model, bend, twist, *pair) for pair in chosen)
-            return sum(found, np.zeros_like(slopes))
+            return sum(found, np.zeros_like(gradients))
 
         one, other = side_by_side(lambda: through(True), lambda: through(False))
-        return FilletSafety(least, smooth, slopes + one + other)
+        return FilletSafety(minimum, smooth, gradients + one + other)
 
     @property
     def _elastic(self) -> tuple[float, float]:
@@ -119,7 +120,7 @@ class FilletFatigue:
     def _smooth(
         self, scene: Scene, surface: Surface, stress: SurfaceStress, loads: list[Array]
     ) -> tuple[float, float, tuple[Array, Array]]:
-        """Least and smooth safety, and what stresses and slopes into the depth are worth to the latter."""
+        """Return minimum and smooth safety, and the latter's derivatives by stresses and depth slopes."""
         on = np.flatnonzero(sum(fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")))
         here = _at(stress, on)
         used = np.stack([self._used(here, load) for load in loads])
@@ -127,12 +128,12 @@ class FilletFatigue:
         powers = (used / worst) ** _POWER
         norm = worst * powers.sum() ** (1 / _POWER)
         weights = -(powers / powers.sum()) * norm / used / norm**2  # d(1 / norm) / d(used)
-        worth = np.zeros((2, *stress.stress_MPa.shape))
+        adjoint = np.zeros((2, *stress.stress_MPa.shape))
         for load, weight, power in zip(loads, weights, powers, strict=True):
             heavy = np.flatnonzero(power > _NEGLIGIBLE)
-            slopes = _slopes(partial(self._used, loads=load), _at(here, heavy))
-            worth[:, :, on[heavy]] += slopes * weight[heavy, None]
-        return float(1 / worst), float(1 / norm), (worth[0], worth[1])
+            gradients = _gradients_by_stress(partial(self._used, loads=load), _at(here, heavy))
+            adjoint[:, :, on[heavy]] += gradients * weight[heavy, None]
+        return float(1 / worst), float(1 / norm), (adjoint[0], adjoint[1])
 
     def _used(self, stress: SurfaceStress, loads: Array) -> Array:
         return 1 / lsa(extremes(stress, loads).local, lsa_strength(self.scene)).safety
@@ -140,7 +141,7 @@ class FilletFatigue:
     def _through_field(
         self, model: Elasticity, bend: Condensed, twist: Condensed, field: UnitField, force: Array
     ) -> Array:
-        """What nodes are worth through a field, (3, nodes), if its displacements are worth `force`."""
+        """Return the derivative by the nodes through a field, (3, nodes), whose adjoint is `force`."""
         scene, kind = self.scene, field.kind
         block = twist if kind == "torsion" else bend
         count = len(block.motions)
@@ -154,35 +155,35 @@ class FilletFatigue:
             motion = bending_motion(block, section, scene.supports.bending, spring)
         adjoint = block.solve(force[:, None])[:, 0] + units @ motion
         moved, load = field.displacement_mm, np.zeros(len(adjoint))
-        slopes = -work_slopes(model, *self._elastic, moved, adjoint)
+        gradients = -work_slopes(model, *self._elastic, moved, adjoint)
         if kind == "bending":
-            slopes -= mean_slopes(model, 1, scene.web_z_mm[1], adjoint) / (2 * block.parts)
+            gradients -= mean_slopes(model, 1, scene.web_z_mm[1], adjoint) / (2 * block.parts)
         if kind == "centrifugal":
             density = density_tonne_per_mm3(scene.material.density_kg_m3)
             load = centrifugal_force(model, density)
-            slopes += centrifugal_slopes(model, density, adjoint)
-        slopes += section_slopes(model, load - model.stiffness @ moved, adjoint)
-        slopes += section_slopes(model, force - model.stiffness @ adjoint, moved)
-        return slopes
+            gradients += centrifugal_slopes(model, density, adjoint)
+        gradients += section_slopes(model, load - model.stiffness @ moved, adjoint)
+        gradients += section_slopes(model, force - model.stiffness @ adjoint, moved)
+        return gradients
 
 
 def _at(stress: SurfaceStress, nodes: NDArray[np.intp]) -> SurfaceStress:
-    """The stresses at some of the nodes."""
+    """Return the stresses at some of the nodes."""
     return SurfaceStress(
         stress.stress_MPa[:, nodes], stress.depth_MPa_per_mm[:, nodes], stress.jump_MPa[:, nodes]
     )
 
 
-def _slopes(used: Callable[[SurfaceStress], Array], stress: SurfaceStress) -> Array:
-    """Derivatives of each node's used strength by its own stresses and slopes, (2, fields, n, 6)."""
+def _gradients_by_stress(used: Callable[[SurfaceStress], Array], stress: SurfaceStress) -> Array:
+    """Return derivatives of each node's used strength by its own stresses and slopes, (2, fields, n, 6)."""
     both = np.stack([stress.stress_MPa, stress.depth_MPa_per_mm])
     result = np.zeros_like(both)
-    for which, field, component in np.ndindex(2, both.shape[1], 6):
-        step = np.zeros_like(both)
-        size = _STEP * np.abs(both[which, field]).max()
-        step[which, field, :, component] = size
-        above, below = (
-            used(SurfaceStress(moved[0], moved[1], stress.jump_MPa)) for moved in (both + step, both - step)
-        )
-        result[which, field, :, component] = (above - below) / (2 * size)
+    for place in np.ndindex(2, both.shape[1]):
+
+        def shifted(component: Array, place: tuple[int, ...] = place) -> Array:
+            moved = both.copy()
+            moved[place] += component
+            return used(SurfaceStress(moved[0], moved[1], stress.jump_MPa))
+
+        result[place] = central_difference(shifted, np.zeros(6), _STEP * np.abs(both[place]).max())
     return result

@@ -39,32 +39,27 @@ class MeshedWebs:
             fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
             shares: factors by quantity that bring the numbers of the mesh to finer ones.
         """
-        self._scene, self._limits, self._size = scene, limits, element_size_mm
+        self.scene, self._limits, self._size = scene, limits, element_size_mm
         self._fraction, self._shares = fillet_fraction, shares or {}
 
-    @property
-    def scene(self) -> Scene:
-        """The throw."""
-        return self._scene
-
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout, for its bounds and manufacturing constraints."""
-        return ParametricWeb(layout, self._scene, self._limits, (np.zeros(0),) * 3)
+        """Return a web of the layout, for its bounds and manufacturing constraints."""
+        return ParametricWeb(layout, self.scene, self._limits, (np.zeros(0),) * 3)
 
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str] | None = None
     ) -> MeshResponses:
-        """Quantities of a web with these values, by default all, and their gradients.
+        """Return quantities of a web with these values, by default all, and their gradients.
 
         Raises:
             CranktopoError: no sound web, no valid mesh, or a failed solve.
         """
-        model = MeshModel(self._scene, web.layout, values, self._size, self._fraction)
+        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
         return model.responses(values, quantities).scaled(self._shares)
 
 
 def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
-    """Factors by quantity that bring the original web on a coarse mesh to a finer evaluation.
+    """Return factors by quantity that bring the original web on a coarse mesh to a finer evaluation.
 
     Args:
         original: its quantities by the latter.

@@ -23,7 +23,8 @@ from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stressed_surface import boundary_faces
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.shape.web_faces import Contact, FilletFace, WebFace, web_faces
+from cranktopo.tasks.shape.throw_faces import Contact, FilletFace, WebFace
+from cranktopo.tasks.shape.web_faces import web_faces
 
 Index = NDArray[np.intp]
 _ON_FACE_MM = 1e-3
@@ -37,13 +38,13 @@ _PARALLEL = 1e-3
 
 @dataclass(frozen=True)
 class _Rules:
-    """What holds surface nodes: sum of n n', (n, 3, 3), and of n times the normal motion asked, (n, 3, k)."""
+    """Constraints of surface nodes: sum of n n', (n, 3, 3), and of n times their normal motion, (n, 3, k)."""
 
     matrix: Array
     asked: Array
 
-    def least_motion(self, guess: Array) -> Array:
-        """The motion nearest to a guess, (n, 3, k), that keeps the rules."""
+    def minimum_motion(self, guess: Array) -> Array:
+        """Return the motion nearest to a guess, (n, 3, k), that keeps the rules."""
         return np.asarray(guess + self._inverse @ (self.asked - self.matrix @ guess))
 
     @property
@@ -79,18 +80,13 @@ class MovedMesh:
         self._skin = _Net(self.mesh.points_mm, self._triangles)
         self._body = _Net(self.mesh.points_mm, self.mesh.cells[:4])
 
-    @property
-    def face_names(self) -> list[str]:
-        """Names of the web's faces, in the order of `distances_mm`."""
-        return [face.name for face in self._faces]
-
     def distances_mm(self, points_mm: Array, values: Array) -> Array:
-        """Largest distance of the surface nodes from the faces that they belong to, mm, (faces,)."""
+        """Return the largest distance of the surface nodes from each of their faces, mm, (faces,)."""
         found = [contact.distance_mm for _, _, contact in self._contacts(points_mm, values)]
         return np.array([np.abs(d).max() if len(d) else 0.0 for d in found])
 
     def at(self, values: Array) -> TetMesh:
-        """The mesh of the web with other values; with its own it is as it was made.
+        """Return the mesh of the web with other values; with its own it is as it was made.
 
         There the nodes are off the faces by what the CAD kernel's edges are, and a flat element may fold when
         they are put right.
@@ -122,29 +118,29 @@ class MovedMesh:
         return mesh
 
     def quality(self, mesh: TetMesh) -> float:
-        """Least Jacobian of the elements over what it was when the mesh was made; 0 or less is folded."""
+        """Return the minimum Jacobian of the elements over what it was at first; 0 or less is folded."""
         return least_jacobian_ratio(mesh.points_mm, self.mesh.points_mm, self.mesh.cells)
 
     def velocities(self, mesh: TetMesh, values: Array) -> Array:
-        """Motion of the nodes per mm or degree of each parameter, (3, nodes, parameters).
+        """Return the motion of the nodes per mm or degree of each parameter, (3, nodes, parameters).
 
         Args:
             mesh: the mesh at these values.
         """
         contacts, at = self._contacts(mesh.points_mm, values), mesh.points_mm[:, self._surface]
-        wanted = [-face.slopes(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
+        wanted = [-face.gradients(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
         here, there = self._led(values), [self._led(values + unit) for unit in np.eye(len(values))]
         led = [np.stack([w[k] - here[k] for w in there], axis=-1) for k in range(len(here))]
         return self._spread(self._rules(contacts, wanted, led))
 
     def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, WebFace, Contact]]:
-        """Each face with its nodes as positions among the surface nodes."""
+        """Return each face with its nodes as positions among the surface nodes."""
         at = points_mm[:, self._surface]
         pairs = [(np.flatnonzero(on), face) for on, face in zip(self._on, self._faces, strict=True)]
         return [(nodes, face, face.contact(at[:, nodes], values)) for nodes, face in pairs]
 
     def _led(self, values: Array) -> list[Array]:
-        """Ways of the nodes of each fillet from where the mesh was made, (n, 3), linear in the values."""
+        """Return the motion of the nodes of each fillet from the first mesh, (n, 3), linear in the values."""
         ways = []
         for on, face in zip(self._on, self._faces, strict=True):
             if isinstance(face, FilletFace):
@@ -155,7 +151,7 @@ class MovedMesh:
     def _rules(
         self, contacts: list[tuple[Index, WebFace, Contact]], wanted: list[Array], led: list[Array]
     ) -> _Rules:
-        """What the faces ask of the surface nodes.
+        """Return what the faces ask of the surface nodes.
 
         Args:
             wanted: motion along the normal of each face, (n, k).
@@ -173,7 +169,7 @@ class MovedMesh:
         return _Rules(matrix, asked)
 
     def _spread(self, rules: _Rules) -> Array:
-        """Motion of all nodes, (3, nodes, k), from what holds the surface nodes."""
+        """Return the motion of all nodes, (3, nodes, k), from what holds the surface nodes."""
         count = rules.asked.shape[2]
         motion = np.zeros((self.mesh.points_mm.shape[1], 3, count))
         corner = self._surface < self._corners
@@ -185,7 +181,7 @@ class MovedMesh:
         motion[self._corners :] = motion[self._ends].mean(axis=0)
         middle = self._surface[~corner]
         rest = _Rules(rules.matrix[~corner], rules.asked[~corner])
-        motion[middle] = rest.least_motion(motion[middle])
+        motion[middle] = rest.minimum_motion(motion[middle])
         return motion.transpose(1, 0, 2)
 
 
@@ -202,8 +198,8 @@ class _Net:
         self._matrix = (sp.diags(np.asarray(both.sum(axis=1)).ravel()) - both).tocsr()
 
     def slide(self, nodes: Index, rules: _Rules) -> Array:
-        """Motion of nodes, (n, 3, k), that keeps the rules and stretches the springs among them least."""
-        first = rules.least_motion(np.zeros_like(rules.asked))
+        """Return the motion of nodes, (n, 3, k), that keeps the rules and stretches the springs least."""
+        first = rules.minimum_motion(np.zeros_like(rules.asked))
         directions, free = rules.free
         matrix = sp.kron(self._matrix[nodes][:, nodes], sp.eye(3)).tocsr()
         count = len(nodes)
@@ -217,7 +213,7 @@ class _Net:
         return np.asarray((flat + basis @ along).reshape(first.shape))
 
     def fill(self, motion: Array, inner: Index) -> Array:
-        """Motion of all nodes, (n, 3, k), from that of all but the inner ones."""
+        """Return the motion of all nodes, (n, 3, k), from that of all but the inner ones."""
         result = motion.copy()
         if len(inner):
             held = np.setdiff1d(np.arange(len(motion)), inner)
@@ -229,7 +225,7 @@ class _Net:
 
 
 def numbered(mesh: TetMesh) -> TetMesh:
-    """The mesh with its nodes numbered as scikit-fem numbers them, corners first."""
+    """Return the mesh with its nodes numbered as scikit-fem numbers them, corners first."""
     from skfem import MeshTet2
 
     body = MeshTet2(mesh.points_mm, mesh.cells)
@@ -237,7 +233,7 @@ def numbered(mesh: TetMesh) -> TetMesh:
 
 
 def _edge_ends(cells: Index) -> Index:
-    """Both corners of every edge node, (2, edge nodes)."""
+    """Return both corners of every edge node, (2, edge nodes)."""
     corners = int(cells[:4].max()) + 1
     ends = np.zeros((2, int(cells.max()) + 1 - corners), dtype=np.intp)
     for k, pair in enumerate(EDGES):
@@ -248,7 +244,7 @@ def _edge_ends(cells: Index) -> Index:
 def _surface_nodes(
     mesh: TetMesh, faces: list[WebFace], values: Array, web_z_mm: tuple[float, float]
 ) -> tuple[Index, Index, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Surface nodes, corners of the triangles (3, f), which node is on which face, which stand still.
+    """Return surface nodes, corners of the triangles (3, f), which node is on which face, which stand still.
 
     Raises:
         CranktopoError: part of the web's surface belongs to none of its faces.
@@ -281,7 +277,7 @@ def _surface_nodes(
 
 
 def _face_of(points: Array, faces: list[WebFace], values: Array) -> Index:
-    """The face of each triangle, (f,), of those through its corners the one most parallel to it; -1: none."""
+    """Return the face of each triangle, (f,), the most parallel one through its corners; -1 for none."""
     corners = points[:, :3]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], axis=0)
     across /= np.linalg.norm(across, axis=0)

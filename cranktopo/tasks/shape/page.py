@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cranktopo.design.schema import Scene
+from cranktopo.report.axes_style import plain
 from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import limits_table
 from cranktopo.report.page import Fact, FactStatus, Page, Section
@@ -16,40 +17,41 @@ from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import Quantity
-from cranktopo.tasks.shape.multiplier_text import prices_doubt, prices_table
-from cranktopo.tasks.shape.rounds_plot import draw_goal, draw_worst_limit
+from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.sensitivity_text import dimensions_table, held_table, worst_case_table
 from cranktopo.tasks.shape.text import (
     QUANTITIES_TOLD,
     changes_table,
+    feature_trials_table,
+    multiplier_doubt,
+    multiplier_table,
     named_first,
     rounds_table,
     shape_headline,
-    trials_table,
 )
 
 
 def shape_page(
-    data: Mapping[str, Any], manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
+    found: ShapeResult, manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
 ) -> Page:
-    """The report of a finished shape optimisation.
+    """Return the report of a finished shape optimisation.
 
     Args:
         scene: of the original.
         bodies: half throw of the result, then of the original.
     """
     return Page(
-        title=f"Best dimensions of the crank web of {data['design']}",
+        title=f"Best dimensions of the crank web of {found.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
-        headline=shape_headline(data),
-        facts=tuple(_fact(data, QUANTITIES_TOLD[key], key) for key in named_first(data)),
+        headline=shape_headline(found),
+        facts=tuple(_fact(found, QUANTITIES_TOLD[key], key) for key in named_first(found)),
         sections=(
-            _wanted(data),
-            *bound_sections(data, "the body-fitted evaluation"),
-            _dimensions(data),
+            _wanted(found),
+            *bound_sections(found.bound, "the body-fitted evaluation"),
+            _dimensions(found),
             *clearance_sections(scene, bodies),
-            _search(data),
-            _provenance(data, manifest),
+            _search(found),
+            _provenance(found, manifest),
             versions_section(manifest["versions"]),
         ),
         scene3d=Scene3D(bodies),
@@ -57,9 +59,9 @@ def shape_page(
     )
 
 
-def _fact(data: Mapping[str, Any], quantity: Quantity, key: str) -> Fact:
-    change = data["change_percent"][key]
-    error = _change_error_percent(data, key)
+def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
+    change = found.change_percent[key]
+    error = _change_error_percent(found, key)
     label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
     shown = f"{change:+.1f} %" if not error else f"{change:+.1f} +-{error:.1g} %"
     if abs(change) <= error:
@@ -68,10 +70,10 @@ def _fact(data: Mapping[str, Any], quantity: Quantity, key: str) -> Fact:
     return Fact(label, shown, note, status)
 
 
-def _change_error_percent(data: Mapping[str, Any], key: str) -> float:
-    """Bound of the error of a change; 0 where it is exact."""
+def _change_error_percent(found: ShapeResult, key: str) -> float:
+    """Return the bound of the error of a change; 0 where it is exact."""
     kind = key.removesuffix("_per_mass")
-    entries = [data[which] for which in ("original", "result")]
+    entries = (found.original, found.result)
     if kind not in entries[0]["error_estimate_percent"]:
         return 0.0
     one, other = (entry["error_estimate_percent"][kind] for entry in entries)
@@ -79,60 +81,99 @@ def _change_error_percent(data: Mapping[str, Any], key: str) -> float:
     return difference_bound_percent(one, other, triangles=triangles)
 
 
-def _wanted(data: Mapping[str, Any]) -> Section:
-    goal, doubt = data["goal"], prices_doubt(data)
-    sense = "minimise" if "minimise" in goal else "maximise"
+def _wanted(found: ShapeResult) -> Section:
+    goal, doubt = found.goal, multiplier_doubt(found)
+    sense = "minimise" if goal.minimise else "maximise"
     return Section(
         "goal",
-        f"Goal: {sense} {goal[sense].replace('_', ' ')}",
-        f"{data['stop_reason'].capitalize()}. What limits, rules and bounds cost is in percent of the "
+        f"Goal: {sense} {goal.quantity.name.replace('_', ' ')}",
+        f"{found.stop_reason.capitalize()}. What limits, rules and bounds cost is in percent of the "
         f"original's, to first order{'; ' * bool(doubt)}{doubt}.",
         (
-            ("Original and result, fillets included", changes_table(data)),
+            ("Original and result, fillets included", changes_table(found)),
             ("Limits, by the body-fitted evaluation", limits_table(goal)),
-            ("What limits, rules and bounds cost", prices_table(data)),
+            ("What limits, rules and bounds cost", multiplier_table(found)),
         ),
     )
 
 
-def _dimensions(data: Mapping[str, Any]) -> Section:
+def _dimensions(found: ShapeResult) -> Section:
     return Section(
         "dimensions",
         "What a millimetre is worth",
         "Change of each quantity per millimetre or degree of each dimension, in percent of the original, by "
         "exact gradients on body-fitted elements.",
         (
-            ("Dimensions at the optimum", dimensions_table(data)),
-            ("Worst case within the tolerance, each dimension off the worst way", worst_case_table(data)),
-            ("What holds them", held_table(data)),
+            ("Dimensions at the optimum", dimensions_table(found.parameters)),
+            (
+                "Worst case within the tolerance, each dimension off the worst way",
+                worst_case_table(found.worst_case_percent),
+            ),
+            ("What holds them", held_table(found.parameters)),
         ),
     )
 
 
-def _search(data: Mapping[str, Any]) -> Section:
+def _search(found: ShapeResult) -> Section:
     return Section(
         "search",
         "How it was found",
-        f"{data['evaluations']} webs were solved. Features were tried on cells for what they gain in the "
+        f"{found.evaluations} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
-        f"limits, and each result was evaluated on the default mesh; a ring marks the best.{_stand_in(data)}",
-        (("What was tried", trials_table(data)), ("Webs evaluated on the way", rounds_table(data))),
+        "limits, and each result was evaluated on the default mesh; a ring marks the best."
+        f"{_stand_in(found)}",
+        (("What was tried", feature_trials_table(found)), ("Webs evaluated on the way", rounds_table(found))),
         (
-            picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, data),
-            picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, data),
+            picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, found),
+            picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, found),
         ),
     )
 
 
-def _stand_in(data: Mapping[str, Any]) -> str:
-    """What stood for the goal on cells, where they do not know it."""
-    goal, on_cells = data["goal"], data.get("goal_on_cells", {})
-    name = next(iter(on_cells.values()), None)
-    if name in (None, goal.get("minimise"), goal.get("maximise")):
+def _stand_in(found: ShapeResult) -> str:
+    """Return what stood for the goal on cells, where they do not know it."""
+    name = found.goal_on_cells.quantity.name
+    if name == found.goal.quantity.name:
         return ""
     return f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
 
 
-def _provenance(data: Mapping[str, Any], manifest: Mapping[str, Any]) -> Section:
-    tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(data["assumed"]))
+def _provenance(found: ShapeResult, manifest: Mapping[str, Any]) -> Section:
+    tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(found.assumed))
     return Section("provenance", "Where this comes from", tables=tables)
+
+
+_GOAL, _MISSED = "#1f6fb4", "#d1632a"
+
+
+def draw_goal(axes: Any, found: ShapeResult) -> None:
+    """Draw the goal of every web, % of the original's."""
+    name, original = found.goal.quantity.name, found.values.original
+    values = [100 * web.values[name] / original[name] for web in found.rounds]
+    _draw(axes, found.best_round, values, f"{name.replace('_', ' ')} (% of the original)", _GOAL, 0.5)
+
+
+def draw_worst_limit(axes: Any, found: ShapeResult) -> None:
+    """Draw by how much every web misses its worst limit, %; 0 or less is kept."""
+    values = [max(web.excess_percent, default=0.0) for web in found.rounds]
+    _draw(axes, found.best_round, values, "worst limit missed by (%)", _MISSED, 0.1)
+    axes.axhline(0.0, color="0.4", linewidth=1, zorder=0)
+
+
+def _draw(axes: Any, best: int, values: list[float], label: str, colour: str, minimum: float) -> None:
+    places = range(len(values))
+    axes.plot(places, values, "o-", color=colour, linewidth=1.6)
+    axes.plot([best], [values[best]], "o", markersize=11, fillstyle="none", color="black")
+    for place, value in zip(places, values, strict=True):
+        axes.annotate(
+            f"{value:.2f}", (place, value), xytext=(0, 7), textcoords="offset points", ha="center", fontsize=8
+        )
+    axes.set_xticks(places, ["cells", *(f"finish {number}" for number in places[1:])])
+    middle, half = (max(values) + min(values)) / 2, (max(values) - min(values)) / 2
+    half = max(1.35 * half, minimum)  # a settled goal is no reason to magnify its last digits
+    axes.set_ylim(middle - half, middle + half)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    axes.margins(x=0.12)
+    axes.set_ylabel(label, fontsize=9)
+    axes.grid(color="0.9", linewidth=0.8, axis="y")
+    plain(axes)

@@ -1,4 +1,4 @@
-"""Where a pocket would pay most: what each cell is worth at an optimum, summed over pockets of two sizes."""
+"""Places where a pocket would pay most: the sensitivity of each cell, summed over pockets of two sizes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.optimisers.multipliers import Prices
+from cranktopo.numerics.optimisers.multipliers import Multipliers
 from cranktopo.tasks.refit.dimensions import with_part
-from cranktopo.tasks.shape.search import Found
+from cranktopo.tasks.shape.search import SearchResult
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.box_pocket import FittedBox
@@ -30,23 +30,29 @@ _KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in 
 
 
 def pocket_starts(
-    model: WebModel, best: Found, goal: SearchGoal, paid: Prices
+    model: WebModel, best: SearchResult, goal: SearchGoal, paid: Multipliers
 ) -> Iterator[tuple[FittedFeature, Array]]:
-    """Pockets where they would gain most and keep the rules: of each size the most promising kinds first."""
-    worth = goal.worth(best.responses.by_cell, paid.limits)
+    """Yield pockets where they would gain most and keep the rules: of each size the most promising first."""
+    sensitivity = goal.sensitivity_by_cell(best.responses.by_cell, paid.limits)
     for size in _SIZES:
         found = []
         for kind in _KINDS:
-            places = [(gain, values) for gain, values in _places(model, best, kind, worth, size) if gain > 0]
+            places = [
+                (gain, values) for gain, values in _places(model, best, kind, sensitivity, size) if gain > 0
+            ]
             found += [(kind, *max(places, key=lambda place: place[0]))] if places else []
         for kind, _, values in sorted(found, key=lambda item: -item[1])[:_TRIED]:
             yield kind, values
 
 
 def _places(
-    model: WebModel, best: Found, kind: FittedPocket, worth: Array, size: tuple[float, float]
+    model: WebModel,
+    best: SearchResult,
+    kind: FittedPocket,
+    sensitivity: Array,
+    size: tuple[float, float],
 ) -> Iterator[tuple[float, Array]]:
-    """Gain and values of the pocket at each place of a lattice where it keeps walls and shoulders."""
+    """Yield gain and values of the pocket at each place of a lattice where it keeps walls and shoulders."""
     scene, web = model.scene, model.web(replace(best.layout, parts=(*best.layout.parts, kind)))
     thickness = scene.web.thickness_mm
     step, depth = _STEPS * thickness, size[1] * thickness
@@ -59,4 +65,4 @@ def _places(
             _, values = with_part(best.layout, best.values, kind, np.array(own))
             if web.constraints(values).max() < _KEPT_MM:
                 taken = best.responses.fill - model.fill(web, values)
-                yield float((worth * taken).sum()), np.array(own)
+                yield float((sensitivity * taken).sum()), np.array(own)

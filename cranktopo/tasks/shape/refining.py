@@ -15,21 +15,20 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Work
-from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.search import Effort, Quantities, Webs, best_values
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.search import SearchBudget, WebSolver, best_values
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
 _MISSED = 1.0
-"""What a relative excess of a limit costs in the goal when two webs are compared: above usual prices."""
+"""Cost of a relative excess of a limit in the goal when two webs are compared: above usual prices."""
 SHORTER = 0.25
 """Factor on the reach after a step that did not pay."""
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """How long a refinement may be.
+    """Length of a refinement.
 
     Attributes:
         steps: most searches on cells, each followed by a meshed web.
@@ -42,14 +41,6 @@ class Refinement:
     evaluations: int
     reach: float
     settled: float
-
-
-@dataclass(frozen=True)
-class Told:
-    """Quantities by name, and their gradients by the parameters, per mm or degree."""
-
-    values: dict[str, float]
-    slopes: dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -81,69 +72,65 @@ class Step:
     solved: int
 
 
-class MatchedWebs:
+class CorrectedSurrogate:
     """Webs of a rough model with the value and the gradient of an exact one at one web.
 
     What the rough model does not know is linear.
     """
 
-    def __init__(self, webs: Webs, at: Array, rough: Quantities, exact: Quantities) -> None:
+    def __init__(self, webs: WebSolver, at: Array, rough: Quantities, exact: Quantities) -> None:
         """Match at a web.
 
         Args:
             at: (n,) its parameters.
             rough, exact: its quantities in both models.
         """
+        self.scene = webs.scene
         self._webs, self._at, self._rough, self._exact = webs, at, rough, exact
 
-    @property
-    def scene(self) -> Scene:
-        """The throw."""
-        return self._webs.scene
-
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout."""
+        """Return a web of the layout."""
         return self._webs.web(layout)
 
-    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Told:
-        """Quantities of a web with these values."""
+    def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
+        """Return quantities of a web with these values."""
         found = self._webs.responses(web, values, quantities)
         told = {name: self._told(name, found, values - self._at) for name in quantities}
-        return Told(
+        return Quantities(
             {name: value for name, (value, _) in told.items()},
             {name: slope for name, (_, slope) in told.items()},
         )
 
     def _told(self, name: str, found: Quantities, moved: Array) -> tuple[float, Array]:
-        value, slope = self._exact.values[name], self._exact.slopes[name]
+        value, slope = self._exact.values[name], self._exact.gradients[name]
         if not self._rough.values.get(name):
             return value + float(slope @ moved), slope
         share = value / self._rough.values[name]
-        rest = slope - share * self._rough.slopes[name]
-        return share * found.values[name] + float(rest @ moved), share * found.slopes[name] + rest
+        rest = slope - share * self._rough.gradients[name]
+        return share * found.values[name] + float(rest @ moved), share * found.gradients[name] + rest
 
 
 def merit(goal: SearchGoal, values: dict[str, float]) -> float:
-    """The goal, with what missed limits cost; smaller is better."""
-    return goal.objective(values) + _MISSED * float(np.maximum(goal.excesses(values), 0.0).sum())
+    """Return the goal, with what missed limits cost; smaller is better."""
+    return goal.objective(values) + _MISSED * float(np.maximum(goal.violations(values), 0.0).sum())
 
 
 def refined(
-    cells: Webs,
-    meshed: Webs,
+    cells: WebSolver,
+    meshed: WebSolver,
     layout: Layout,
     start: Array,
     goal: SearchGoal,
     work: Work,
     extent: Refinement,
-    worth: float = np.inf,
+    required_merit: float = np.inf,
 ) -> Refined:
-    """The best web near a start by meshed webs, as few as can be.
+    """Return the best web near a start by meshed webs, as few as can be.
 
     Args:
         goal: in the numbers of the meshed webs.
-        worth: merit to be reached. The web stays as it is once the next search promises less, where only that
-            share of its promise counts that the search before kept.
+        required_merit: The web stays as it is once the next search promises less, where only that share of
+            its promise counts that the search before kept.
 
     Raises:
         CranktopoError: the start cannot be solved.
@@ -153,11 +140,11 @@ def refined(
     best, solved, reach = Refined(start, found, merit(goal, found.values), 1), 1, extent.reach
     kept_share = 1.0
     for _ in range(extent.steps):
-        effort = Effort(extent.evaluations, reach, nearest=True)
+        effort = SearchBudget(extent.evaluations, reach, nearest=True)
         step = stepped(cells, layout, best.values, best.found, goal, work, effort)
         solved += step.solved
         promised = best.merit - step.merit
-        if promised < extent.settled or best.merit - kept_share * promised > worth:
+        if promised < extent.settled or best.merit - kept_share * promised > required_merit:
             break
         try:
             found = meshed.responses(web, step.values, goal.quantities)
@@ -176,16 +163,22 @@ def refined(
 
 
 def stepped(
-    cells: Webs, layout: Layout, at: Array, exact: Quantities, goal: SearchGoal, work: Work, effort: Effort
+    cells: WebSolver,
+    layout: Layout,
+    at: Array,
+    exact: Quantities,
+    goal: SearchGoal,
+    work: Work,
+    effort: SearchBudget,
 ) -> Step:
-    """The best web by cells that are brought to the truth of one web; that web where none is better.
+    """Return the best web by cells that are brought to the truth of one web; that web where none is better.
 
     Args:
         at: (n,) parameters of the web that is known exactly.
         exact: its quantities.
     """
     rough = cells.responses(cells.web(layout), at, goal.quantities)
-    matched, private = MatchedWebs(cells, at, rough, exact), Work(work.info, {}, work.check)
+    matched, private = CorrectedSurrogate(cells, at, rough, exact), Work(work.info, {}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
     if values is None:
         return Step(at, merit(goal, exact.values), solved + 1)

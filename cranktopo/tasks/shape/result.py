@@ -2,113 +2,135 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
-from cranktopo.design.goal.outcome import goal_json, limit_outcomes
-from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import unit_of
-from cranktopo.tasks.shape.active_constraints import held_by
-from cranktopo.tasks.shape.goal_in_model import goal_on_cells
-from cranktopo.tasks.shape.rules import rule_unit, rules_at
-from cranktopo.tasks.shape.search import HELD
-from cranktopo.tasks.shape.sensitivities import dimensions, sensitivities_json
-from cranktopo.tasks.shape.stage import ShapeOptimum
+from pydantic import Field
 
-SCHEMA_VERSION = 1
-_PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
-_COMPARED = ("mass", "torsion", "bending", "torsion_per_mass", "bending_per_mass", "inertia", "unbalance")
+from cranktopo.base.result import Result
+from cranktopo.design.goal.constraint import LimitSense
+from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
+from cranktopo.design.goal.quantities import QuantityName
+from cranktopo.tasks.bound.result import BoundStatement, NoBound
 
 
-def shape_json(
-    scene: Scene, optimum: ShapeOptimum, start: dict[str, float], seconds: dict[str, float]
-) -> dict[str, Any]:
-    """The content of shape.json without its files.
+class DimensionSensitivity(Result):
+    """A dimension of a web, and what a millimetre or degree of it is worth."""
 
-    Args:
-        scene: the design.
-        start: parameters of the web that the search began with, by name.
-        seconds: wall time by part.
-    """
-    goal, result = optimum.goal, optimum.result
-    worth = _worth(scene, optimum)
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "design": scene.name,
-        "goal": goal_json(goal, result.web.values, optimum.original.values, HELD),
-        "status": "converged" if result.held else "limits not met",
-        "stop_reason": _reason(optimum),
-        "original": optimum.original.evaluation,
-        "result": result.web.evaluation,
-        "values": {"original": optimum.original.values, "result": result.web.values},
-        "change_percent": _changes(optimum),
-        "parameters": [{**row, "start": start.get(row["name"])} for row in worth["parameters"]],
-        "worst_case_percent": worth["worst_case_percent"],
-        "prices": [
-            {"quantity": r.quantity, "sense": r.sense, "goal_percent_per_percent": float(price)}
-            for r, price in zip(optimum.stated.limits, optimum.prices.limits, strict=True)
-        ],
-        "goal_on_cells": {goal.sense: goal_on_cells(goal).quantity},
-        "prices_remainder_percent": 100 * optimum.prices.remainder,
-        "rule_prices": _rule_prices(scene, optimum),
-        "trials": [asdict(trial) for trial in optimum.trials],
-        "rounds": [
-            {"values": r.web.values, "excess_percent": list(r.excess_percent)} for r in optimum.rounds
-        ],
-        "best_round": optimum.best,
-        "iterations": len(optimum.rounds),
-        "evaluations": sum(trial.evaluations for trial in optimum.trials)
-        + sum(r.evaluations for r in optimum.rounds),
-        "seconds": seconds,
-    }
+    name: str
+    unit: str
+    value: float
+    """mm, or degrees for a draft."""
+    low: float
+    high: float
+    """The bounds of its range."""
+    at_bound: str | None
+    """"low" or "high" where it lies on that bound."""
+    held_by: tuple[str, ...]
+    """Names of the rules, bounds and limits that keep it where it is."""
+    per_unit: dict[str, float]
+    """Change of each quantity per mm or degree, % of the original's."""
+
+    @property
+    def per_unit_percent(self) -> dict[str, float]:
+        """The same by quantity."""
+        return {name.removesuffix("_percent"): value for name, value in self.per_unit.items()}
 
 
-def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> list[dict[str, Any]]:
-    """What a unit of each rule and bound would give in the goal, % of the original's."""
-    web, paid, found = optimum.web, optimum.prices, dict[tuple[str, str], float]()
-    names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
-    bounds = [
-        (f"{'least' if price > 0 else 'greatest'} {name}", unit_of(name))
-        for name, price in zip(web.layout.names, paid.bounds, strict=True)
-    ]
-    for key, price in zip([*names, *bounds], [*paid.rules, *abs(paid.bounds)], strict=True):
-        if price > 0:
-            found[key] = found.get(key, 0.0) + 100 * float(price) / _PER_UNIT[key[1]]
-    return [
-        {"name": name, "unit": unit, "goal_percent_per_unit": price} for (name, unit), price in found.items()
-    ]
+class ShapeParameter(DimensionSensitivity):
+    """A dimension of the optimum."""
+
+    start: float | None
+    """Value at the start of the search; None for a feature that it added."""
 
 
-def _changes(optimum: ShapeOptimum) -> dict[str, float]:
-    values, original = optimum.result.web.values, optimum.original.values
-    names = (*_COMPARED, "fatigue_safety")
-    return {
-        name: 100 * (values[name] / original[name] - 1)
-        for name in names
-        if values.get(name) and original[name]
-    }
+class SensitivityTable(Result):
+    """Every dimension of a web, and the worst case within the tolerance."""
+
+    parameters: tuple[DimensionSensitivity, ...]
+    worst_case_percent: dict[str, float]
+    """By quantity, to first order; `tolerance` in mm or degrees."""
 
 
-def _worth(scene: Scene, optimum: ShapeOptimum) -> dict[str, Any]:
-    """What a millimetre is worth, what holds each dimension, and the worst case within the tolerance."""
-    web, values, original = optimum.web, optimum.result.values, optimum.original.values
-    goal = optimum.stated, optimum.responses, original
-    holders = held_by(scene, web, values, rules_at(scene, web, values), goal)
-    found = dimensions(web, values, optimum.responses, original, holders)
-    return sensitivities_json(found, scene.shape.tolerance_mm)
+class FeatureTrial(Result):
+    """One row of the table of what was tried."""
+
+    step: str
+    """Stations or feature."""
+    parameters: int
+    """Number of parameters that the web then has."""
+    objective: float | None
+    """The goal, smaller is better; None where no web kept limits and rules."""
+    gain_percent: float | None
+    """Gain in the goal against what was there before, % of the original's; None likewise."""
+    kept: bool
+    evaluations: int
+    """Webs solved."""
+    missed_percent: float = 0.0
+    """Violation of the worst limit, 0 where all are kept. Then the gain is how much nearer the web comes."""
 
 
-def _reason(optimum: ShapeOptimum) -> str:
-    result = optimum.result
-    if result.held:
-        return (
-            f"every limit holds by the evaluation, web {optimum.best + 1} of {len(optimum.rounds)} evaluated"
-        )
-    values, original = result.web.values, optimum.original.values
-    told = limit_outcomes(optimum.goal, values, original, HELD)
-    worst = max(told, key=lambda outcome: outcome.missed or 0.0)
-    label, percent = QUANTITIES[worst.limit.quantity].label, 100 * (worst.missed or 0.0)
-    return (
-        f"{label} misses its limit by {percent:.2f} % by the evaluation, best of {len(optimum.rounds)} webs"
-    )
+class LimitPrice(Result):
+    """Cost of a limit at the optimum."""
+
+    quantity: QuantityName
+    sense: LimitSense
+    goal_percent_per_percent: float
+
+
+class RulePrice(Result):
+    """Gain in the goal by a unit of a rule or bound, % of the original's."""
+
+    name: str
+    unit: str
+    goal_percent_per_unit: float
+
+
+class ShapeValues(Result):
+    """Quantities by name, in the units of the goal's limits."""
+
+    original: dict[str, float]
+    result: dict[str, float]
+
+
+class RoundValues(Result):
+    """A web that was evaluated on the way."""
+
+    values: dict[str, float]
+    excess_percent: tuple[float, ...]
+    """Violation of each limit by the evaluation, %; 0 or less is kept."""
+
+
+class ShapeResult(Result):
+    """The content of shape.json, and what `shape --json` prints."""
+
+    schema_version: int = 1
+    design: str
+    goal: GoalOutcome
+    status: str
+    stop_reason: str
+    original: dict[str, Any]
+    """As one evaluation of `evaluate --json`, with the fatigue safety where it was asked for."""
+    result: dict[str, Any]
+    values: ShapeValues
+    change_percent: dict[str, float]
+    parameters: tuple[ShapeParameter, ...]
+    worst_case_percent: dict[str, float]
+    prices: tuple[LimitPrice, ...]
+    goal_on_cells: GoalWords
+    prices_remainder_percent: float
+    """Part of the goal's gradient that the prices leave unexplained."""
+    rule_prices: tuple[RulePrice, ...]
+    trials: tuple[FeatureTrial, ...]
+    rounds: tuple[RoundValues, ...]
+    best_round: int
+    iterations: int
+    evaluations: int
+    seconds: dict[str, float]
+    bound: BoundStatement | NoBound | None = None
+    assumed: tuple[dict[str, Any], ...] = ()
+    files: dict[str, str] = Field(default_factory=dict)
+
+    @property
+    def held(self) -> bool:
+        """True where every limit holds by the evaluation."""
+        return all(limit.holds for limit in self.goal.limits)

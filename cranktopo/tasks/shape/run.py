@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import write_json, write_text
-from cranktopo.base.progress import Json, KeptWork, Work
+from cranktopo.base.progress import KeptWork, Work
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.assumed import (
     ENVELOPE,
@@ -22,7 +22,7 @@ from cranktopo.design.assumed import (
     assumptions,
 )
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import needed
+from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.new_run import new_run
@@ -38,7 +38,8 @@ from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind
 from cranktopo.runs.status import working_in
-from cranktopo.tasks.bound.beside_result import bound_beside
+from cranktopo.tasks.bound.bound_for_result import bound_for_goal
+from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.drawing.stage import export_drawing
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.imported_body import half_throw_surface
@@ -47,13 +48,14 @@ from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.assemble_result import assemble_result
 from cranktopo.tasks.shape.page import shape_page
-from cranktopo.tasks.shape.result import shape_json
+from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
 
-SHAPE_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
-"""What a shape optimisation uses of a scene."""
+_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
+"""Tables of a scene that a shape optimisation uses."""
 _KEPT = "work.json"
 _BEGUN = "begun"
 """Key of the scene whose web the search began with, among the manifest's options."""
@@ -62,19 +64,14 @@ _FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing":
 
 @dataclass(frozen=True)
 class ShapedRun:
-    """A finished shape optimisation; `data` is the content of shape.json."""
+    """A finished shape optimisation; `result` is the content of shape.json."""
 
     folder: Path
-    data: Json
-
-    @property
-    def held(self) -> bool:
-        """Whether every limit holds by the evaluation."""
-        return all(limit["holds"] for limit in self.data["goal"]["limits"])
+    result: ShapeResult
 
 
 def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
-    """Settings that suit a throw of any size."""
+    """Return settings that suit a throw of any size."""
     usual, scale = ShapeSettings(), usual_scale(scene)
     kept = limits or usual_limits(scene)
     return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept)
@@ -109,7 +106,7 @@ def shape_design(
     if scene.envelope is None:
         raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
     settings = settings or shape_settings(scene)
-    assumed = assumptions(scene, SHAPE_TABLES)
+    assumed = assumptions(scene, _TABLES)
     if assumed:
         info(assumed_text(assumed))
     if isinstance(begun, RunStore):
@@ -141,14 +138,14 @@ def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
 
 
 def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene:
-    """The parametric web fitted to a density optimisation that has none yet."""
+    """Return the parametric web fitted to a density optimisation that has none yet."""
     info(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
     made = remodel_run(str(run.path), given=vars(limits), evaluated=False, info=info)
     return load_scene(str(Path(made["folder"]) / made["files"]["design"]))
 
 
 def _goal(scene: Scene) -> Goal:
-    return needed(scene, "shape optimisation", "torsion_per_mass")
+    return require_goal(scene, "shape optimisation", "torsion_per_mass")
 
 
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead, info: Info) -> ShapedRun:
@@ -159,7 +156,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         judge = optimum.judge_seconds
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
         bound = (
-            work.once("bound", lambda: bound_beside(scene, goal, settings.cell_mm, info))
+            work.once("bound", lambda: bound_for_goal(scene, goal, settings.cell_mm, info).as_json())
             if plan(scene, goal=goal)["bound"].state == "on"
             else None
         )
@@ -169,22 +166,23 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
-        told = shape_json(scene, optimum, begin, seconds)
-        data = {
-            **told,
-            "bound": bound and {**bound, "reached_percent": told["goal"]["reached_percent"]},
-            "assumed": run.manifest().get("assumed", []),
+        found = assemble_result(scene, optimum, begin, seconds)
+        reached = {"reached_percent": found.goal.reached_percent}
+        more = {
+            "bound": bound and read_bound({"bound": bound | reached}),
+            "assumed": tuple(run.manifest().get("assumed", ())),
             "files": {**files, "report": REPORT},
         }
-        write_json(run.path / RESULT_FILES[SHAPE], data)
-        page = shape_page(data, run.manifest(), scene, _bodies(run, scene, optimum))
+        found = found.model_copy(update=more)
+        write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
+        page = shape_page(found, run.manifest(), scene, _bodies(run, scene, optimum))
         write_report(page, run.path / REPORT)
-    run.log(f"{data['status']}: {data['stop_reason']}")
-    return ShapedRun(run.path, data)
+    run.log(f"{found.status}: {found.stop_reason}")
+    return ShapedRun(run.path, found)
 
 
 def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]:
-    """Scene, exact solids and drawing of the best web; returns their names by kind."""
+    """Return scene, exact solids and drawing of the best web; returns their names by kind."""
     shaped = optimum.result.web.scene
     heading = (
         f"Web of {scene.name} with the best dimensions for: {optimum.goal.sense} {optimum.goal.quantity}."
@@ -197,7 +195,7 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]
 
 
 def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBody, ...]:
-    """The result and the original, the half throw of each."""
+    """Return the result and the original, the half throw of each."""
     file = original_file(scene)
     before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
     result = optimum.result.web.scene

@@ -1,58 +1,36 @@
-"""A goal and its limits as numbers that a search can use: one objective, relative limits, their slopes."""
+"""A goal and its limits as numbers that a search can use: one objective, relative limits, their gradients."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import degrees
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.goal.moved import size_of, with_error
-from cranktopo.design.goal.quantities import quantity_named
+from cranktopo.design.goal.constraint import Constraint, bound_in_model, minimum_scale, scale_of, with_error
+from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName, quantity_named
+from cranktopo.engine.load_case import LoadCase
 
 
 @dataclass(frozen=True)
-class SearchLimit:
-    """A limit in the units of the model that searches.
+class Quantities:
+    """Quantities of a web by name, and their gradients by its parameters.
 
     Attributes:
-        value: in the quantity's unit.
-        original: the original web's, which is the size of a limit of zero.
-        least_size: of a limit on what may be 0.
+        values: in the units of the goal's limits.
+        gradients: of those that were asked for, each (parameters,), per mm or degree.
     """
 
-    quantity: str
-    sense: Literal["<=", ">="]
-    value: float
-    original: float = field(default=1.0, compare=False)
-    least_size: float = field(default=0.0, compare=False)
-
-    @property
-    def sign(self) -> float:
-        """1 for an upper limit, -1 for a lower one."""
-        return 1.0 if self.sense == "<=" else -1.0
-
-    @property
-    def per_size(self) -> float:
-        """Its sign over its size, which turns an excess into a share."""
-        return self.sign / size_of(self.value, self.original, self.least_size)
-
-    def corrected(self, errors: Mapping[str, float]) -> SearchLimit:
-        """The limit for a model that errs."""
-        if self.quantity not in errors:
-            return self
-        return replace(self, value=with_error(self.quantity, self.value, errors[self.quantity]))
-
-    def tightened(self, share: float) -> SearchLimit:
-        """The limit moved by a share of its size."""
-        return replace(self, value=self.value - share / self.per_size)
+    values: dict[str, float]
+    gradients: dict[str, Array]
 
 
 @dataclass(frozen=True)
 class SearchGoal:
-    """What a search minimises, and what it keeps.
+    """Objective and constraints of a search.
 
     Attributes:
         quantity: the quantity of the goal.
@@ -64,45 +42,45 @@ class SearchGoal:
     quantity: str
     sign: float
     scale: float
-    limits: tuple[SearchLimit, ...]
+    limits: tuple[Constraint, ...]
     shift: float = 0.0
 
     def objective(self, values: Mapping[str, float]) -> float:
-        """The goal, smaller is better; 1 or -1 for the original web."""
+        """Return the goal, smaller is better; 1 or -1 for the original web."""
         return self.sign * (values[self.quantity] - self.shift) / self.scale
 
-    def objective_slope(self, slopes: Mapping[str, Array]) -> Array:
-        """Its gradient, (parameters,)."""
-        return self.sign * slopes[self.quantity] / self.scale
+    def objective_gradient(self, gradients: Mapping[str, Array]) -> Array:
+        """Return its gradient, (parameters,)."""
+        return self.sign * gradients[self.quantity] / self.scale
 
-    def excesses(self, values: Mapping[str, float]) -> Array:
-        """How far each limit is missed over its size, kept where <= 0."""
-        return np.array([r.per_size * (values[r.quantity] - r.value) for r in self.limits])
+    def violations(self, values: Mapping[str, float]) -> Array:
+        """Return how far each limit is missed over its size, kept where <= 0."""
+        return np.array([limit.violation(values[limit.quantity]) for limit in self.limits])
 
-    def excess_slopes(self, slopes: Mapping[str, Array], parameters: int) -> Array:
-        """Their gradients (limits, parameters)."""
-        rows = [r.per_size * slopes[r.quantity] for r in self.limits]
+    def violation_gradients(self, gradients: Mapping[str, Array], parameters: int) -> Array:
+        """Return their gradients (limits, parameters)."""
+        rows = [limit.factor * gradients[limit.quantity] for limit in self.limits]
         return np.array(rows).reshape(len(rows), parameters)
 
-    def worth(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
-        """What the goal gains by emptying each cell, with the limits paid for at their prices.
+    def sensitivity_by_cell(self, by_cell: Mapping[str, Array], limits: Array) -> Array:
+        """Return what the goal gains by emptying each cell, with the limits paid for at their prices.
 
         Args:
             by_cell: gradients of the quantities by the fill.
             limits: prices, change of the goal per relative change of each limit.
         """
         result = self.sign * by_cell[self.quantity] / self.scale
-        for price, r in zip(limits, self.limits, strict=True):
-            result = result + price * r.per_size * by_cell[r.quantity]
+        for price, limit in zip(limits, self.limits, strict=True):
+            result = result + price * limit.factor * by_cell[limit.quantity]
         return np.asarray(result)
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """Every quantity that it speaks of."""
-        return (self.quantity, *(r.quantity for r in self.limits))
+        return (self.quantity, *(limit.quantity for limit in self.limits))
 
     def corrected(self, errors: Mapping[str, float]) -> SearchGoal:
-        """The same for a model that overrates some quantities by known errors, as `model_error` has them."""
+        """Return the same for a model that overrates quantities by known errors, as of `model_error`."""
         found = replace(self, limits=tuple(limit.corrected(errors) for limit in self.limits))
         if self.quantity not in errors:
             return found
@@ -111,8 +89,65 @@ class SearchGoal:
         return replace(found, scale=with_error(self.quantity, self.scale, errors[self.quantity]))
 
     def reserved(self, share: float, quantities: Collection[str] | None = None) -> SearchGoal:
-        """The same with limits, or those of some quantities, that are tighter by a share of their sizes."""
+        """Return the same with limits, or those of some quantities, tighter by a share of their scales."""
         moved = tuple(
-            r.tightened(share) if quantities is None or r.quantity in quantities else r for r in self.limits
+            limit.tightened(share) if quantities is None or limit.quantity in quantities else limit
+            for limit in self.limits
         )
         return replace(self, limits=moved)
+
+
+FOR_SAFETY: QuantityName = "bending"
+"""The goal on cells where the fatigue safety is the goal."""
+
+
+def goal_on_cells(goal: Goal) -> Goal:
+    """Return what stands for a goal where features are chosen: cells know no fatigue.
+
+    A fillet's stress follows the bending of the throw by the gas force, so the most bending stiffness within
+    the same limits stands for the most safety; the finish then maximises the safety itself.
+    """
+    return replace(goal, quantity=FOR_SAFETY) if goal.quantity == "fatigue_safety" else goal
+
+
+def search_goal_of(
+    goal: Goal,
+    original: Mapping[str, float],
+    true_original: Mapping[str, float],
+    cases: tuple[LoadCase, ...],
+) -> SearchGoal:
+    """Return a goal as a model states it.
+
+    Args:
+        original: quantities of the original web in the model.
+        true_original: by the body-fitted evaluation; limits keep their relation to it.
+        cases: load cases, for displacement and twist.
+    """
+    sign = 1.0 if goal.sense == "minimise" else -1.0
+    limits = [
+        found for limit in goal.limits for found in _search_limits(limit, original, true_original, cases)
+    ]
+    scale = scale_of(original[goal.quantity], 0.0, minimum_scale(goal.quantity, original))
+    return SearchGoal(goal.quantity, sign, scale, tuple(limits))
+
+
+def _search_limits(
+    limit: Limit, original: Mapping[str, float], truth: Mapping[str, float], cases: tuple[LoadCase, ...]
+) -> Iterator[Constraint]:
+    quantity = STIFFNESS_OF.get(limit.quantity, limit.quantity)
+    if quantity not in original:
+        return
+    own, true = original[quantity], truth[quantity]
+    if quantity == limit.quantity:
+        sense, required = limit.sense, limit.value / 100 * true if limit.percent else limit.value
+    else:
+        sense = ">=" if limit.sense == "<=" else "<="
+        required = 100 / limit.value * true if limit.percent else _load(quantity, cases) / limit.value
+    bound = bound_in_model(quantity, required, own, true)
+    yield Constraint(quantity, sense, bound, own, minimum_scale(quantity, original))
+
+
+def _load(stiffness: str, cases: tuple[LoadCase, ...]) -> float:
+    """Return the load whose ratio to a limit is the stiffness it asks for: N, or N m deg/rad."""
+    case = next(case for case in cases if case.name == stiffness)
+    return case.radial_N if stiffness == "bending" else degrees(case.torque_Nm)

@@ -1,49 +1,34 @@
-"""What a millimetre of each dimension is worth, and the worst case within the tolerances of a forging."""
+"""Sensitivities of the dimensions of a web, what holds them, and the worst case within tolerances."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.goal.constraint import Constraint
+from cranktopo.design.scale import usual_scale
+from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import unit_of
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshResponses
+from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
+from cranktopo.tasks.shape.rules import Rules
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
-SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety")
+_SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety")
 _AT_BOUND = 0.02
 
 
-@dataclass(frozen=True)
-class Dimension:
-    """A parameter of the web at the optimum.
-
-    Attributes:
-        value, low, high: mm, or degrees for a draft; the bounds of its range.
-        at_bound: "low" or "high" where it lies on that bound; empty else.
-        held_by: names of the rules, bounds and limits that keep it where it is.
-        per_unit_percent: change of each quantity per mm or degree, % of the original's.
-    """
-
-    name: str
-    unit: str
-    value: float
-    low: float
-    high: float
-    at_bound: str
-    held_by: tuple[str, ...]
-    per_unit_percent: dict[str, float]
-
-
-def dimensions(
+def dimension_sensitivities(
     web: ParametricWeb,
     values: Array,
     found: MeshResponses,
     original: Mapping[str, float],
     holders: Sequence[tuple[str, ...]],
-) -> tuple[Dimension, ...]:
-    """Every dimension of a web with what it is worth on body-fitted elements.
+) -> tuple[DimensionSensitivity, ...]:
+    """Return every dimension of a web with what it is worth on body-fitted elements.
 
     Args:
         values: (n,) of its parameters.
@@ -51,18 +36,18 @@ def dimensions(
         original: quantities of the original web.
         holders: of each parameter, by `held_by`.
     """
-    told = [name for name in SHOWN if name in found.slopes and original.get(name)]
-    percent = {name: 100 * found.slopes[name] / original[name] for name in told}
+    told = [name for name in _SHOWN if name in found.gradients and original.get(name)]
+    percent = {name: 100 * found.gradients[name] / original[name] for name in told}
     return tuple(
-        Dimension(
-            name,
-            unit_of(name),
-            float(value),
-            float(low),
-            float(high),
-            _bound(value, low, high),
-            tuple(holders[index]),
-            {quantity: float(slope[index]) for quantity, slope in percent.items()},
+        DimensionSensitivity(
+            name=name,
+            unit=unit_of(name),
+            value=float(value),
+            low=float(low),
+            high=float(high),
+            at_bound=_bound(value, low, high),
+            held_by=holders[index],
+            per_unit={f"{quantity}_percent": float(slope[index]) for quantity, slope in percent.items()},
         )
         for index, (name, value, low, high) in enumerate(
             zip(web.layout.names, values, *web.bounds, strict=True)
@@ -70,40 +55,95 @@ def dimensions(
     )
 
 
-def sensitivities_json(found: tuple[Dimension, ...], tolerance: float) -> dict[str, Any]:
-    """The dimensions and the worst case as plain data.
+def sensitivity_table(found: Sequence[DimensionSensitivity], tolerance: float) -> SensitivityTable:
+    """Return the dimensions with the worst case.
 
     Args:
         tolerance: of every dimension, mm or degrees.
     """
-    worst = worst_case_percent(found, tolerance)
-    return {
-        "parameters": [_parameter(dimension) for dimension in found],
-        "worst_case_percent": {"tolerance": tolerance, **worst},
-    }
+    worst = {"tolerance": tolerance, **worst_case_percent(found, tolerance)}
+    return SensitivityTable(parameters=tuple(found), worst_case_percent=worst)
 
 
-def worst_case_percent(found: tuple[Dimension, ...], tolerance: float) -> dict[str, float]:
-    """Largest change of each quantity with every dimension off by the tolerance, %, to first order."""
+def worst_case_percent(found: Sequence[DimensionSensitivity], tolerance: float) -> dict[str, float]:
+    """Return the largest change of each quantity with every dimension off, %, to first order."""
     names = found[0].per_unit_percent if found else {}
     return {name: tolerance * sum(abs(d.per_unit_percent[name]) for d in found) for name in names}
 
 
-def _parameter(found: Dimension) -> dict[str, Any]:
-    worth = found.per_unit_percent
-    return {
-        "name": found.name,
-        "unit": found.unit,
-        "value": found.value,
-        "low": found.low,
-        "high": found.high,
-        "at_bound": found.at_bound or None,
-        "held_by": list(found.held_by),
-        "per_unit": {f"{name}_percent": worth[name] for name in SHOWN if name in worth},
-    }
-
-
-def _bound(value: float, low: float, high: float) -> str:
+def _bound(value: float, low: float, high: float) -> str | None:
     if value - low < _AT_BOUND:
         return "low"
-    return "high" if high - value < _AT_BOUND else ""
+    return "high" if high - value < _AT_BOUND else None
+
+
+_NEAR_MM = 0.1
+"""A rule holds a dimension that may move by less before it breaks; of throws of usual size."""
+_NEAR_LIMIT = 2e-3
+"""Relative room within which a limit counts as active."""
+_SHARE = 0.1
+"""Least effect of a dimension on a rule over that of the dimension with the largest one."""
+
+
+def active_constraints(
+    scene: Scene,
+    web: ParametricWeb,
+    values: Array,
+    rules: Rules,
+    goal: tuple[SearchGoal, Quantities, Mapping[str, float]] | None = None,
+) -> list[tuple[str, ...]]:
+    """Return what holds each dimension, the most direct first; empty where nothing does.
+
+    Args:
+        goal: with its quantities at the web and those of the original: then only what keeps a dimension from
+            being changed for the better counts, a limit of the goal where neither rule nor bound does.
+    """
+    near_mm, count = _NEAR_MM / usual_scale(scene), len(values)
+    better = np.zeros(count) if goal is None else -np.sign(goal[0].objective_gradient(goal[1].gradients))
+    found = []
+    for index in range(count):
+        names = [
+            *_bounds(web, index, float(values[index]), better[index], near_mm),
+            *_rules(rules, index, better[index], near_mm),
+        ]
+        if goal is not None and not names:
+            names = list(_limits(*goal, index, better[index]))
+        found.append(tuple(dict.fromkeys(names)))
+    return found
+
+
+def _bounds(web: ParametricWeb, index: int, value: float, better: float, near_mm: float) -> Iterator[str]:
+    layout = web.layout
+    name, low, high = layout.names[index], web.bounds[0][index], web.bounds[1][index]
+    unit = unit_of(name)
+    for side, bound, blocked in (("least", low, better <= 0), ("greatest", high, better >= 0)):
+        if blocked and abs(value - bound) < near_mm:
+            where = "value in [shape.free]" if name in layout.dimensions else "value of its range"
+            yield f"{side} {'draft' if unit == 'deg' else where}, {bound:.4g} {unit}"
+
+
+def _rules(rules: Rules, index: int, better: float, near_mm: float) -> Iterator[str]:
+    gradients = rules.gradients[:, index]
+    share = np.abs(gradients) / np.maximum(np.abs(rules.gradients).max(axis=1), 1e-12)
+    near = (
+        (np.abs(rules.excess) <= near_mm * np.abs(gradients)) & (share >= _SHARE) & (gradients * better >= 0)
+    )
+    for rule in sorted(np.flatnonzero(near), key=lambda rule: (-round(float(share[rule]), 6), rule)):
+        yield rules.names[rule]
+
+
+def _limits(
+    goal: SearchGoal, found: Quantities, original: Mapping[str, float], index: int, better: float
+) -> Iterator[str]:
+    excess, gradients = (
+        goal.violations(found.values),
+        goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity])),
+    )
+    for limit, over, slope in zip(goal.limits, excess, gradients, strict=True):
+        if over > -_NEAR_LIMIT and slope[index] * better > 0:
+            yield _limit_name(limit, original)
+
+
+def _limit_name(limit: Constraint, original: Mapping[str, float]) -> str:
+    percent = 100 * limit.bound / original[limit.quantity]
+    return f"limit: {limit.quantity.replace('_', ' ')} {limit.sense} {percent:.4g} % of the original"

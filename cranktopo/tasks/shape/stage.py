@@ -19,26 +19,26 @@ from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import Prices
+from cranktopo.numerics.optimisers.multipliers import Multipliers
 from cranktopo.tasks.refit.dimensions import with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.body_fitted import EvaluatedWeb, evaluated_web
-from cranktopo.tasks.shape.feature_selection import Growth, Trial
+from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.free_bores import first_on_cells, not_on_cells
-from cranktopo.tasks.shape.goal_in_model import goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs, coarse_shares
 from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
-from cranktopo.tasks.shape.search import HELD, Effort, prices_of, shaped_scene
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.shape.result import FeatureTrial
+from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, shaped_scene
+from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 
 _SETTLED = 2e-3
 """Gain in the goal, over the original's, that is worth an evaluation beside a web that keeps the limits."""
-_FINISH = Effort(20, 0.8, nearest=True)
+_FINISH = SearchBudget(20, 0.8, nearest=True)
 """Of each finish: so near that cells brought to the evaluated web tell another one within 0.1 %."""
 _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
@@ -52,7 +52,7 @@ _SCATTER = 5e-3
 
 @dataclass(frozen=True)
 class ShapeSettings:
-    """How a shape is searched for.
+    """Settings of a shape optimisation.
 
     Attributes:
         cell_mm: cells on which features are chosen.
@@ -69,7 +69,7 @@ class ShapeSettings:
 
 
 @dataclass(frozen=True)
-class Round:
+class ShapeRound:
     """A web that was found, and its evaluation.
 
     Attributes:
@@ -84,14 +84,14 @@ class Round:
     evaluations: int
 
     @property
-    def missed(self) -> float:
-        """How far the limit that is missed most is missed by the evaluation, as a part; 0 or less is kept."""
+    def violation(self) -> float:
+        """Violation of the worst limit by the evaluation, as a part; 0 or less is kept."""
         return max(self.excess_percent, default=0.0) / 100
 
     @property
     def held(self) -> bool:
-        """Whether every limit is kept by the evaluation."""
-        return self.missed <= HELD
+        """True where every limit is kept by the evaluation."""
+        return self.violation <= HELD
 
 
 @dataclass(frozen=True)
@@ -110,20 +110,20 @@ class ShapeOptimum:
     stated: SearchGoal
     original: EvaluatedWeb
     web: ParametricWeb
-    rounds: tuple[Round, ...]
+    rounds: tuple[ShapeRound, ...]
     best: int
-    trials: tuple[Trial, ...]
+    trials: tuple[FeatureTrial, ...]
     responses: MeshResponses
-    prices: Prices
+    multipliers: Multipliers
 
     @property
-    def result(self) -> Round:
+    def result(self) -> ShapeRound:
         """The best round."""
         return self.rounds[self.best]
 
     @property
     def judge_seconds(self) -> float:
-        """What the evaluations on the default mesh took."""
+        """Time that the evaluations on the default mesh took."""
         return sum(web.seconds for web in (self.original, *(found.web for found in self.rounds)))
 
 
@@ -134,7 +134,7 @@ def optimise_shape(
     work: Work | None = None,
     start: WebRead | None = None,
 ) -> ShapeOptimum:
-    """The best web of the family for a goal; call inside `double_precision()`.
+    """Return the best web of the family for a goal; call inside `double_precision()`.
 
     Args:
         start: web to begin with; by default the scene's own, `scene_start`.
@@ -158,22 +158,24 @@ def optimise_shape(
     )
     shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, original.values))
     coarse = MeshedWebs(scene, settings.limits, settings.mesh_mm, shares=shares)
-    growth = Growth(cells, coarse, goals, original.values, work)
+    selection = FeatureSelection(cells, coarse, goals, original.values, work)
     start = start or scene_start(scene, settings.limits)
     told = first_on_cells(scene, start.sizes)
-    grown = growth.grown(growth.first(*with_free(start.layout, start.values, scene, told, start.sizes)))
+    candidate = selection.select(
+        selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
+    )
     stated = search_goal_of(goal, original.values, original.values, cases)
-    layout, first = with_free(grown.layout, grown.values, scene, not_on_cells(scene), start.sizes)
-    finish = _Finish(cells, stated, layout, original, settings, work)
+    layout, first = with_free(candidate.layout, candidate.values, scene, not_on_cells(scene), start.sizes)
+    finish = _LocalRefinement(cells, stated, layout, original, settings, work)
     rounds = finish.rounds(first)
     best = _best(rounds, stated)
     found = finish.anchored(rounds[best])
     web = cells.web(layout)
-    paid = prices_of(scene, web, rounds[best].values, found, stated)
-    return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(growth.trials), found, paid)
+    paid = multipliers_of(scene, web, rounds[best].values, found, stated)
+    return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
 
 
-class _Finish:
+class _LocalRefinement:
     """Webs of one layout on body-fitted elements, and what the default mesh says of them."""
 
     def __init__(
@@ -189,29 +191,29 @@ class _Finish:
         self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
         self._fatigue = "fatigue_safety" in goal.quantities
-        self._anchor: tuple[Round, MeshResponses] | None = None
+        self._anchor: tuple[ShapeRound, MeshResponses] | None = None
 
-    def anchored(self, web: Round) -> MeshResponses:
-        """The quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
+    def anchored(self, web: ShapeRound) -> MeshResponses:
+        """Return the quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
         if self._anchor is None or self._anchor[0] is not web:
             fraction = _FILLET_FRACTION if self._fatigue else None
             webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
-            found = webs.responses(webs.web(self._layout), web.values).brought_to(web.web.values)
+            found = webs.responses(webs.web(self._layout), web.values).calibrated(web.web.values)
             self._anchor = (web, found)
         return self._anchor[1]
 
     @property
-    def _most_rounds(self) -> int:
+    def _maximum_rounds(self) -> int:
         """Dimensions that the cells do not know only move in the finishes, a little in each."""
         return self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
 
-    def rounds(self, start: Array) -> tuple[Round, ...]:
-        """The web of the cells and those of the finishes, until the limits are kept and the goal settles."""
-        rounds, effort, missed = [self._evaluated(start, 0, 0)], _FINISH, 0.0
-        for number in range(1, self._most_rounds + 1):
+    def rounds(self, start: Array) -> tuple[ShapeRound, ...]:
+        """Return the web of the cells and those of the finishes, until they keep limits and settle."""
+        rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
+        for number in range(1, self._maximum_rounds + 1):
             before = rounds[_best(rounds, self._goal)]
             try:
-                found = self._finished(before, number, effort, missed)
+                found = self._finished(before, number, effort, violation)
             except CranktopoError as error:
                 self._work.info(f"finish {number} ended early, the best web before it stands: {error}")
                 break
@@ -221,20 +223,22 @@ class _Finish:
             better = _best(rounds, self._goal) == number
             if before.held and found.held and not better:
                 break
-            missed = 0.0 if better else missed + max(found.missed, 0.0)
+            violation = 0.0 if better else violation + max(found.violation, 0.0)
             if not better:
                 effort = replace(effort, reach=SHORTER * effort.reach)
         return tuple(rounds)
 
-    def _finished(self, before: Round, number: int, effort: Effort, missed: float) -> Round | None:
-        """The best web near one that was evaluated, by its gradients; None where none promises to pay.
+    def _finished(
+        self, before: ShapeRound, number: int, effort: SearchBudget, violation: float
+    ) -> ShapeRound | None:
+        """Return the best web near one that was evaluated, by its gradients; None where none promises to pay.
 
         Args:
             missed: part of a limit that the last webs found beside it missed; kept in reserve as well.
         """
 
         def make() -> Json:
-            reserve = (_SAFE if before.held else _SURE) + missed
+            reserve = (_SAFE if before.held else _SURE) + violation
             goal = self._goal.reserved(reserve).reserved(_SCATTER, ("fatigue_safety",))
             cells, exact, at = self._cells.webs(), self.anchored(before), before.values
             step = stepped(cells, self._layout, at, exact, goal, self._work, effort)
@@ -247,23 +251,23 @@ class _Finish:
             return None
         return self._evaluated(np.array(kept["values"]), number, kept["solved"])
 
-    def _evaluated(self, values: Array, number: int, solved: int) -> Round:
+    def _evaluated(self, values: Array, number: int, solved: int) -> ShapeRound:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
         web = evaluated_web(scene, self._fatigue, size, f"evaluation-{number}", self._work)
-        found = Round(web, values, tuple(100 * self._goal.excesses(web.values)), solved)
+        found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
         self._work.info(_round_text(number, found, self._original))
         return found
 
 
-def _best(rounds: Sequence[Round], goal: SearchGoal) -> int:
-    """The held round with the best goal by the evaluation, the first of equals; else the nearest to held."""
+def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
+    """Return the round with the best goal of those that keep the limits; else the nearest to them."""
     held = [index for index, found in enumerate(rounds) if found.held]
     if held:
         return min(held, key=lambda i: (round(goal.objective(rounds[i].web.values), 6), i))
-    return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].missed, 4), i))
+    return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].violation, 4), i))
 
 
-def _round_text(number: int, found: Round, original: EvaluatedWeb) -> str:
+def _round_text(number: int, found: ShapeRound, original: EvaluatedWeb) -> str:
     changes = ", ".join(
         f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+.2f} %"
         for name in ("mass", "torsion", "bending", "fatigue_safety")

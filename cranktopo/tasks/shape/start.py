@@ -35,7 +35,7 @@ _BEVEL_SHARE = 1 / 3
 
 
 def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STATIONS) -> Array:
-    """Ends and half-widths of the scene's own outline at the stations, clear of journals and bores, mm."""
+    """Return ends and half-widths of the scene's own outline, clear of journals and bores, mm."""
     reaches = reaches_mm(scene, limits)
     low, high = scene.web.y_range_mm(scene.throw.radius_mm)
     low, high = min(low, *(y - r for y, r in reaches)), max(high, *(y + r for y, r in reaches))
@@ -47,7 +47,7 @@ def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STA
 
 
 def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
-    """Start, depth and crown of a first bevel: just clear of the journal on its face, a third deep, plane."""
+    """Return start, depth and crown of a first bevel: just clear of the journal, a third deep, plane."""
     on_journal_face = bevel.face == "journal"
     journal, axis = scene.throw.journals[0 if on_journal_face else 1]
     outward = 1.0 if on_journal_face else -1.0
@@ -56,13 +56,13 @@ def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
 
 
 def groove_start(scene: Scene) -> tuple[FittedFeature, Array]:
-    """A shallow groove through both ends, a quarter of the thickness high, in the middle of the flanks."""
+    """Return a shallow groove through both ends, a quarter of the thickness high, amid the flanks."""
     thickness, floor = scene.web.thickness_mm, _GROOVE_FLOOR * scene.web.largest_half_width_mm
     return FittedSlot(through=True), np.array([thickness / 4, floor, 0.0, _GROOVE_DRAFT_DEG])
 
 
 def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None = None) -> WebRead:
-    """A web in the family: exactly where it is one of the family, else its outline sampled.
+    """Return a web in the family: exactly where it is one of the family, else its outline sampled.
 
     Args:
         begun: scene of the web to begin with, by default the scene itself; of its throw only the free
@@ -86,7 +86,7 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
 
 
 def _own_dimensions(scene: Scene, begun: Scene) -> Iterator[DimensionName]:
-    """Dimensions that may differ by themselves: the axial semi-axis of a round fillet follows its radius."""
+    """Yield dimensions that may differ alone: the axial semi-axis of a round fillet follows its radius."""
     for name in DIMENSIONS:
         if is_of_counterweight(name) and None in (scene.web.counterweight, begun.web.counterweight):
             continue

@@ -1,7 +1,7 @@
 """The way back from stresses of a surface, and their slopes into the depth, to displacements and nodes.
 
-Every step of `evaluate.stress` and `evaluate.surface` in reverse order: what a unit of change there is worth
-becomes what a unit of displacement of a node, or of its position, is worth.
+Every step of `numerics.tetrahedra.stress` and `stressed_surface` in reverse order: from the derivative of a
+functional by a stress to its derivatives by the displacement of a node, and by its position.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ def stress_adjoint(
     surface: Surface,
     found: NodalStress,
     fields: Array,
-    worth: tuple[Array, Array],
+    adjoint: tuple[Array, Array],
     elastic: tuple[float, float],
 ) -> tuple[Array, Array]:
-    """Derivative of sum(worth * result of `surface_stress`) by displacements and nodes.
+    """Return the derivative of sum(adjoint * result of `surface_stress`) by displacements and nodes.
 
     Args:
         fields: displacements, shape (fields, unknowns).
-        worth: of the stresses and of their derivatives into the depth, each (fields, surface nodes, 6).
+        adjoint: of the stresses and of their derivatives into the depth, each (fields, surface nodes, 6).
         elastic: Young's modulus in MPa and Poisson's ratio.
 
     Returns:
         Shapes (fields, unknowns), displacements held for the second, (3, nodes).
     """
-    of_stress, of_depth = worth
+    of_stress, of_depth = adjoint
     nodal = np.zeros_like(found.nodal_MPa)
     nodal[:, surface.nodes] += of_stress
     by_nodes = np.zeros(model.nodes_mm.shape)
@@ -48,11 +48,11 @@ def stress_adjoint(
 
 
 def _through_depth(
-    model: Elasticity, surface: Surface, found: NodalStress, worth: Array, nodal: Array, by_nodes: Array
+    model: Elasticity, surface: Surface, found: NodalStress, adjoint: Array, nodal: Array, by_nodes: Array
 ) -> None:
-    """Add what the derivatives into the depth are worth to that of the nodal stresses and of the nodes."""
+    """Add the adjoint of the derivatives into the depth to those of the nodal stresses and of the nodes."""
     number = np.bincount(surface.faces.ravel(), minlength=len(surface.nodes))
-    active = (worth != 0).any(axis=(0, 2))
+    active = (adjoint != 0).any(axis=(0, 2))
     chosen = active[surface.faces].any(axis=0)
     faces, local, owners = surface.faces[:, chosen], surface.local[:, chosen], surface.owners[chosen]
     cells = found.elements[:, owners]  # (10, f)
@@ -60,7 +60,7 @@ def _through_depth(
     jacobian = np.einsum("inf,pfnj->pfij", model.nodes_mm[:, cells], reference, optimize=True)
     direction = np.linalg.solve(jacobian, -surface.normals[faces][..., None])[..., 0]
     weights = np.einsum("pfnj,pfj->pfn", reference, direction, optimize=True)
-    share = (worth / number[:, None])[:, faces]  # (fields, 6, f, 6)
+    share = (adjoint / number[:, None])[:, faces]  # (fields, 6, f, 6)
     stress = found.nodal_MPa[:, cells]  # (fields, 10, f, 6)
     for total, part in zip(nodal, share, strict=True):
         np.add.at(total, cells, np.einsum("pfn,pfc->nfc", weights, part, optimize=True))
@@ -75,9 +75,9 @@ def _through_depth(
 
 
 def _through_normals(
-    model: Elasticity, surface: Surface, around: tuple[Index, Index, Index], worth: Array, by_nodes: Array
+    model: Elasticity, surface: Surface, around: tuple[Index, Index, Index], adjoint: Array, by_nodes: Array
 ) -> None:
-    """Add what the unit normals of the surface nodes are worth to that of the nodes."""
+    """Add the adjoint of the unit normals of the surface nodes to that of the nodes."""
     faces, cells, _ = around
     numbers = surface.nodes[faces]
     at, gradients = model.nodes_mm[:, numbers], triangle_gradients()
@@ -85,11 +85,11 @@ def _through_normals(
     normal = np.cross(first, second)  # (6, f, 3)
     inside = model.nodes_mm[:, cells[:4]].mean(axis=1) - at[:, :3].mean(axis=1)
     sign = -np.sign(np.einsum("fi,if->f", normal.mean(axis=0), inside))[:, None]
-    total = np.zeros_like(worth)
+    total = np.zeros_like(adjoint)
     np.add.at(total, faces, sign * normal)
     length = np.maximum(np.linalg.norm(total, axis=1, keepdims=True), np.finfo(float).tiny)
     unit = total / length
-    of_total = (worth - unit * (unit * worth).sum(axis=1, keepdims=True)) / length
+    of_total = (adjoint - unit * (unit * adjoint).sum(axis=1, keepdims=True)) / length
     of_normal = sign * of_total[faces]
     of_tangents = np.stack([np.cross(second, of_normal), np.cross(of_normal, first)])
     _add(by_nodes, numbers, np.einsum("kpfi,pnk->inf", of_tangents, gradients, optimize=True))
@@ -99,21 +99,21 @@ def _through_nodes(
     model: Elasticity,
     found: NodalStress,
     fields: Array,
-    worth: Array,
+    adjoint: Array,
     elastic: tuple[float, float],
     by_nodes: Array,
 ) -> Array:
-    """What displacements are worth, (fields, unknowns); what nodes are is added to theirs."""
+    """Return the adjoint of the displacements, (fields, unknowns); that of the nodes is added to theirs."""
     from skfem import Basis, ElementTetP2
 
-    active = (worth != 0).any(axis=(0, 2))
+    active = (adjoint != 0).any(axis=(0, 2))
     elements = np.flatnonzero(active[found.elements].any(axis=0))
     basis = Basis(model.mesh, ElementTetP2(), intorder=STIFFNESS_ORDER, elements=elements)
     cells, volume = found.elements[:, elements], basis.dx.sum(axis=1)
-    around = np.zeros(worth.shape[1])
+    around = np.zeros(adjoint.shape[1])
     np.add.at(around, cells, np.broadcast_to(volume, cells.shape))
     around[~active] = 1.0
-    share = (worth / around[:, None])[:, cells.T]  # (fields, e, 10, 6)
+    share = (adjoint / around[:, None])[:, cells.T]  # (fields, e, 10, 6)
     shapes, result = shape_slopes(basis), np.zeros_like(fields)
     spread = nodes_from_points(basis.X)
     of_volume = np.zeros(len(elements))

@@ -1,13 +1,12 @@
-"""A shape optimisation as tables and text: the web against the original, limits, dimensions, trials."""
+"""A shape optimisation as tables and text: the web against the original, limits, their prices, trials."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from cranktopo.report.goal_table import broken_limits, limits_table
-from cranktopo.report.result_table import ResultTable, terminal
+from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.fea.quantities import (
     BENDING,
@@ -20,8 +19,8 @@ from cranktopo.tasks.fea.quantities import (
     UNBALANCE,
     Quantity,
 )
-from cranktopo.tasks.shape.multiplier_text import price_sentences
-from cranktopo.tasks.shape.sensitivity_text import worth_lines
+from cranktopo.tasks.shape.result import FeatureTrial, ShapeResult
+from cranktopo.tasks.shape.sensitivity_text import sensitivity_text
 
 _ROWS: tuple[tuple[Quantity, str, float], ...] = (
     (MASS, "mass", 1.0),
@@ -50,10 +49,10 @@ _KEPT_PERCENT = 0.05
 """Excess with which a limit still counts as kept, as in the search."""
 
 
-def changes_table(data: Mapping[str, Any]) -> ResultTable:
-    """Every quantity of the original and of the result, and its change."""
+def changes_table(found: ShapeResult) -> ResultTable:
+    """Return every quantity of the original and of the result, and its change."""
     columns = {"quantity": 0, "unit": 0, "original": 0, "result": 0, "change_percent": 2}
-    before, after, rows = data["values"]["original"], data["values"]["result"], []
+    before, after, rows = found.values.original, found.values.result, list[Row]()
     for quantity, key, factor in _ROWS:
         if key in before and key in after:
             rows.append(
@@ -62,81 +61,117 @@ def changes_table(data: Mapping[str, Any]) -> ResultTable:
                     "unit": _UNITS[quantity.unit],
                     "original": f"{factor * before[key]:.{quantity.digits}f}",
                     "result": f"{factor * after[key]:.{quantity.digits}f}",
-                    "change_percent": data["change_percent"].get(key),
+                    "change_percent": found.change_percent.get(key),
                 }
             )
     return ResultTable(columns, tuple(rows))
 
 
-def trials_table(data: Mapping[str, Any]) -> ResultTable:
-    """What was tried, what it gained, and whether it was kept."""
-    columns = {"step": 0, "parameters": 0, "gain_percent": 2, "kept": 0, "evaluations": 0}
-    rows = tuple(
-        {
-            "step": t["step"],
-            "parameters": t["parameters"],
-            "gain_percent": t["gain_percent"],
-            "kept": "yes" if t["kept"] else "no",
-            "evaluations": t["evaluations"],
-        }
-        for t in data["trials"]
+def feature_trials_table(found: ShapeResult) -> ResultTable:
+    """Return what was tried, what it gained, and whether it was kept."""
+    columns: tuple[Column[FeatureTrial], ...] = (
+        Column("step", 0, lambda trial: trial.step),
+        Column("parameters", 0, lambda trial: trial.parameters),
+        Column("gain_percent", 2, lambda trial: trial.gain_percent),
+        Column("kept", 0, lambda trial: "yes" if trial.kept else "no"),
+        Column("evaluations", 0, lambda trial: trial.evaluations),
     )
-    return ResultTable(columns, rows)
+    return tabulate(columns, found.trials)
 
 
-def rounds_table(data: Mapping[str, Any]) -> ResultTable:
-    """Every web that was evaluated on the way, against the original, and by how much it missed its limits."""
-    before, names = data["values"]["original"], named_first(data)
+def rounds_table(found: ShapeResult) -> ResultTable:
+    """Return every web that was evaluated on the way, against the original, and its violations."""
+    before, names = found.values.original, named_first(found)
     columns = {"web": 0, **{f"{name}_percent": 2 for name in names}, "limits missed by": 0}
-    rows = tuple(
+    rows: tuple[Row, ...] = tuple(
         {
             "web": f"finish {number}" if number else "of the cells",
-            **{f"{name}_percent": 100 * (found["values"][name] / before[name] - 1) for name in names},
-            "limits missed by": _missed(found["excess_percent"]),
+            **{f"{name}_percent": 100 * (web.values[name] / before[name] - 1) for name in names},
+            "limits missed by": _violation_text(web.excess_percent),
         }
-        for number, found in enumerate(data["rounds"])
+        for number, web in enumerate(found.rounds)
     )
     return ResultTable(columns, rows)
 
 
-def _missed(excess_percent: list[float]) -> str:
+def _violation_text(excess_percent: Sequence[float]) -> str:
     worst = max(excess_percent, default=0.0)
     return "-" if worst <= _KEPT_PERCENT else f"{worst:.2f} %"
 
 
-def named_first(data: Mapping[str, Any]) -> tuple[str, ...]:
-    """The quantities that a result is told by, that of the goal first."""
-    goal, told = data["goal"], data["change_percent"]
-    names = (goal.get("minimise") or goal["maximise"], "mass", "torsion", "bending", "fatigue_safety")
-    return tuple(name for name in dict.fromkeys(names) if name in told)
+def named_first(found: ShapeResult) -> tuple[str, ...]:
+    """Return the quantities that a result is told by, that of the goal first."""
+    names = (found.goal.quantity.name, "mass", "torsion", "bending", "fatigue_safety")
+    return tuple(name for name in dict.fromkeys(names) if name in found.change_percent)
 
 
-def shape_headline(data: Mapping[str, Any]) -> str:
-    """The result in one sentence; limits that are missed come first, then the goal."""
-    change, missed = data["change_percent"], broken_limits(data["goal"])
-    names = named_first(data)
+def shape_headline(found: ShapeResult) -> str:
+    """Return the result in one sentence; limits that are missed come first, then the goal."""
+    change, missed, names = found.change_percent, broken_limits(found.goal), named_first(found)
     said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names)
     if not missed:
         return f"Every limit holds: {said} against the original web."
     return f"NOT MET: {'; '.join(missed)}; {said} against the original web."
 
 
-def shape_summary(data: Mapping[str, Any], folder: Path) -> str:
-    """A finished shape optimisation; `data` as shape.json holds it."""
+def shape_summary(found: ShapeResult, folder: Path) -> str:
+    """Return what `cranktopo shape` prints of a finished optimisation."""
     lines = [
-        shape_headline(data),
-        data["stop_reason"],
-        *bound_lines(data),
+        shape_headline(found),
+        found.stop_reason,
+        *bound_lines(found.bound),
         "",
-        terminal(changes_table(data)),
+        terminal(changes_table(found)),
         "",
-        terminal(limits_table(data["goal"])),
+        terminal(limits_table(found.goal)),
         "",
-        *price_sentences(data),
+        *multiplier_text(found),
         "",
-        *worth_lines(data, "the original"),
+        *sensitivity_text(found, "the original"),
         "",
-        f"{data['seconds']['total']:.1f} s, {data['evaluations']} webs solved",
-        *(str(folder / name) for name in data["files"].values()),
+        f"{found.seconds['total']:.1f} s, {found.evaluations} webs solved",
+        *(str(folder / name) for name in found.files.values()),
     ]
     return "\n".join(lines)
+
+
+_MINIMUM_PERCENT = 5e-4
+"""A price below it counts as none."""
+_LOOSE_PERCENT = 30.0
+"""Part of the goal's gradient that the prices leave unexplained, above which this is said."""
+_MOVES = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
+
+
+def multiplier_text(found: ShapeResult) -> list[str]:
+    """Return what one percent of each limit costs in the goal, then what a unit of each rule would give."""
+    doubt = multiplier_doubt(found)
+    return [*(f"{moved} {effect}" for moved, effect in _multipliers(found)), *([doubt] if doubt else [])]
+
+
+def multiplier_table(found: ShapeResult) -> ResultTable:
+    """Return the same as a table, one row each."""
+    rows = tuple({"a_move_of": moved, "the_goal": effect} for moved, effect in _multipliers(found))
+    return ResultTable({"a_move_of": 0, "the_goal": 0}, rows)
+
+
+def multiplier_doubt(found: ShapeResult) -> str:
+    """Return the error where the prices do not explain the optimum; empty else."""
+    rest = found.prices_remainder_percent
+    if rest <= _LOOSE_PERCENT:
+        return ""
+    return f"prices explain {100 - rest:.0f} % of what the goal still wants: it is not quite the best web"
+
+
+def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
+    """Yield what is moved, and what the goal makes of it."""
+    name = found.goal.quantity.name.replace("_", " ")
+    for price in found.prices:
+        way, cost = "less" if price.sense == "<=" else "more", price.goal_percent_per_percent
+        nothing = "costs nothing: this limit does not decide"
+        effect = nothing if cost < _MINIMUM_PERCENT else f"costs {cost:.2f} % {name}"
+        yield f"1 % {way} {price.quantity.replace('_', ' ')}", effect
+    rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= _MINIMUM_PERCENT]
+    better = "less" if found.goal.minimise else "more"
+    for rule in sorted(rules, key=lambda rule: (-round(rule.goal_percent_per_unit, 6), rule.name)):
+        effect = f"would give {rule.goal_percent_per_unit:.2f} % {better} {name}"
+        yield f"{_MOVES[rule.unit]} of '{rule.name}'", effect

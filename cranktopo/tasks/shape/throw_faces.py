@@ -1,25 +1,147 @@
-"""Distances of places from the faces of the throw around a web's outline and features, by scene."""
+"""A face of the web, and those of the throw around its outline and features: distances by scene.
+
+A point that stays on a face while a parameter p changes moves by V with gradient.V + d(distance)/dp = 0.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.derivatives import central_difference
+from cranktopo.tasks.refit.dimensions import scene_at
+from cranktopo.tasks.refit.family import Layout
 from cranktopo.throw.counterweight import Sector
 from cranktopo.throw.drilling import channels
+from cranktopo.throw.fillet import FilletSection
 
 DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""
+_STEP = 1e-6
+"""Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
 _BESIDE_MM = 1e-3
-"""How far beyond its rims a point may lie that counts as on a fillet."""
+"""Distance beyond its rims at which a point still counts as on a fillet."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A face at some points.
+
+    Attributes:
+        distance_mm: (n,) zero on the face.
+        gradient: (n, 3) by the place.
+    """
+
+    distance_mm: Array
+    gradient: Array
+
+    @property
+    def steepness(self) -> Array:
+        """Length of the gradient, (n, 1)."""
+        return np.asarray(np.linalg.norm(self.gradient, axis=1)[:, None])
+
+    @property
+    def normal(self) -> Array:
+        """Unit normal, (n, 3)."""
+        return self.gradient / self.steepness
+
+
+class WebFace(ABC):
+    """One face of the web."""
+
+    name: str
+
+    @abstractmethod
+    def contact(self, points_mm: Array, values: Array) -> Contact:
+        """Return the face at points (3, n) for some values of the parameters."""
+
+    @abstractmethod
+    def gradients(self, points_mm: Array, values: Array) -> Array:
+        """Return derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
+
+
+@dataclass(frozen=True)
+class ThrowFace(WebFace):
+    """A face that only the dimensions of the throw move: web faces, bores, journals, planes of symmetry.
+
+    Attributes:
+        distance_mm: from the face, of a scene and points (3, n).
+    """
+
+    name: str
+    scene: Scene
+    layout: Layout
+    distance_mm: DistanceOf
+
+    @override
+    def contact(self, points_mm: Array, values: Array) -> Contact:
+        return contact_of(partial(self.distance_mm, scene_at(self.scene, self.layout, values)), points_mm)
+
+    @override
+    def gradients(self, points_mm: Array, values: Array) -> Array:
+        def distance(values: Array) -> Array:
+            return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
+
+        first = len(values) - len(self.layout.dimensions)
+        return by_values(distance, values, range(first, len(values)))
+
+
+@dataclass(frozen=True)
+class FilletFace(ThrowFace):
+    """A fillet, whose nodes keep their angles around the journal and along its arc.
+
+    Attributes:
+        number: 0 at the main journal, 1 at the pin.
+    """
+
+    number: int
+
+    def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
+        """Return where points (3, n) of the fillet come to from some values to others: linear in these."""
+        out, up, around = self._section(points_mm, start)
+        out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
+        section, distance, height = self._centre(values)
+        _, y = self.scene.throw.journals[self.number]
+        x_mm, y_mm = (distance + section.radial_mm * out) * around
+        return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
+
+    def _section(self, points_mm: Array, values: Array) -> tuple[Array, Array, Array]:
+        """Return places in the section over its semi-axes, outward and along z, and outward directions."""
+        section, distance, height = self._centre(values)
+        _, y = self.scene.throw.journals[self.number]
+        across = np.stack([points_mm[0], points_mm[1] - y])
+        far = np.hypot(*across)
+        up = (points_mm[2] - height) / section.axial_mm
+        return (far - distance) / section.radial_mm, up, across / far
+
+    def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
+        """Return the fillet's section, and radius and height of its centre circle."""
+        scene = scene_at(self.scene, self.layout, values)
+        journal, _ = scene.throw.journals[self.number]
+        section, side = journal.fillet, 1.0 if self.number else -1.0
+        height = scene.web_z_mm[self.number] + side * section.axial_mm
+        return section, journal.radius_mm + section.radial_mm, height
+
+
+def contact_of(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:
+    """Return a face at points (3, n), whose distance is given."""
+    return Contact(distance_mm(points_mm), central_difference(distance_mm, points_mm, _STEP))
+
+
+def by_values(distance_mm: Callable[[Array], Array], values: Array, places: Iterable[int]) -> Array:
+    """Return derivatives by some of the parameters, (n, parameters); 0 by the others."""
+    return central_difference(distance_mm, values, _STEP, places)
 
 
 def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[tuple[str, DistanceOf]]:
-    """Faces that no parameter of the web's section moves but the counterweight's, each with its distance.
+    """Yield faces that only the counterweight's parameters move, each with its distance.
 
     Args:
         with_journals: journals and both end sections as well.
@@ -41,7 +163,7 @@ def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[t
 
 
 def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, DistanceOf]]:
-    """Rim and sharp flank of a counterweight that is one piece with the web, its face where it is thinner."""
+    """Yield rim and sharp flank of a counterweight of one piece with the web, its face if thinner."""
     weight = scene.web.counterweight
     if weight is None or weight.bolted:
         return
@@ -54,7 +176,7 @@ def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, DistanceOf]]:
 
 
 def sector_of(scene: Scene) -> Sector:
-    """The counterweight of a scene that has one, without its fillets."""
+    """Return the counterweight of a scene that has one, without its fillets."""
     assert scene.web.counterweight is not None
     return scene.web.counterweight.sector(scene)
 
@@ -80,7 +202,7 @@ def _off_journal(number: int, scene: Scene, at: Array) -> Array:
 
 
 def off_fillet(number: int, scene: Scene, at: Array) -> Array:
-    """Distance from the quarter of the ring that is the fillet, as its section has it; far from the rest."""
+    """Return the distance from the quarter of the ring that is the fillet; far from the rest."""
     journal, y = scene.throw.journals[number]
     section, side = journal.fillet, 1.0 if number else -1.0
     across = np.hypot(at[0], at[1] - y) - journal.radius_mm - section.radial_mm

@@ -1,12 +1,8 @@
-"""The faces that bound a parametric web, as zero sets of distances that are smooth in place and parameters.
-
-A point that stays on a face while a parameter p changes moves by V with gradient.V + d(distance)/dp = 0.
-"""
+"""The faces that bound a parametric web, as zero sets of distances smooth in place and parameters."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,18 +13,25 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.derivatives import complex_step
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
-from cranktopo.tasks.shape.throw_faces import DistanceOf, off_fillet, sector_of, throw_faces
-from cranktopo.throw.fillet import FilletSection
+from cranktopo.tasks.shape.throw_faces import (
+    Contact,
+    FilletFace,
+    ThrowFace,
+    WebFace,
+    by_values,
+    contact_of,
+    off_fillet,
+    sector_of,
+    throw_faces,
+)
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.flank import Flank
 from cranktopo.throw.tangent_circle import flank_directions
 
-_STEP = 1e-6
-"""Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
-_COMPLEX = 1e-30
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""
 _NEWTON = 12
@@ -36,106 +39,7 @@ _THICKNESS: DimensionName = "web_thickness"
 
 
 @dataclass(frozen=True)
-class Contact:
-    """A face at some points.
-
-    Attributes:
-        distance_mm: (n,) zero on the face.
-        gradient: (n, 3) by the place.
-    """
-
-    distance_mm: Array
-    gradient: Array
-
-    @property
-    def steepness(self) -> Array:
-        """Length of the gradient, (n, 1)."""
-        return np.asarray(np.linalg.norm(self.gradient, axis=1)[:, None])
-
-    @property
-    def normal(self) -> Array:
-        """Unit normal, (n, 3)."""
-        return self.gradient / self.steepness
-
-
-class WebFace(ABC):
-    """One face of the web."""
-
-    name: str
-
-    @abstractmethod
-    def contact(self, points_mm: Array, values: Array) -> Contact:
-        """The face at points (3, n) for some values of the parameters."""
-
-    @abstractmethod
-    def slopes(self, points_mm: Array, values: Array) -> Array:
-        """Derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
-
-
-@dataclass(frozen=True)
-class ThrowFace(WebFace):
-    """A face that only the dimensions of the throw move: web faces, bores, journals, planes of symmetry.
-
-    Attributes:
-        distance_mm: from the face, of a scene and points (3, n).
-    """
-
-    name: str
-    scene: Scene
-    layout: Layout
-    distance_mm: DistanceOf
-
-    @override
-    def contact(self, points_mm: Array, values: Array) -> Contact:
-        return _contact(partial(self.distance_mm, scene_at(self.scene, self.layout, values)), points_mm)
-
-    @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
-        def distance(values: Array) -> Array:
-            return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
-
-        return _by_values(distance, values, range(len(values) - len(self.layout.dimensions), len(values)))
-
-
-@dataclass(frozen=True)
-class FilletFace(ThrowFace):
-    """A fillet, whose nodes keep their angles around the journal and along its arc.
-
-    Attributes:
-        number: 0 at the main journal, 1 at the pin.
-    """
-
-    number: int
-
-    def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
-        """Where points (3, n) of the fillet come to from some values to others: linear in these."""
-        out, up, around = self._section(points_mm, start)
-        out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
-        section, distance, height = self._centre(values)
-        _, y = self.scene.throw.journals[self.number]
-        x_mm, y_mm = (distance + section.radial_mm * out) * around
-        return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
-
-    def _section(self, points_mm: Array, values: Array) -> tuple[Array, Array, Array]:
-        """Place in the section over its semi-axes, outward and along z, and the direction outward, (2, n)."""
-        section, distance, height = self._centre(values)
-        _, y = self.scene.throw.journals[self.number]
-        across = np.stack([points_mm[0], points_mm[1] - y])
-        far = np.hypot(*across)
-        up = (points_mm[2] - height) / section.axial_mm
-        return (far - distance) / section.radial_mm, up, across / far
-
-    def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
-        """Section of the fillet, distance of its centre circle from the journal's axis, height of that."""
-        scene = scene_at(self.scene, self.layout, values)
-        journal, _ = scene.throw.journals[self.number]
-        section, side = journal.fillet, 1.0 if self.number else -1.0
-        height = scene.web_z_mm[self.number] + side * section.axial_mm
-        return section, journal.radius_mm + section.radial_mm, height
-
-
-@dataclass(frozen=True)
-class FeatureFace(WebFace):
+class _FeatureFace(WebFace):
     """One of the faces of a feature.
 
     Attributes:
@@ -152,14 +56,14 @@ class FeatureFace(WebFace):
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        return _contact(partial(self._distance, values, self._web_z_mm(values)), points_mm)
+        return contact_of(partial(self._distance, values, self._web_z_mm(values)), points_mm)
 
     @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         own = range(self.first, self.first + len(self.part.names))
         ends = [0, 1] if self.part.follows_ends else []
         thickness = [k for k, name in enumerate(self.layout.names) if name == _THICKNESS]
-        return _by_values(
+        return by_values(
             lambda moved: self._distance(moved, self._web_z_mm(moved), points_mm),
             values,
             [*own, *ends, *thickness],
@@ -177,7 +81,7 @@ class FeatureFace(WebFace):
 
 
 @dataclass(frozen=True)
-class FilletedFlank(WebFace):
+class _FilletedFlank(WebFace):
     """Flank of a counterweight and the fillet it ends in, one smooth face; distances positive inside."""
 
     scene: Scene
@@ -186,12 +90,12 @@ class FilletedFlank(WebFace):
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
-        return _contact(partial(self._distance, self._fillet(values)), points_mm)
+        return contact_of(partial(self._distance, self._fillet(values)), points_mm)
 
     @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         fillet, first = self._fillet(values), len(values) - len(self.layout.dimensions)
-        by_flank = _by_values(
+        by_flank = by_values(
             lambda moved: sector_of(scene_at(self.scene, self.layout, moved)).inside_flank_mm(*points_mm[:2]),
             values,
             range(first, len(values)),
@@ -210,13 +114,13 @@ class FilletedFlank(WebFace):
         return np.where(self._on_flank(fillet, at), flank, fillet.circle.off_mm(at[0], at[1]))
 
     def _on_flank(self, fillet: MovedFillet, at: Array) -> NDArray[np.bool_]:
-        """Whether points lie farther along the flank than the place where the fillet leaves it."""
+        """Tell whether points lie farther along the flank than the place where the fillet leaves it."""
         (sine, cosine), _ = flank_directions(fillet.sector.half_angle)
         return np.asarray(np.abs(at[0]) * sine + at[1] * cosine >= fillet.circle.reach_mm)
 
 
 @dataclass(frozen=True)
-class OutlineFace(WebFace):
+class _OutlineFace(WebFace):
     """The outline, swept along the crank axis; distances positive inside."""
 
     layout: Layout
@@ -231,16 +135,14 @@ class OutlineFace(WebFace):
         return Contact(distance, np.stack([-side * normal[:, 0], -normal[:, 1], np.zeros(len(at))], axis=1))
 
     @override
-    def slopes(self, points_mm: Array, values: Array) -> Array:
+    def gradients(self, points_mm: Array, values: Array) -> Array:
         (piece, u), normal = self._foot(points_mm, values)
-        result = np.zeros((points_mm.shape[1], len(values)))
-        for i in range(self.layout.stations):
-            moved = flank_of(self.layout, values + 1j * _COMPLEX * np.eye(len(values))[i])
-            result[:, i] = (_point(moved, piece, u, 0).imag / _COMPLEX * normal).sum(axis=1)
-        return result
+        stations, rest = np.split(values, [self.layout.stations])
+        moved = complex_step(lambda own: _point(flank_of(self.layout, own), piece, u, 0), stations)
+        return np.hstack([(moved * normal[:, :, None]).sum(axis=1), np.zeros((len(u), len(rest)))])
 
     def _foot(self, points_mm: Array, values: Array) -> tuple[tuple[NDArray[np.intp], Array], Array]:
-        """Piece of the right half and place on it nearest to each point, and the outward normal, (n, 2)."""
+        """Return the nearest piece of the right half, the place on it, and the outward normal, (n, 2)."""
         flank = flank_of(self.layout, values)
         foot = _nearest(flank, np.stack([np.abs(points_mm[0]), points_mm[1]], axis=1))
         tangent = _point(flank, *foot, 1)
@@ -249,7 +151,7 @@ class OutlineFace(WebFace):
 
 
 def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
-    """All faces of the web of a layout: those of the throw, its outline, those of its features.
+    """Return all faces of the web of a layout: those of the throw, its outline, those of its features.
 
     With free dimensions of the journals theirs and those of their fillets as well.
 
@@ -259,14 +161,14 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
     """
     found = throw_faces(scene, mirrored, move_journals(layout.dimensions))
     throw = [ThrowFace(name, scene, layout, distance) for name, distance in found]
-    fillets = fillet_faces(scene, layout) if move_journals(layout.dimensions) else []
+    fillets = _fillet_faces(scene, layout) if move_journals(layout.dimensions) else []
     weight = scene.web.counterweight
-    flanks = [FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
-    return [*throw, *fillets, *flanks, OutlineFace(layout), *_feature_faces(scene, layout)]
+    flanks = [_FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
+    return [*throw, *fillets, *flanks, _OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
-def fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
-    """Both fillets of a scene; without one that is sharp."""
+def _fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
+    """Return both fillets of a scene; without one that is sharp."""
     return [
         FilletFace("fillet", scene, layout, partial(off_fillet, k), k)
         for k, (journal, _) in enumerate(scene.throw.journals)
@@ -281,34 +183,12 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
         named = dict.fromkeys(part.names, 1.0)
         count = len(part.faces_mm(named, np.array([-1.0, 9.0]) + origin, one, scene.web_z_mm))
         for number in range(count):
-            yield FeatureFace(f"{part.label} {number}", scene, layout, part, number, first)
+            yield _FeatureFace(f"{part.label} {number}", scene, layout, part, number, first)
         first += len(part.names)
 
 
-def _by_values(distance_mm: Callable[[Array], Array], values: Array, places: Iterable[int]) -> Array:
-    """Derivatives by some of the parameters, (n, parameters); 0 by the others."""
-    result = np.zeros((len(distance_mm(values)), len(values)))
-    for i in places:
-        step = _STEP * np.eye(len(values))[i]
-        result[:, i] = (distance_mm(values + step) - distance_mm(values - step)) / (2 * _STEP)
-    return result
-
-
-def _contact(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:
-    return Contact(distance_mm(points_mm), _gradient(distance_mm, points_mm))
-
-
-def _gradient(distance_mm: Callable[[Array], Array], points_mm: Array) -> Array:
-    """Derivative by the place, (n, 3)."""
-    columns = []
-    for axis in range(3):
-        step = _STEP * np.eye(3)[axis][:, None]
-        columns.append((distance_mm(points_mm + step) - distance_mm(points_mm - step)) / (2 * _STEP))
-    return np.stack(columns, axis=1)
-
-
 def _nearest(flank: Flank, at: Array) -> tuple[NDArray[np.intp], Array]:
-    """Piece of the flank and place on it, 0 to 1, nearest to points (n, 2)."""
+    """Return piece of the flank and place on it, 0 to 1, nearest to points (n, 2)."""
     from scipy.spatial import cKDTree
 
     u = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
@@ -324,7 +204,7 @@ def _nearest(flank: Flank, at: Array) -> tuple[NDArray[np.intp], Array]:
 
 
 def _point(flank: Flank, piece: NDArray[np.intp], u: Array, order: int) -> Array:
-    """Points at u of chosen pieces, (n, 2), or their derivatives of an order by u."""
+    """Return points at u of chosen pieces, (n, 2), or their derivatives of an order by u."""
     length = flank.lengths_mm[piece][:, None]
     start, end = flank.points_mm[piece], flank.points_mm[piece + 1]
     leave, arrive = flank.slopes[piece] * length, flank.slopes[piece + 1] * length

@@ -29,6 +29,7 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.free_bores import FreeBores, domain_without_free_bores
+from cranktopo.tasks.shape.search_goal import Quantities
 
 _TOLERANCE = 1e-5
 """Relative residual of the search; the error of a compliance is its square."""
@@ -36,19 +37,15 @@ _TOLERANCE_ORIGINAL = 1e-8
 
 
 @dataclass(frozen=True)
-class Responses:
+class Responses(Quantities):
     """Quantities of a web and their gradients.
 
     Attributes:
-        values: by quantity, in the units of its response.
-        slopes: gradients by the parameters, each (parameters,), per mm or degree.
         by_cell: gradients by the fill of the web's cells, each (nx, ny, nw).
         fill: of the web's cells (nx, ny, nw), 0 to 1.
         displacements: of every load case, the first guess of the next solve.
     """
 
-    values: dict[str, float]
-    slopes: dict[str, Array]
     by_cell: dict[str, Array]
     fill: Array
     displacements: jax.Array
@@ -61,7 +58,7 @@ class WebModel:
     Attributes:
         known: every quantity that its load cases allow.
         original: those of the scene's own web on the same cells.
-        bores: the free ones; fillets and another thickness are not on the cells, their slopes are 0.
+        bores: the free ones; fillets and another thickness are not on the cells, their gradients are 0.
     """
 
     scene: Scene
@@ -73,11 +70,11 @@ class WebModel:
     bores: FreeBores
 
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout on the cells between the web faces."""
+        """Return a web of the layout on the cells between the web faces."""
         return ParametricWeb(layout, self.scene, self.limits, centres_mm(self.domain))
 
     def webs(self) -> SolvedWebs:
-        """Webs on these cells, solved one after another."""
+        """Return webs on these cells, solved one after another."""
         return SolvedWebs(self)
 
     @property
@@ -86,13 +83,13 @@ class WebModel:
         return slice(*self.domain.web_layers)
 
     def fill(self, web: ParametricWeb, values: Array) -> Array:
-        """Fill of the web's cells (nx, ny, nw), 0 to 1."""
+        """Return the fill of the web's cells (nx, ny, nw), 0 to 1."""
         return smooth_step(web.inside_mm(values)[0], self.domain.grid.largest_edge_mm)[0]
 
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str], guess: jax.Array | None = None
     ) -> Responses:
-        """All quantities of the web with these values, and the gradients of some by the parameters.
+        """Return all quantities of the web with these values, and the gradients of some by the parameters.
 
         Raises:
             CranktopoError: the solve failed.
@@ -129,27 +126,22 @@ class SolvedWebs:
     """Webs on cells, each solved from the displacements of the one before."""
 
     def __init__(self, model: WebModel) -> None:
-        self._model = model
+        self.scene, self._model = model.scene, model
         self._guess: jax.Array | None = None
 
-    @property
-    def scene(self) -> Scene:
-        """The throw."""
-        return self._model.scene
-
     def web(self, layout: Layout) -> ParametricWeb:
-        """A web of the layout on the cells."""
+        """Return a web of the layout on the cells."""
         return self._model.web(layout)
 
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Responses:
-        """As `WebModel.responses`."""
+        """Do as `WebModel.responses`."""
         found = self._model.responses(web, values, quantities, self._guess)
         self._guess = found.displacements
         return found
 
 
 def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -> WebModel:
-    """The cells of a scene's envelope for a search over dimensions, under bending and torsion.
+    """Return the cells of a scene's envelope for a search over dimensions, under bending and torsion.
 
     Raises:
         CranktopoError: no envelope, or a failed solve.

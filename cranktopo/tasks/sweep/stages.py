@@ -13,7 +13,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.report.goal_table import broken_limits
+from cranktopo.report.goal_table import broken_limits, goal_of
 from cranktopo.runs.directories import open_run
 from cranktopo.runs.kind import SHAPE, RunKind, read_result
 from cranktopo.tasks.fea.targets import Target, simulated
@@ -126,7 +126,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         settings = fineness.shape_settings(shape_settings(wanted), wanted)
         begun = _begun(run)
         done = resume_shape(str(run)) if begun else shape_design(wanted, settings, run, command=COMMAND)
-        data = done.data
+        data = done.result.as_json()
     safety = data["values"]["result"].get("fatigue_safety")
     file = f"{RUN}/{data['files']['design']}"
     shaped = load_scene(str(folder / file))
@@ -173,7 +173,7 @@ def _told(data: Mapping[str, Any]) -> Json:
 
 def _limits(data: Mapping[str, Any]) -> Json:
     """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
-    goal = data.get("goal")
+    goal = goal_of(data)
     if not goal:
         return {}
     broken = broken_limits(goal)

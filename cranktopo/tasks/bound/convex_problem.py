@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
 
@@ -18,39 +19,26 @@ STIFFNESSES: tuple[QuantityName, ...] = ("torsion", "bending")
 
 
 @dataclass(frozen=True)
-class Ceiling:
-    """A limit on a compliance or a sum: sign * (value - limit) <= 0.
-
-    Attributes:
-        quantity: a load case, whose compliance counts, or a sum over cells.
-        limit: over the value of the original web.
-        told: the limit as the user knows it.
-    """
-
-    quantity: str
-    sign: float
-    limit: float
-    told: Limit
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """What is minimised and what limits it, every quantity over its value for the original web.
+class ConvexProblem:
+    """Objective and constraints, every quantity over its value for the original web.
 
     Attributes:
         quantity: what is minimised: a compliance, by its load case, or a sum over cells.
         per_mass: minimise its product with the mass.
+        constraints: on compliances, by their load cases, and on sums over cells.
+        limits: the constraints as the user knows them.
         dropped: limits that are left out, each with the reason.
     """
 
     goal: Goal
     quantity: str
     per_mass: bool
-    ceilings: tuple[Ceiling, ...]
+    constraints: tuple[Constraint, ...]
+    limits: tuple[Limit, ...]
     dropped: tuple[tuple[Limit, str], ...]
 
-    def told(self, value: float, original: float) -> float:
-        """The goal's own quantity for a value of what is minimised.
+    def goal_value(self, value: float, original: float) -> float:
+        """Return the goal's own quantity for a value of what is minimised.
 
         Args:
             original: the goal's quantity of the original web.
@@ -58,8 +46,8 @@ class Wanted:
         return original / value if self.goal.sense == "maximise" else original * value
 
 
-def wanted_of(goal: Goal, original: Mapping[str, float]) -> Wanted:
-    """A goal as a bound takes it.
+def convex_problem(goal: Goal, original: Mapping[str, float]) -> ConvexProblem:
+    """Return a goal as a bound takes it.
 
     Args:
         original: quantities of the original web in the same model.
@@ -81,19 +69,16 @@ def wanted_of(goal: Goal, original: Mapping[str, float]) -> Wanted:
             hint="Minimise the mass or the inertia.",
             code=ExitCode.INVALID_INPUT,
         )
-    ceilings, dropped = [], []
-    for limit in goal.limits:
-        found = _ceiling(limit, original)
-        if isinstance(found, Ceiling):
-            ceilings.append(found)
-        else:
-            dropped.append((limit, found))
+    found = [(limit, _constraint(limit, original)) for limit in goal.limits]
+    kept = [(limit, one) for limit, one in found if isinstance(one, Constraint)]
+    dropped = tuple((limit, why) for limit, why in found if isinstance(why, str))
     name = goal.quantity.removesuffix("_per_mass")
-    return Wanted(goal, name, name != goal.quantity, tuple(ceilings), tuple(dropped))
+    constraints, limits = tuple(one for _, one in kept), tuple(limit for limit, _ in kept)
+    return ConvexProblem(goal, name, name != goal.quantity, constraints, limits, dropped)
 
 
-def _ceiling(limit: Limit, original: Mapping[str, float]) -> Ceiling | str:
-    """The limit as a ceiling, or why there is none."""
+def _constraint(limit: Limit, original: Mapping[str, float]) -> Constraint | str:
+    """Return the limit over the original's value, or why no convex statement holds it."""
     if limit.quantity == "fatigue_safety":
         return "stress is not part of the proof"
     own = original[limit.quantity]
@@ -101,12 +86,11 @@ def _ceiling(limit: Limit, original: Mapping[str, float]) -> Ceiling | str:
         return "the original's value is 0"
     share = limit.value / 100 if limit.percent else limit.value / own
     if limit.quantity in LINEAR:
-        sign = 1.0 if (limit.sense == "<=") == (own > 0) else -1.0
-        return Ceiling(limit.quantity, sign, share, limit)
+        return Constraint(limit.quantity, "<=" if (limit.sense == "<=") == (own > 0) else ">=", share)
     if limit.quantity.endswith("_per_mass"):
         return "a least stiffness per mass is not convex"
     if limit.quantity in STIFFNESS_OF and limit.sense == "<=":
-        return Ceiling(STIFFNESS_OF[limit.quantity], 1.0, share, limit)
+        return Constraint(STIFFNESS_OF[limit.quantity], "<=", share)
     if limit.quantity in STIFFNESSES and limit.sense == ">=":
-        return Ceiling(limit.quantity, 1.0, 1 / share, limit)
+        return Constraint(limit.quantity, "<=", 1 / share)
     return "a web may not be too stiff: that is not convex"
