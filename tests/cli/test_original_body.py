@@ -22,8 +22,8 @@ from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.step_solids import HALF, read_web, write_original
-from cranktopo.tasks.optimise import evaluated_limits
-from cranktopo.tasks.optimise.evaluated_limits import EvaluatedGoal
+from cranktopo.tasks.optimise import evaluated_goal
+from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 
@@ -89,7 +89,7 @@ def test_a_goal_is_measured_against_the_body_without_its_fillets(
         fine = Stiffness({"free": 100e3}, {"pinned": 70e3}, 1234, 4.0, 1.0, 2.0)
         return Evaluation(target.name, 1.5, 0.6, 5000, 50, fine, "free", "pinned", 0.3, 0.4, 3.0)
 
-    monkeypatch.setattr(evaluated_limits, "evaluate", evaluated)
+    monkeypatch.setattr(evaluated_goal, "evaluate", evaluated)
     unused: Any = None
     case = EvaluatedGoal(unused, naming(mikron, body_of(filleted)), unused, unused, Work())
     assert case.original()["torsion"] == 100e3

@@ -17,7 +17,7 @@ from cranktopo.tasks.fatigue import stage as fatigue
 from cranktopo.tasks.fea import stage as evaluating
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.iterate import loop
-from cranktopo.tasks.optimise.stage import OptimisedRun
+from cranktopo.tasks.optimise.result import OptimisedRun
 from cranktopo.tasks.refit import stage as remodelling
 from tests.plain_runs import plain_runs
 
@@ -66,11 +66,11 @@ def run(mikron: Scene, tmp_path_factory: pytest.TempPathFactory) -> OptimisedRun
 
 
 def test_a_run_from_its_start_to_its_files(run: OptimisedRun, tmp_path: Path) -> None:
-    assert run.metrics == json.loads((run.folder / "metrics.json").read_text())
-    assert run.metrics["status"] == "stopped"
+    assert run.metrics.as_json() == json.loads((run.folder / "metrics.json").read_text())
+    assert run.metrics.status == "stopped"
     with plain_runs():
         again = cranktopo.resume_optimisation(str(run.folder), max_iterations=4)
-    assert again.metrics["iterations"] == 4
+    assert again.metrics.iterations == 4
     assert cranktopo.report_run(str(run.folder), tmp_path / "run.md").is_file()
     found, path = cranktopo.extract_surface(str(run.folder), 3, tmp_path / "three.3mf", "3mf")
     assert (found.iteration, path.stat().st_size > 1000) == (3, True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection, surface_refusal
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
@@ -29,22 +28,6 @@ class SurfaceReport:
     volume_mm3: float
     web_volume_mm3: float
     web_volume_error_percent: float
-
-
-def surface_json(surface: WebSurface, report: SurfaceReport) -> dict[str, Any]:
-    """What a checked surface is, as metrics.json and `extract --json` hold it."""
-    return {
-        "iso_value": surface.iso_value,
-        "web_volume_mm3": surface.volume_mm3,
-        "web_volume_error_percent": report.web_volume_error_percent,
-        "faces": report.faces,
-        "bodies": report.bodies,
-        "cavities": report.cavities,
-        "dropped_islands": surface.dropped_islands,
-        "dropped_volume_mm3": surface.dropped_volume_mm3,
-        "x_symmetric": surface.x_symmetric,
-        "fallback": surface.fallback,
-    }
 
 
 def check_surface(surface: WebSurface) -> SurfaceReport:

@@ -45,6 +45,7 @@ from cranktopo.tasks.iterate.step import LoopStep, Verdict, best_step, step_of, 
 from cranktopo.tasks.iterate.step_solids import read_web, write_envelope, write_original, write_solids
 from cranktopo.tasks.iterate.text import LOOP_FILES, shape_line, steps_table
 from cranktopo.tasks.iterate.transition import transition_mm
+from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.stage import RUN_TABLES, announce, optimise_design, resume_optimisation
 from cranktopo.tasks.refit.fit import fit_web
 from cranktopo.tasks.refit.shape_error import shape_error
@@ -309,11 +310,10 @@ def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
     elif open_run(str(folder)).manifest()["status"] != "done":
         metrics = resume_optimisation(str(folder), info=info).metrics
     else:
-        metrics = read_json(folder / "metrics.json")
-    refusal = metrics["surface"].get("refusal")
-    if refusal:
+        metrics = RunMetrics.read(folder / "metrics.json")
+    if metrics.refusal:
         raise CranktopoError(
-            f"{folder}: the optimised web has no sound surface. {refusal}",
+            f"{folder}: the optimised web has no sound surface. {metrics.refusal}",
             hint="Run the loop on other cells: --resolution-mm.",
             code=ExitCode.CRITERION_NOT_MET,
         )

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from cranktopo.design.schema import Scene
     from cranktopo.tasks.density.problem import DensityProblem
     from cranktopo.tasks.density.state import State
+    from cranktopo.tasks.optimise.result import RunMetrics
 
 
 @click.command("optimise")
@@ -112,7 +113,7 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
             scene = _scene(name, **options)
             command_line = ["cranktopo", *sys.argv[1:]]
             run = optimise_design(scene, out, design_text(name), command_line, bar.info, bar, began)
-    click.echo(json.dumps(run.metrics) if as_json else run_summary(run.metrics, run.folder))
+    click.echo(json.dumps(run.metrics.as_json()) if as_json else run_summary(run.metrics, run.folder))
     return _exit_code(run.metrics)
 
 
@@ -148,14 +149,14 @@ def _scene(
     return with_cells_for(scene, accuracy, budget, info) if accuracy or budget else scene
 
 
-def _exit_code(metrics: dict[str, Any]) -> ExitCode:
-    if metrics["status"] == "infeasible":
+def _exit_code(metrics: RunMetrics) -> ExitCode:
+    if metrics.status == "infeasible":
         return ExitCode.CRITERION_NOT_MET
-    if metrics["status"] != "converged":
+    if metrics.status != "converged":
         return ExitCode.NOT_CONVERGED
-    goal = metrics.get("goal", {})
+    goal = metrics.goal or {}
     broken = any(limit["holds"] is False for limit in goal.get("limits", ()))
-    unmet = broken or "not_evaluated" in goal or "refusal" in metrics["surface"]
+    unmet = broken or "not_evaluated" in goal or metrics.refusal
     return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
 
 

@@ -60,6 +60,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     from cranktopo.runs.directories import open_run
     from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
     from cranktopo.tasks.iterate.text import loop_summary
+    from cranktopo.tasks.optimise.result import read_metrics
     from cranktopo.tasks.optimise.text import run_summary
     from cranktopo.tasks.shape.text import shape_summary
     from cranktopo.tasks.sweep.text import sweep_summary
@@ -77,7 +78,8 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     else:
         with shown_results(found):
             summaries = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
-            text = summaries.get(kind, run_summary)(result, found.path)
+            metrics = None if kind in summaries else read_metrics(found)
+            text = run_summary(metrics, found.path) if metrics else summaries[kind](result, found.path)
         click.echo(text)
 
 

@@ -11,6 +11,7 @@ from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
 from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, shown_results
 from cranktopo.tasks.designs.run_webs import best_row, row_words
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
+from cranktopo.tasks.optimise.result import RunMetrics
 
 
 def summarise_runs(root: Path = RUNS) -> list[dict[str, Any]]:
@@ -55,11 +56,12 @@ def _entry(run: RunStore) -> dict[str, Any]:
         return entry | {"result": "unreadable"}
 
 
-def _run_result(metrics: Mapping[str, Any]) -> dict[str, Any]:
+def _run_result(data: Mapping[str, Any]) -> dict[str, Any]:
+    metrics = RunMetrics.of_json(data, "metrics.json")
     return {
-        "result": metrics["status"],
-        "mass_of_throw_kg": metrics["mass_kg"]["throw"],
-        "gain_of_stiffness_per_mass_percent": metrics["original_web"]["gain_of_stiffness_per_mass_percent"],
+        "result": metrics.status,
+        "mass_of_throw_kg": metrics.mass_kg.throw,
+        "gain_of_stiffness_per_mass_percent": metrics.original_web.gain_of_stiffness_per_mass_percent,
     }
 
 

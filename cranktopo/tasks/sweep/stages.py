@@ -15,8 +15,9 @@ from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.report.goal_table import broken_limits
 from cranktopo.runs.directories import open_run
-from cranktopo.runs.kind import SHAPE, RunKind, read_result
+from cranktopo.runs.kind import read_result
 from cranktopo.tasks.fea.targets import Target, simulated
+from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.web_view import VIEW, web_view
@@ -82,25 +83,24 @@ def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
 
 def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
-    surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics["files"]["stl"], folder / RUN)
+    surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics.files["stl"], folder / RUN)
     judged = _judged(surface, fineness)
-    return {**judged, **_limits(metrics), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
+    told = _told(metrics.status, metrics.iterations)
+    return {**judged, **_limits(metrics.goal), **told, "target": RUN, VIEW: web_view(surface)}
 
 
-def _densities(scene: Scene, folder: Path) -> Json:
+def _densities(scene: Scene, folder: Path) -> RunMetrics:
     """The metrics of the density optimisation of a point, begun, continued or finished."""
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 
     run = folder / RUN
-    metrics = _finished(run, "optimise")
+    metrics = read_metrics(open_run(str(run))) if _is_done(run) else None
     if metrics is None:
         begun = _begun(run)
         done = resume_optimisation(str(run)) if begun else optimise_design(scene, run, command=COMMAND)
         metrics = done.metrics
-    if "refusal" in metrics["surface"]:
-        raise CranktopoError(
-            f"the optimisation has no web: {metrics['surface']['refusal']}", code=ExitCode.NOT_CONVERGED
-        )
+    if metrics.refusal:
+        raise CranktopoError(f"the optimisation has no web: {metrics.refusal}", code=ExitCode.NOT_CONVERGED)
     return metrics
 
 
@@ -114,7 +114,8 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     data = read_json(done)
     file = f"{REMODEL}/{data['files']['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
-    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
+    told = _told(metrics.status, metrics.iterations)
+    return {**_judged(web, fineness), **told, "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -122,7 +123,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 
     run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
-    data = _finished(run, SHAPE)
+    data = read_result(open_run(str(run))) if _is_done(run) else None
     if data is None:
         settings = fineness.shape_settings(shape_settings(wanted), wanted)
         begun = _begun(run)
@@ -134,9 +135,9 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     return {
         **columns_of(data["result"]),
         **({} if safety is None else {"fatigue_safety": safety}),
-        **_limits(data),
+        **_limits(data.get("goal")),
         **_bound(data),
-        **_told(data),
+        **_told(data["status"], data["iterations"]),
         "target": file,
         VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
@@ -159,22 +160,18 @@ def _begun(run: Path) -> bool:
     return (run / "manifest.json").is_file()
 
 
-def _finished(run: Path, kind: RunKind) -> Json | None:
-    """What a run that is done reached; None where it has still to be begun or continued."""
-    if not _begun(run):
-        return None
-    store = open_run(str(run))
-    return read_result(store) if store.manifest()["status"] == "done" else None
+def _is_done(run: Path) -> bool:
+    """Tell whether a run has neither to be begun nor to be continued."""
+    return _begun(run) and open_run(str(run)).manifest()["status"] == "done"
 
 
-def _told(data: Mapping[str, Any]) -> Json:
+def _told(status: str, iterations: int) -> Json:
     """How an optimisation ended."""
-    return {"optimiser_status": data["status"], "iterations": data["iterations"]}
+    return {"optimiser_status": status, "iterations": iterations}
 
 
-def _limits(data: Mapping[str, Any]) -> Json:
+def _limits(goal: Mapping[str, Any] | None) -> Json:
     """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
-    goal = data.get("goal")
     if not goal:
         return {}
     broken = broken_limits(goal)

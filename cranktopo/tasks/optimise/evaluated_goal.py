@@ -1,21 +1,38 @@
-"""The limits of a goal in the cells, beside what the body-fitted evaluation says of the same design."""
+"""A goal whose limits hold by the body-fitted evaluation of the extracted surface, not only in the cells.
+
+The converged design is extracted and evaluated, each limit in the cells is moved by the error that shows, and
+the optimisation goes on from there, until every limit that decides the design is met.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.moved import moved_bound
-from cranktopo.design.goal.outcome import ACTIVE, HOLDS, LimitOutcome, limit_outcomes
+from cranktopo.design.goal.outcome import (
+    ACTIVE,
+    HOLDS,
+    LimitOutcome,
+    goal_json,
+    limit_outcomes,
+    with_evaluation,
+    without_evaluation,
+)
+from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import without
 from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.report.goal_table import broken_limits, percent_line
 from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.continuation import with_bounds
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
@@ -26,8 +43,12 @@ from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.original import original_file, without_its_fillets
 
+ROUNDS = 3
+"""Most times that the limits are moved."""
+_MOVED = "limits in the cells as the evaluation moved them"
 _ORIGINAL = "original"
 Values = Mapping[str, float]
+Step = Callable[[State], State]
 
 
 @dataclass(frozen=True)
@@ -98,7 +119,7 @@ class EvaluatedGoal:
         """
         with TemporaryDirectory() as folder:
             path = Path(folder) / "web.stl"
-            return self._values(iteration_name(state.last.iteration), lambda: self._surface(state, path))
+            return self._values(_iteration_name(state.last.iteration), lambda: self._surface(state, path))
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
         """The limits of the last design of a state; raises as `reached`."""
@@ -130,6 +151,89 @@ class EvaluatedGoal:
         return goal_values(self.scene, self.work.once(name, make))
 
 
-def iteration_name(iteration: int) -> str:
+def _iteration_name(iteration: int) -> str:
     """Name under which the evaluation of a design is kept."""
     return f"iteration-{iteration}"
+
+
+def evaluated_goal(
+    scene: Scene, prepared: Prepared, problem: DensityProblem, work: Work
+) -> EvaluatedGoal | None:
+    """The goal of a scene whose limits are to hold by the evaluation; None where none are."""
+    goal = wanted(scene)
+    if goal is None or not judged_by_evaluation(scene):
+        return None
+    return EvaluatedGoal(goal, scene, prepared, problem, work)
+
+
+def enforce_limits_by_fea(
+    case: EvaluatedGoal | None, state: State, save: Callable[[State], None], go_on: Step
+) -> tuple[State, str]:
+    """Have the limits met by the evaluation, if rounds and iterations suffice.
+
+    Args:
+        case: None where no limit is to be evaluated.
+        state: where the optimisation in the cells has ended.
+        save: keeps a state, so that the run can be resumed.
+        go_on: takes a running state to the end of the optimisation in the cells.
+
+    Returns:
+        The state at the end, and why its design could not be evaluated: that ends the rounds. Empty where it
+        was, or was not to be since the optimisation has not converged.
+    """
+    while case is not None and state.status == "converged":
+        try:
+            limits = case.limits(state)
+        except CranktopoError as error:
+            if error.code == ExitCode.INTERRUPTED:
+                raise
+            case.work.info(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
+            return replace(state, reason=f"{state.reason}; its limits are not judged"), error.message
+        told = goal_json(case.goal, case.reached(state), case.original())
+        done = len(state.rounds) == ROUNDS or all(limit.met for limit in limits)
+        more = "" if done else "; the limits in the cells are moved by their error"
+        case.work.info(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
+        if done:
+            return replace(state, reason=f"{state.reason}; {_verdict(told, len(state.rounds))}"), ""
+        state = with_bounds(state, [limit.moved for limit in limits])
+        save(state)
+        state = go_on(state)
+    return (replace(state, reason=f"{state.reason} ({_MOVED})") if state.rounds else state), ""
+
+
+def _verdict(told: Mapping[str, Any], rounds: int) -> str:
+    after = f"after the limits in the cells were moved {'once' if rounds == 1 else f'{rounds} times'}"
+    after = f" {after}" if rounds else ""
+    broken = broken_limits(told)
+    if broken:
+        return f"not met by the evaluation{after}: {'; '.join(broken)}"
+    return f"every limit holds by the evaluation{after}"
+
+
+def goal_by_evaluation(
+    goal: Mapping[str, Any], case: EvaluatedGoal, state: State, failure: str
+) -> dict[str, Any]:
+    """The entry `goal` of the metrics with what the evaluation says of the last design; as it is without.
+
+    Args:
+        failure: why the last design could not be evaluated; empty where it was, or was not to be.
+    """
+    if failure:
+        return without_evaluation(goal, failure)
+    name, kept = _iteration_name(state.last.iteration), case.work.kept
+    if name not in kept:
+        return dict(goal)
+    told = goal_json(case.goal, case.reached(state), case.original())
+    found = with_evaluation(goal, told)
+    found["evaluation"] |= {
+        "fillets": False,
+        "element_size_mm": kept[name]["mesh"]["element_size_mm"],
+        "error_estimate_percent": kept[name]["error_estimate_percent"],
+        "rounds": [{"iteration": r.iteration, "bounds": list(r.bounds)} for r in state.rounds],
+    }
+    return found
+
+
+def evaluation_seconds(case: EvaluatedGoal) -> float:
+    """Wall time of the evaluations."""
+    return float(sum(entry["seconds"]["total"] for entry in case.work.kept.values()))
