@@ -30,7 +30,8 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.runs.directories import create_run
 from cranktopo.runs.manifest import settings_hash
 from cranktopo.tasks.iterate import loop, step_solids
-from cranktopo.tasks.iterate.step_solids import write_solids
+from cranktopo.tasks.iterate.result import LoopResult
+from cranktopo.tasks.iterate.step_solids import Solids, read_solids, write_solids
 from cranktopo.tasks.iterate.text import best_line
 from cranktopo.throw.hull import ObroundWeb
 
@@ -86,15 +87,16 @@ SOLIDS: dict[str, dict[str, bytes]] = {}
 """Solids of a web as the bytes of their files, by the web."""
 
 
-def solids_once(scene: Scene, folder: Path, started: datetime) -> None:
+def solids_once(scene: Scene, folder: Path, started: datetime) -> Solids:
     """The solids of a step, written again where an earlier loop has built the same web."""
     web = scene.web.model_dump_json()
     if web in SOLIDS:
         for name, data in SOLIDS[web].items():
             (folder / name).write_bytes(data)
-    else:
-        write_solids(scene, folder, started)
-        SOLIDS[web] = {n: (folder / n).read_bytes() for n in ("web.step", "web.stl", step_solids.WEB)}
+        return read_solids(folder)
+    found = write_solids(scene, folder, started)
+    SOLIDS[web] = {n: (folder / n).read_bytes() for n in ("web.step", "web.stl", step_solids.WEB)}
+    return found
 
 
 def _obround(width: float) -> ObroundWeb:
@@ -163,7 +165,7 @@ def page_holds(data: dict[str, Any], text: str) -> None:
     shown = data["best_step"] or len(names) - 1
     assert [number for number, option in enumerate(options) if "selected" in option] == [shown]
     if data["best_step"] is None:
-        assert best_line(data)[1:] in text
+        assert best_line(LoopResult.of_json(data, "a loop"))[1:] in text
     else:
         assert f"Step {shown} is the best: " in text
     for row in data["steps"]:
@@ -222,7 +224,7 @@ def test_a_lost_step_keeps_the_earlier_ones_and_says_which_is_best(
     data = json.loads((out / "iterate.json").read_text())
     assert [one["number"] for one in data["steps"]] == [0, 1]
     assert data["lost_step"].startswith("step 2 was lost")
-    assert best_line(data) in printed
+    assert best_line(LoopResult.of_json(data, "a loop")) in printed
     monkeypatch.setattr(loop, "evaluate", finished)
     assert main(["iterate", "--resume", str(out)]) == 0
     assert json.loads((out / "iterate.json").read_text())["lost_step"] is None

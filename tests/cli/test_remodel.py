@@ -14,6 +14,7 @@ import trimesh
 from matplotlib.image import imread
 
 from cranktopo.app.main import main
+from cranktopo.bodies.solid.files import surface_of
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.schema import Scene
@@ -37,7 +38,8 @@ def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     body = mesh_of(body_of(known_scene(mikron, PLAIN), 1.0))
     trials = (Trial("outline", 7, 80.0, 0.0, True),)
     fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
-    files = write_remodel(fitted, shape_error(scene, body), body, tmp_path, lambda _: None)
+    near, half_throw = shape_error(scene, body), surface_of(scene, "half")
+    files = write_remodel(fitted, near, half_throw, body, tmp_path, lambda _: None)
     assert load_scene(str(tmp_path / files["design"])) == scene
     volume = half_throw_volume_mm3(scene)
     assert step_volume_mm3(tmp_path / files["step"]) == pytest.approx(volume, rel=1e-6)
@@ -180,12 +182,14 @@ def test_an_interrupted_remodel_leaves_nothing(
     before = sorted(tmp_path.rglob("*"))
     seen: list[list[str]] = []
 
-    def interrupted(fitted: object, near: object, surface: object, folder: Path, *_: object) -> None:
+    def interrupted(
+        fitted: object, near: object, half: object, surface: object, folder: Path, *_: object
+    ) -> None:
         (folder / "half_throw.step").touch()
         seen.append([path.name for path in run.iterdir() if path.is_dir()])
         raise KeyboardInterrupt
 
-    for name in ("read_half_throw", "fit_web", "shape_error", "without"):
+    for name in ("read_half_throw", "fit_web", "shape_error", "without", "surface_of", "as_stored"):
         monkeypatch.setattr(remodel, name, lambda *_: SimpleNamespace(scene=mikron))
     monkeypatch.setattr(remodel, "write_remodel", interrupted)
     assert main(["remodel", str(run)]) == 130

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import read_json, write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.base.progress import Json
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.design.assumed import assumptions, stored_assumptions
+from cranktopo.design.assumed import assumed_json, assumptions, stored_assumptions
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.new_run import new_run
 from cranktopo.design.of_run import scene_of_run
@@ -31,18 +31,23 @@ from cranktopo.runs.status import working_in
 from cranktopo.tasks.bound.beside_result import bounds_beside
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.notices import baseline_notice
-from cranktopo.tasks.designs.run_webs import best_row
 from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.importing.imported_body import read_half_throw
+from cranktopo.tasks.importing.imported_body import half_throw_of, read_half_throw
 from cranktopo.tasks.importing.original import check_original, original_file
 from cranktopo.tasks.iterate.page import iterate_page
 from cranktopo.tasks.iterate.plot import save_steps_plot
-from cranktopo.tasks.iterate.result import Outcome
+from cranktopo.tasks.iterate.result import LoopResult, LoopRun, StepRow
 from cranktopo.tasks.iterate.settings import Settings, loop_settings
 from cranktopo.tasks.iterate.shape_step import shape_scene, shape_step
 from cranktopo.tasks.iterate.step import LoopStep, Verdict, best_step, step_of, verdict
-from cranktopo.tasks.iterate.step_solids import read_web, write_envelope, write_original, write_solids
+from cranktopo.tasks.iterate.step_solids import (
+    Solids,
+    read_solids,
+    write_envelope,
+    write_original,
+    write_solids,
+)
 from cranktopo.tasks.iterate.text import LOOP_FILES, shape_line, steps_table
 from cranktopo.tasks.iterate.transition import transition_mm
 from cranktopo.tasks.optimise.result import RunMetrics
@@ -57,7 +62,7 @@ MOST_KEPT = 0.98
 
 
 def loop_scene(scene: Scene) -> Scene:
-    """The design as a loop takes it where no process is asked for: forged unless it names one itself."""
+    """Return the design as a loop takes it where no process is asked for: forged unless it names one."""
     return scene.with_optimise(process="forged") if scene.optimise.process == "free" else scene
 
 
@@ -68,7 +73,7 @@ def start_loop(
     design_toml: str | None = None,
     command: Sequence[str] = (),
     info: Info = lambda _: None,
-) -> Outcome:
+) -> LoopRun:
     """Run the loop in a new directory.
 
     Args:
@@ -91,7 +96,7 @@ def start_loop(
     return _worked(run, scene, settings, info)
 
 
-def continue_loop(reference: str, info: Info = lambda _: None) -> Outcome:
+def continue_loop(reference: str, info: Info = lambda _: None) -> LoopRun:
     """Continue an interrupted loop: finished steps are read, not repeated.
 
     Raises:
@@ -105,7 +110,7 @@ def continue_loop(reference: str, info: Info = lambda _: None) -> Outcome:
 
 
 def _check_goal(scene: Scene, settings: Settings) -> None:
-    """A goal is for the shape optimiser, and one that it can search for."""
+    """Check that a goal is for the shape optimiser, and one that it can search for."""
     if settings.shape:
         shape_scene(scene)
     elif scene.goal is not None:
@@ -116,107 +121,131 @@ def _check_goal(scene: Scene, settings: Settings) -> None:
 
 
 def _without_goal(scene: Scene) -> Scene:
-    """The design as the steps take it."""
+    """Return the design as the steps take it."""
     return scene.model_copy(update={"goal": None})
 
 
-def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume: bool = False) -> Outcome:
+class _Web(NamedTuple):
+    """A finished step, with its design and solids."""
+
+    step: LoopStep
+    scene: Scene
+    solids: Solids
+
+    def body(self) -> ShownBody:
+        """Return the half throw as the page shows it."""
+        name = f"step {self.step.number}" if self.step.number else "original web"
+        return ShownBody(name, self.solids.half, self.scene.web_z_mm, self.scene.pitch_mm / 2)
+
+
+def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume: bool = False) -> LoopRun:
     with working_in(run, "finished steps are kept") as check:
         if resume:
             run.resume()
-        outcome = _loop(run, _without_goal(scene), settings, info, check)
+        bare = _without_goal(scene)
+        webs, reason, lost = _steps(run, bare, settings, info, check)
+        result = _result(run, bare, webs, reason, settings, lost)
+        bodies = tuple(web.body() for web in webs)
+        _write_page(run, result, bodies)
         if settings.shape:
             check()
-            outcome = _handed_over(run, scene, outcome, info)
-        outcome = replace(outcome, bound=_bound(_without_goal(scene), outcome, info))
-        _write_page(run, outcome)
-        data = outcome.as_json()
-        write_json(run.path / RESULT_FILES[LOOP], data)
-        write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(data["steps"])) + "\n")
-        save_steps_plot(run.path / LOOP_FILES["plot"], data)
-    run.log(outcome.stop_reason)
-    return outcome
+            result, bodies = _handed_over(run, scene, webs, result, bodies, settings, info)
+        result = result.model_copy(update={"bound": _bound(bare, result, info)})
+        _write_page(run, result, bodies)
+        write_json(run.path / RESULT_FILES[LOOP], result.as_json())
+        write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(result.steps)) + "\n")
+        save_steps_plot(run.path / LOOP_FILES["plot"], result)
+    run.log(result.stop_reason)
+    return LoopRun(run.path, result)
 
 
-def _handed_over(run: RunStore, scene: Scene, outcome: Outcome, info: Info) -> Outcome:
-    """The outcome with that of the shape optimisation, and its page."""
-    best = outcome.best
-    info(f"shape: begins with {'the original web' if best is None else f'the web of step {best.number}'}")
-    begun = None if best is None else _scene_of(run.path, best.number)
-    number = len(outcome.steps)
-    outcome = replace(outcome, shaped=shape_step(run, scene, best, number, begun, outcome.settings, info))
-    line = shape_line(outcome.as_json())
+def _handed_over(
+    run: RunStore,
+    scene: Scene,
+    webs: Sequence[_Web],
+    result: LoopResult,
+    bodies: tuple[ShownBody, ...],
+    settings: Settings,
+    info: Info,
+) -> tuple[LoopResult, tuple[ShownBody, ...]]:
+    """Optimise the shape of the best web; return the result with it, and the bodies of the page."""
+    best = None if result.best_step is None else webs[result.best_step]
+    info(f"shape: begins with {f'the web of step {best.step.number}' if best else 'the original web'}")
+    start = None if best is None else best.scene
+    found = shape_step(run, scene, best.step if best else None, len(webs), start, settings, info)
+    result = result.model_copy(update={"shape": found.outcome})
+    if found.row is not None:
+        row = StepRow.of(found.row, webs[0].step, SHAPE)
+        result = result.model_copy(update={"steps": [*result.steps, row]})
+        bodies = (*bodies, _shaped_body(run.path / SHAPE))
+    line = shape_line(result)
     info(line)
     run.log(line)
-    return outcome
+    return result, bodies
 
 
-def _bound(scene: Scene, outcome: Outcome, info: Info) -> Json | None:
-    """What no web of the envelope can beat, beside the best web of the loop."""
-    best = best_row(outcome.as_json())
-    if best is None or plan(scene)["bound"].state == "off":
+def _bound(scene: Scene, result: LoopResult, info: Info) -> Json | None:
+    """Return what no web of the envelope can beat, beside the best web of the loop."""
+    if result.best is None or plan(scene)["bound"].state == "off":
         return None
-    return bounds_beside(scene, best["percent_of_original"], None, info)
+    return bounds_beside(scene, result.best.percent_of_original, None, info)
 
 
-def _loop(run: RunStore, scene: Scene, settings: Settings, info: Info, check: Callable[[], None]) -> Outcome:
-    scenes = [scene]
-    steps = [_original(run, scene, settings, info)]
-    reason = f"all {settings.steps} steps done"
-    lost = ""
+def _steps(
+    run: RunStore, scene: Scene, settings: Settings, info: Info, check: Callable[[], None]
+) -> tuple[list[_Web], str, str]:
+    """Return the webs of all steps, the original one first, why they ended, and why one was lost."""
+    webs = [_finished(run.path / "original") or _original(run, scene, settings, info)]
     durations: list[float] = []
     for number in range(1, settings.steps + 1):
         folder = run.path / f"step-{number:02d}"
         left = settings.steps - number + 1
-        guess = f", about {sum(durations) / len(durations) * left:.0f} s left" if durations else ""
-        began = time.monotonic()
-        if not (folder / STEP_FILE).is_file():
+        web = _finished(folder)
+        if web is None:
+            guess = f", about {sum(durations) / len(durations) * left:.0f} s left" if durations else ""
             info(f"step {number} of {settings.steps}{guess}")
+            began = time.monotonic()
             try:
-                _step(run, folder, number, scenes, settings, info)
+                web = _step(run, folder, number, webs, settings, info)
             except CranktopoError as error:
                 if number == 1 or error.code == ExitCode.INTERRUPTED:
                     raise
-                lost = reason = f"step {number} was lost, the steps before it stand: {error}"
-                info(reason)
-                break
+                lost = f"step {number} was lost, the steps before it stand: {error}"
+                info(lost)
+                return webs, lost, lost
             durations.append(time.monotonic() - began)
-        steps.append(LoopStep(**read_json(folder / STEP_FILE)["step"]))
-        scenes.append(scene_from_dict(read_json(folder / STEP_FILE)["scene"], str(folder)))
+        webs.append(web)
+        steps = [web.step for web in webs]
         found = verdict(steps, settings.least_transition_mm)
         info(f"step {number}: {_line(steps)}: {found}")
         if found != "better":
-            reason = _reason(found, steps, settings)
-            break
+            return webs, _reason(found, steps, settings), ""
         check()
         if left > 1:
-            _write_page(run, _outcome(run, scene, steps, f"step {number} of {settings.steps} done", settings))
-    outcome = replace(_outcome(run, scene, steps, reason, settings), lost=lost)
-    _write_page(run, outcome)
-    return outcome
+            so_far = _result(run, scene, webs, f"step {number} of {settings.steps} done", settings)
+            _write_page(run, so_far, tuple(web.body() for web in webs))
+    return webs, f"all {settings.steps} steps done", ""
 
 
-def _outcome(
-    run: RunStore, scene: Scene, steps: Sequence[LoopStep], reason: str, settings: Settings
-) -> Outcome:
+def _result(
+    run: RunStore, scene: Scene, webs: Sequence[_Web], reason: str, settings: Settings, lost: str = ""
+) -> LoopResult:
+    steps = [web.step for web in webs]
     best = best_step(steps, settings.least_transition_mm)
-    notices = tuple(filter(None, [baseline_notice(scene)]))
-    assumed = stored_assumptions(run.manifest().get("assumed", ()))
-    return Outcome(run.path, scene.name, tuple(steps), reason, best, settings, notices, assumed=assumed)
+    return LoopResult(
+        design=scene.name,
+        stop_reason=reason,
+        least_transition_mm=settings.least_transition_mm,
+        best_step=None if best is None else best.number,
+        notices=list(filter(None, [baseline_notice(scene)])),
+        lost_step=lost or None,
+        assumed=assumed_json(stored_assumptions(run.manifest().get("assumed", ()))),
+        steps=[StepRow.of(step, steps[0], str(step.number) if step.number else "original") for step in steps],
+    )
 
 
-def _write_page(run: RunStore, outcome: Outcome) -> None:
-    """The report of what is done so far."""
-    bodies = [_body(run.path, step.number) for step in outcome.steps]
-    if len(outcome.rows) > len(bodies):
-        bodies.append(_shaped_body(run.path / SHAPE))
-    write_report(iterate_page(outcome.as_json(), run.manifest(), tuple(bodies)), run.path / REPORT)
-
-
-def _body(folder: Path, number: int) -> ShownBody:
-    name = "original web" if number == 0 else f"step {number}"
-    scene, place = _scene_of(folder, number), _place(folder, number)
-    return ShownBody(name, read_stl(place / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
+def _write_page(run: RunStore, result: LoopResult, bodies: tuple[ShownBody, ...]) -> None:
+    write_report(iterate_page(result, run.manifest(), bodies), run.path / REPORT)
 
 
 def _shaped_body(folder: Path) -> ShownBody:
@@ -224,69 +253,65 @@ def _shaped_body(folder: Path) -> ShownBody:
     return ShownBody(SHAPE, read_stl(folder / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
 
 
-def _place(folder: Path, number: int) -> Path:
-    return folder / ("original" if number == 0 else f"step-{number:02d}")
+def _finished(folder: Path) -> _Web | None:
+    """Return a step that an earlier go of the loop finished."""
+    path = folder / STEP_FILE
+    if not path.is_file():
+        return None
+    data = read_json(path)
+    scene = scene_from_dict(data["scene"], str(path))
+    return _Web(LoopStep.of_json(data["step"], f"'{path}'"), scene, read_solids(folder))
 
 
-def _scene_of(folder: Path, number: int) -> Scene:
-    path = _place(folder, number) / STEP_FILE
-    return scene_from_dict(read_json(path)["scene"], str(path))
+def _kept(web: _Web, folder: Path) -> _Web:
+    """Write the file that says that a step is finished."""
+    data = {"step": web.step.as_json(), "scene": web.scene.model_dump(mode="json")}
+    write_json(folder / STEP_FILE, data)
+    return web
 
 
-def _original(run: RunStore, scene: Scene, settings: Settings, info: Info) -> LoopStep:
+def _original(run: RunStore, scene: Scene, settings: Settings, info: Info) -> _Web:
+    info("evaluating the original web")
     folder = run.path / "original"
-    if not (folder / STEP_FILE).is_file():
-        info("evaluating the original web")
-        folder.mkdir(exist_ok=True)
-        file = original_file(scene)
-        if file is None:
-            write_solids(scene, folder, run.started())
-        else:
-            write_original(file, scene, folder)
-        step = step_of(0, _evaluated(scene, settings, file), transition_mm(read_web(folder), scene))
-        write_json(folder / STEP_FILE, {"step": vars(step), "scene": scene.model_dump(mode="json")})
-    return LoopStep(**read_json(folder / STEP_FILE)["step"])
+    folder.mkdir(exist_ok=True)
+    file = original_file(scene)
+    solids = write_original(file, scene, folder) if file else write_solids(scene, folder, run.started())
+    step = step_of(0, _evaluated(scene, settings, file), transition_mm(solids.web, scene))
+    return _kept(_Web(step, scene, solids), folder)
 
 
 def _step(
-    run: RunStore, folder: Path, number: int, scenes: Sequence[Scene], settings: Settings, info: Info
-) -> None:
+    run: RunStore, folder: Path, number: int, webs: Sequence[_Web], settings: Settings, info: Info
+) -> _Web:
     """Optimise in the last solid, extract, re-model, evaluate; step.json is written last."""
-    began = time.monotonic()
+    began, design = time.monotonic(), webs[0].scene
     folder.mkdir(exist_ok=True)
-    bounded, fraction = _bounded(folder, number, scenes, settings)
+    bounded, fraction = _bounded(folder, number, webs, settings)
     info(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
     surface = optimised_surface(folder / "optimise", bounded, info)
     info("  re-modelling")
     fitted = fit_web(surface, bounded, settings.limits)
     near = shape_error(fitted.scene, surface)
-    scene = scenes[0].model_copy(
-        update={
-            "web": fitted.scene.web,
-            "name": f"{scenes[0].name}-step-{number}",
-            "published": None,
-            "original": None,
-        }
-    )
-    write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {scenes[0].name}"))
-    write_solids(scene, folder, run.started())
+    own = {"web": fitted.scene.web, "name": f"{design.name}-step-{number}"}
+    scene = design.model_copy(update={**own, "published": None, "original": None})
+    write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {design.name}"))
+    solids = write_solids(scene, folder, run.started())
     info("  evaluating")
     found = _evaluated(scene, settings)
-    thickness = transition_mm(read_web(folder), scene)
-    removed = 100 * (1 - fraction)
+    thickness, removed = transition_mm(solids.web, scene), 100 * (1 - fraction)
     step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began)
-    write_json(folder / STEP_FILE, {"step": vars(step), "scene": scene.model_dump(mode="json")})
+    return _kept(_Web(step, scene, solids), folder)
 
 
-def _bounded(folder: Path, number: int, scenes: Sequence[Scene], settings: Settings) -> tuple[Scene, float]:
-    """The design inside the last re-modelled solid, and the share of it that stays."""
-    scene = scenes[0]
+def _bounded(folder: Path, number: int, webs: Sequence[_Web], settings: Settings) -> tuple[Scene, float]:
+    """Return the design inside the last re-modelled solid, and the share of it that stays."""
+    scene = webs[0].scene
     volume = _envelope_mm3(scene)
     share = scene.optimise.volume_fraction
     target = volume * share ** (number / settings.steps)
     if number > 1:
-        volume = web_volume_mm3(scenes[-1])
-        path = write_envelope(folder.parent / f"step-{number - 1:02d}")
+        volume = web_volume_mm3(webs[-1].scene)
+        path = write_envelope(webs[-1].solids.web, folder.parent / f"step-{number - 1:02d}")
         envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
         scene = scene.model_copy(update={"envelope": envelope})
     fraction = min(target / volume, MOST_KEPT)
@@ -294,30 +319,38 @@ def _bounded(folder: Path, number: int, scenes: Sequence[Scene], settings: Setti
 
 
 def _envelope_mm3(scene: Scene) -> float:
-    """Designable volume of one web."""
+    """Return the designable volume of one web."""
     domain = stage.prepare(scene).domain
     return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
 
 
 def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
-    """Surface of the half throw of an optimisation, continued or read where it was begun or done before.
+    """Return the surface of the half throw of an optimisation, continued or read where it was begun or done.
 
-    Always read from the file: a loop that is continued gives the same webs as one in a single go.
+    It is as its file holds it: a loop that is continued gives the same webs as one in a single go.
     """
-    if not (folder / "manifest.json").is_file():
-        text = toml_text(scene, "One step of a loop")
-        metrics = optimise_design(scene, folder, text, ["cranktopo", "iterate"]).metrics
-    elif open_run(str(folder)).manifest()["status"] != "done":
-        metrics = resume_optimisation(str(folder), info=info).metrics
+    path = folder / "web.stl"
+    if (folder / "manifest.json").is_file() and open_run(str(folder)).manifest()["status"] == "done":
+        refusal = RunMetrics.read(folder / "metrics.json").refusal
+        if refusal:
+            raise _no_surface(folder, refusal)
+        return read_half_throw(path, scene)
+    if (folder / "manifest.json").is_file():
+        done = resume_optimisation(str(folder), info=info)
     else:
-        metrics = RunMetrics.read(folder / "metrics.json")
-    if metrics.refusal:
-        raise CranktopoError(
-            f"{folder}: the optimised web has no sound surface. {metrics.refusal}",
-            hint="Run the loop on other cells: --resolution-mm.",
-            code=ExitCode.CRITERION_NOT_MET,
-        )
-    return read_half_throw(folder / "web.stl", scene)
+        text = toml_text(scene, "One step of a loop")
+        done = optimise_design(scene, folder, text, ["cranktopo", "iterate"])
+    if done.half_throw is None:
+        raise _no_surface(folder, done.metrics.refusal)
+    return half_throw_of(done.half_throw, path, scene)
+
+
+def _no_surface(folder: Path, refusal: str) -> CranktopoError:
+    return CranktopoError(
+        f"{folder}: the optimised web has no sound surface. {refusal}",
+        hint="Run the loop on other cells: --resolution-mm.",
+        code=ExitCode.CRITERION_NOT_MET,
+    )
 
 
 def _evaluated(scene: Scene, settings: Settings, file: Path | None = None) -> Evaluation:

@@ -33,7 +33,7 @@ from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, evaluation_se
 from cranktopo.tasks.optimise.metrics import run_metrics, run_seconds, run_surface
 from cranktopo.tasks.optimise.page import run_page
 from cranktopo.tasks.optimise.picture import save_run_picture
-from cranktopo.tasks.optimise.result import RunMetrics
+from cranktopo.tasks.optimise.result import OptimisedRun
 from cranktopo.tasks.optimise.run_record import record_of, snapshots
 from cranktopo.tasks.optimise.run_stress import read_run_stress
 
@@ -59,7 +59,7 @@ def finalise_run(
     case: EvaluatedGoal | None,
     failure: str,
     cells: Cells | None,
-) -> RunMetrics:
+) -> OptimisedRun:
     """Judge the final design, make and measure its surface meanwhile, and write every file.
 
     Args:
@@ -101,7 +101,8 @@ def finalise_run(
     seconds = metrics.seconds.model_copy(update={"total": end - began, "report": end - now})
     metrics = metrics.model_copy(update={"seconds": seconds})
     run.write_metrics(metrics.as_json())
-    return metrics
+    run.log(f"{metrics.status}: {metrics.stop_reason}")
+    return OptimisedRun(run.path, metrics, half_throw)
 
 
 class _Judgement(NamedTuple):

@@ -59,7 +59,7 @@ def run_page(record: RunRecord) -> Page:
             loads_section(record.loads, [case.load for case in metrics.load_cases.values()]),
             stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
             accuracy_section(metrics, record.accuracy, record.folder),
-            *([remodel_section(record.remodel)] if record.remodel else []),
+            *([remodel_section(record.refit)] if record.refit else []),
             effects_section(metrics.effects),
             _provenance(record),
             versions_section(manifest["versions"], metrics.files),

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.kind import read_result
 from cranktopo.tasks.density.state import CoarseStart
@@ -164,6 +165,8 @@ class OptimisedRun(NamedTuple):
 
     folder: Path
     metrics: RunMetrics
+    half_throw: SurfaceMesh | None
+    """Its surface, mm; None where the density has none."""
 
 
 def read_metrics(run: RunStore) -> RunMetrics | None:

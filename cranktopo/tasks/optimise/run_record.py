@@ -33,6 +33,7 @@ from cranktopo.tasks.fea.case_stress import CaseStress
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.optimise.run_stress import read_run_stress, solve_run_stress
+from cranktopo.tasks.refit.result import RefitResult
 
 # What other commands print with --json, where the run holds it.
 _FATIGUE, _ACCURACY, _REMODEL = "fatigue.json", "accuracy.json", "remodel/remodel.json"
@@ -54,7 +55,8 @@ class RunRecord:
         loads: loads of its engine; None without an engine.
         mesh: surface of the half throw, mm; None where the density has none.
         snapshots: its intermediate designs, as far as they were kept.
-        fatigue, accuracy, remodel: what those commands print with --json, where the run holds it.
+        fatigue, accuracy: what those commands print with --json, where the run holds it.
+        refit: its re-modelled web, where the run holds one.
         stress: of its load cases by the body-fitted evaluation, where it was solved.
     """
 
@@ -69,7 +71,7 @@ class RunRecord:
     fatigue: Mapping[str, Any] | None
     accuracy: Mapping[str, Any] | None
     stress: CaseStress | None
-    remodel: Mapping[str, Any] | None = None
+    refit: RefitResult | None = None
 
 
 def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord:
@@ -114,7 +116,7 @@ def record_of(
         fatigue=_optional(run.path / _FATIGUE),
         accuracy=_optional(run.path / _ACCURACY),
         stress=stress,
-        remodel=_optional(run.path / _REMODEL),
+        refit=RefitResult.read(run.path / _REMODEL) if (run.path / _REMODEL).is_file() else None,
     )
 
 

@@ -193,9 +193,7 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         cells = end.result()
         from cranktopo.tasks.optimise.finalise import finalise_run
 
-        metrics = finalise_run(run, job.prepared, problem, state, job.began, job.clock, case, failure, cells)
-    run.log(f"{metrics.status}: {metrics.stop_reason}")
-    return OptimisedRun(run.path, metrics)
+        return finalise_run(run, job.prepared, problem, state, job.began, job.clock, case, failure, cells)
 
 
 def _first_state(job: _Job, progress: Progress) -> State:

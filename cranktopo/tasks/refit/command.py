@@ -43,4 +43,4 @@ def command(
     from cranktopo.tasks.refit.text import remodel_text
 
     data = remodel_run(run, out, limits, not no_evaluation, info)
-    click.echo(json.dumps(data) if as_json else remodel_text(data))
+    click.echo(json.dumps(data.as_json()) if as_json else remodel_text(data))

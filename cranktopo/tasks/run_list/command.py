@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cranktopo.cli.completion import runs as complete_runs
 from cranktopo.cli.group import SuggestingGroup
 from cranktopo.cli.parameters import Choice
+
+if TYPE_CHECKING:
+    from cranktopo.runs.kind import RunKind
 
 _STATES = ("done", "interrupted", "failed", "running")
 _ROOT = click.option(
@@ -59,11 +62,6 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     """
     from cranktopo.runs.directories import open_run
     from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
-    from cranktopo.tasks.iterate.text import loop_summary
-    from cranktopo.tasks.optimise.result import read_metrics
-    from cranktopo.tasks.optimise.text import run_summary
-    from cranktopo.tasks.shape.text import shape_summary
-    from cranktopo.tasks.sweep.text import sweep_summary
 
     found = open_run(run, root)
     manifest, kind, result = found.manifest(), kind_of(found), read_result(found)
@@ -77,10 +75,25 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
         with shown_results(found):
-            summaries = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
-            metrics = None if kind in summaries else read_metrics(found)
-            text = run_summary(metrics, found.path) if metrics else summaries[kind](result, found.path)
+            text = _summary(kind, result, found.path)
         click.echo(text)
+
+
+def _summary(kind: RunKind, result: dict[str, Any], folder: Path) -> str:
+    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP
+    from cranktopo.tasks.iterate.result import LoopResult
+    from cranktopo.tasks.iterate.text import loop_summary
+    from cranktopo.tasks.optimise.result import RunMetrics
+    from cranktopo.tasks.optimise.text import run_summary
+    from cranktopo.tasks.shape.text import shape_summary
+    from cranktopo.tasks.sweep.text import sweep_summary
+
+    where = f"run '{folder}': its results are damaged"
+    if kind == LOOP:
+        return loop_summary(LoopResult.of_json(result, where), folder)
+    if kind in (SHAPE, SWEEP):
+        return (shape_summary if kind == SHAPE else sweep_summary)(result, folder)
+    return run_summary(RunMetrics.of_json(result, where), folder)
 
 
 @command.command("clean")

@@ -9,8 +9,8 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
 from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, shown_results
-from cranktopo.tasks.designs.run_webs import best_row, row_words
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
+from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.optimise.result import RunMetrics
 
 
@@ -65,15 +65,15 @@ def _run_result(data: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _loop_result(loop: Mapping[str, Any]) -> dict[str, Any]:
+def _loop_result(data: Mapping[str, Any]) -> dict[str, Any]:
     """The best web of a loop, if it has one."""
-    best = best_row(loop)
+    best = LoopResult.of_json(data, "iterate.json").best
     if best is None:
         return {"result": "no better web"}
-    share = best["percent_of_original"]
+    share = best.percent_of_original
     return {
-        "result": f"best: {row_words(best)}",
-        "mass_of_throw_kg": best["throw_kg"],
+        "result": f"best: {best.words}",
+        "mass_of_throw_kg": best.throw_kg,
         "gain_of_stiffness_per_mass_percent": {
             stiffness.key: share[ratio.key] - 100
             for stiffness, ratio in zip(STIFFNESS, PER_MASS, strict=True)

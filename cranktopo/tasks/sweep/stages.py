@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import read_json, write_text
+from cranktopo.base.files import write_text
 from cranktopo.base.progress import Json
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -105,14 +105,16 @@ def _densities(scene: Scene, folder: Path) -> RunMetrics:
 
 
 def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
 
     metrics = _densities(scene, folder)
     done = folder / REMODEL / "remodel.json"
-    if not done.is_file():
-        remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
-    data = read_json(done)
-    file = f"{REMODEL}/{data['files']['design']}"
+    if done.is_file():
+        refit = RefitResult.read(done)
+    else:
+        refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
+    file = f"{REMODEL}/{refit.files['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
     told = _told(metrics.status, metrics.iterations)
     return {**_judged(web, fineness), **told, "target": file, VIEW: web_view(web)}
