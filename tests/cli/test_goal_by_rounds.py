@@ -22,9 +22,9 @@ from cranktopo.base.progress import Work
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import limit_outcomes
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
 from cranktopo.tasks.density.responses import Response
 from cranktopo.tasks.density.state import Record, State
-from cranktopo.tasks.density.statement import Requirement
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.optimise import evaluated_goal
 from cranktopo.tasks.optimise.evaluated_goal import CheckedLimit, enforce_limits_by_fea
@@ -190,12 +190,12 @@ class Invented:
         return {"mass": 1.4, "torsion": self.percent}
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
-        in_cells = Requirement(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
+        in_cells = ResponseConstraint(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
         (outcome,) = limit_outcomes(self.goal, self.reached(state), self.original())
         return (CheckedLimit(in_cells, in_cells.bound, outcome),)
 
 
-TORSION = Response("torsion", "N m/rad", lambda design: design.works[0])
+TORSION = Response("torsion", "N m/rad", lambda design: design.compliances[0])
 DONE = State(
     *(np.zeros(1),) * 3,
     beta=16.0,

@@ -70,7 +70,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
     values = values_of(WHOLE) + np.random.default_rng(3).normal(0, 0.7, len(WHOLE.names))
     fit = Fit(fit_problem(body, mikron, COARSE, 2.0), WHOLE)
     _, gradient = fit.misfit(values, 3.0)
-    slopes = np.asarray(fit.web.slopes(values))
+    slopes = np.asarray(fit.web.gradients(values))
     step = 1e-5
     for i, name in enumerate(WHOLE.names):
         ahead, back = values.copy(), values.copy()

@@ -123,7 +123,7 @@ def _reflected(kernel: Shape, mirrored_x: bool) -> int:
     return kernel[0] // 2 if mirrored_x else 0
 
 
-def share_within(plain: ConeFilter, solid: Array) -> jax.Array:
+def boundary_correction(cone: ConeFilter, solid: Array) -> jax.Array:
     """Share of a filter's weight around each cell that is designable and not void, (nx, ny, nw).
 
     Times the filtered density it is the mean over void beyond the design space as well.
@@ -134,12 +134,12 @@ def share_within(plain: ConeFilter, solid: Array) -> jax.Array:
 
     Source: A. Clausen, E. Andreassen, On filter boundary conditions in topology optimization, SMO 56, 2017.
     """
-    reach = plain.kernel.shape[2] // 2
+    reach = cone.kernel.shape[2] // 2
     inner = slice(reach, solid.shape[2] - reach)
-    weight = jnp.where(jnp.isinf(plain.weight), 0.0, plain.weight)
-    around = convolved(jnp.asarray(solid), plain.kernel, plain.mirrored_x)[:, :, inner]
-    counted = jnp.sum(plain.kernel) - around
-    some = counted > _NOTHING * jnp.sum(plain.kernel)
+    weight = jnp.where(jnp.isinf(cone.weight), 0.0, cone.weight)
+    around = convolved(jnp.asarray(solid), cone.kernel, cone.mirrored_x)[:, :, inner]
+    counted = jnp.sum(cone.kernel) - around
+    some = counted > _NOTHING * jnp.sum(cone.kernel)
     return jnp.where(some, weight / jnp.where(some, counted, 1.0), 1.0)
 
 

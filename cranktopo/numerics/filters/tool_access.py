@@ -23,7 +23,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
-from cranktopo.numerics.filters.forging import NO_DRAFT, gap, smallest_so_far
+from cranktopo.numerics.filters.forging import NO_DRAFT, ks_term, running_smooth_min
 
 Offsets = tuple[tuple[int, int], ...]
 ONE_CELL: Offsets = ((0, 0),)
@@ -37,13 +37,13 @@ class Direction:
         axis: along which it leads.
         inward: +1 or -1, the sign of its motion along the axis.
         section: cells of the tool's cross-section about its centre, along the two other axes.
-        fall: of the draft, as for a die.
+        draft_slope: of the draft, as for a die.
     """
 
     axis: int
     inward: int
     section: Offsets = ONE_CELL
-    fall: tuple[float, float] = NO_DRAFT
+    draft_slope: tuple[float, float] = NO_DRAFT
 
 
 @dataclass(frozen=True)
@@ -82,20 +82,20 @@ def _reached(open_: jax.Array, direction: Direction) -> jax.Array:
     """How far a direction clears each cell: 0 solid, 1 void."""
     moved = jnp.moveaxis(open_, direction.axis, 0)
     moved = moved if direction.inward > 0 else moved[::-1]
-    centres = smallest_so_far(_summed(gap(moved), direction.section), direction.fall)
-    cut = widest(centres, direction.section)
+    centres = running_smooth_min(_summed(ks_term(moved), direction.section), direction.draft_slope)
+    cut = dilate(centres, direction.section)
     return jnp.moveaxis(cut if direction.inward > 0 else cut[::-1], 0, direction.axis)
 
 
-def _summed(gaps: jax.Array, section: Offsets) -> jax.Array:
+def _summed(ks_terms: jax.Array, section: Offsets) -> jax.Array:
     """Sums over the cross-section in each layer; nothing stands beyond the margin."""
     if section == ONE_CELL:
-        return gaps
-    return sum((_shifted(gaps, offset) for offset in section), jnp.zeros_like(gaps))
+        return ks_terms
+    return sum((_shifted(ks_terms, offset) for offset in section), jnp.zeros_like(ks_terms))
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(1,))
-def widest(values: jax.Array, section: Offsets) -> jax.Array:
+def dilate(values: jax.Array, section: Offsets) -> jax.Array:
     """Maximum over the cross-section in each layer (first axis); equal ones share the derivative."""
     found = values
     for offset in section:
@@ -103,12 +103,12 @@ def widest(values: jax.Array, section: Offsets) -> jax.Array:
     return found
 
 
-def _widest_kept(values: jax.Array, section: Offsets) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
-    found = widest(values, section)
+def _dilate_forward(values: jax.Array, section: Offsets) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+    found = dilate(values, section)
     return found, (values, found)
 
 
-def _widest_slopes(
+def _dilate_backward(
     section: Offsets, kept: tuple[jax.Array, jax.Array], by_found: jax.Array
 ) -> tuple[jax.Array]:
     values, found = kept
@@ -119,7 +119,7 @@ def _widest_slopes(
     return (sum(back, jnp.zeros_like(values)),)
 
 
-widest.defvjp(_widest_kept, _widest_slopes)
+dilate.defvjp(_dilate_forward, _dilate_backward)
 
 
 def _shifted(values: jax.Array, offset: tuple[int, int]) -> jax.Array:

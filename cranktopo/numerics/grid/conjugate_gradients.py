@@ -39,7 +39,7 @@ class System(NamedTuple):
     """Equilibrium K(moduli) u = f of every case.
 
     Attributes:
-        blocks: reflection blocks (8, 3, 3, nz) of the layers.
+        blocks: parity blocks (8, 3, 3, nz) of the layers.
         moduli: modulus per cell, float64.
         forces: (cases, 3, nodes...), float64.
     """

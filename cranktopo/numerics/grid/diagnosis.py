@@ -21,7 +21,7 @@ Across = Literal["corners", "faces"]
 
 # Cells softer than this share of the stiffest are void, there to keep equations regular: half a percent of
 # density under SIMP. An answer that rests on them has lost seven digits to rounding and means nothing.
-VOID = 1e-7
+VOID_STIFFNESS_RATIO = 1e-7
 
 
 def void_energy_share(system: System, u: jax.Array) -> Array:
@@ -41,7 +41,7 @@ def void_energy_share(system: System, u: jax.Array) -> Array:
 def void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Strain energy in void cells, twice, and the work of the loads (cases,), N mm over the modulus."""
     moduli = system.moduli
-    void = (moduli > 0) & (moduli < VOID * jnp.max(moduli))
+    void = (moduli > 0) & (moduli < VOID_STIFFNESS_RATIO * jnp.max(moduli))
 
     def energy() -> jax.Array:
         return jnp.sum(

@@ -16,14 +16,14 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.numerics.grid.compiling import compile_multigrid
 from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
 from cranktopo.numerics.grid.devices import SharedSolve, devices_for
-from cranktopo.numerics.grid.diagnosis import VOID, unsupported_load, void_energy_share
+from cranktopo.numerics.grid.diagnosis import VOID_STIFFNESS_RATIO, unsupported_load, void_energy_share
 from cranktopo.numerics.grid.multigrid import GridTables, build_hierarchy
 from cranktopo.numerics.precision import Precision
 
 # An answer of which void decides more than this share is refused.
 _VOID_SHARE = 0.5
 # Only cells stiffer than this share of the stiffest count as joined when a failure is explained.
-_SOFT = 1e-3
+_JOINED_STIFFNESS_RATIO = 1e-3
 
 
 class Solution(NamedTuple):
@@ -150,13 +150,17 @@ def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[
     shares = void_energy_share(system, result.displacements)
     if not shares.max() > _VOID_SHARE:
         return
-    found = unsupported_load(system, VOID)
+    found = unsupported_load(system, VOID_STIFFNESS_RATIO)
     if found is None and not solved:
         return
-    case, reason = found or _hinge(system, VOID) or (int(shares.argmax()), "a part of the structure is loose")
+    case, reason = (
+        found
+        or _hinge(system, VOID_STIFFNESS_RATIO)
+        or (int(shares.argmax()), "a part of the structure is loose")
+    )
     raise CranktopoError(
         f"solver: load case {names[case]} has no answer that means anything: {reason}; {shares.max():.0%} of "
-        f"its work is done on void, cells softer than {VOID:.0e} of the stiffest.",
+        f"its work is done on void, cells softer than {VOID_STIFFNESS_RATIO:.0e} of the stiffest.",
         hint="Join the load to the supports with material: move the load or raise the volume fraction.",
         code=ExitCode.SOLVER,
     )
@@ -188,7 +192,7 @@ def _failure(
 ) -> CranktopoError:
     residual = [float(r) for r in result.relative_residual]
     worst = residual.index(max(residual))
-    found = unsupported_load(system, _SOFT) or _hinge(system, _SOFT)
+    found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
     reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
     return CranktopoError(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "

@@ -32,7 +32,7 @@ from cranktopo.numerics.grid.lanczos import largest_eigenvalues
 from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.numerics.grid.partition import WHOLE, Partition
-from cranktopo.numerics.grid.smoothing import Smoother, Smoothing, steps_of
+from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling
 from cranktopo.numerics.grid.transfer import add_prolonged, prolong, restrict
 from cranktopo.numerics.precision import Precision
 
@@ -49,7 +49,7 @@ class GridTables(NamedTuple):
     """Constants of a lattice; arguments of the compiled functions, so that grids of one size share them.
 
     Attributes:
-        blocks: reflection blocks (8, 3, 3, nz) of the layers.
+        blocks: parity blocks (8, 3, 3, nz) of the layers.
         bound: bound of the Jacobi-scaled spectrum on the finest level.
     """
 
@@ -62,7 +62,7 @@ class Hierarchy(NamedTuple):
     """Everything the V-cycle needs for one set of moduli.
 
     Attributes:
-        blocks: reflection blocks of the finest layers; all arrays have the precision of the cycle.
+        blocks: parity blocks of the finest layers; all arrays have the precision of the cycle.
         moduli: moduli of the finest cells over the largest one.
         steps: per level above the coarsest, inverse diagonal over the largest eigenvalue of the
             Jacobi-scaled operator, (3, nodes...), 0 in void.
@@ -182,12 +182,12 @@ def _cycle(
         field = state.field + correction
     else:
         correction, field = add_prolonged(found, state.field)
-    return smoother.after(Smoothing(correction, field, state.residual), counts[level]).field
+    return smoother.after(SmootherState(correction, field, state.residual), counts[level]).field
 
 
 def level_smoother(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Smoother:
     """Operator and steps of a level, 0 the finest."""
-    steps = steps_of(hierarchy.steps[level], supports)
+    steps = jacobi_scaling(hierarchy.steps[level], supports)
     if level == 0:
         arrays = hierarchy.blocks, hierarchy.moduli
         return Smoother("stiffness", apply_stiffness, arrays, steps, supports.partition)

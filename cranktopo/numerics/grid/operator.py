@@ -22,7 +22,7 @@ def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> j
     """Nodal forces K(moduli) u of every case: by a kernel on the processor, elsewhere by JAX.
 
     Args:
-        blocks: reflection blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
+        blocks: parity blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
         moduli: Young's modulus per cell (nx, ny, nz), MPa.
         field: displacements (cases, 3, nx + 1, ny + 1, nz + 1), mm.
 
@@ -51,8 +51,8 @@ def _apply_to_slab(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> ja
     # stops using vectors. Without the barriers it recomputes sums and products once per corner.
     ring, edges = ((1, 1),) * 3, ((0, 0),) * 3
     field = jnp.pad(field, (*edges[:2], *ring))
-    classes = jax.lax.optimization_barrier(_parity_sums(jax.lax.optimization_barrier(field)))
-    products = _multiply_blocks(jnp.pad(blocks, (*edges, ring[0])), jnp.pad(moduli, ring), classes)
+    sums = jax.lax.optimization_barrier(_parity_sums(jax.lax.optimization_barrier(field)))
+    products = _multiply_blocks(jnp.pad(blocks, (*edges, ring[0])), jnp.pad(moduli, ring), sums)
     return _parity_sums_transposed(jax.lax.optimization_barrier(products))
 
 
@@ -91,12 +91,12 @@ def _energies_by_layers(blocks: jax.Array, left: jax.Array, right: jax.Array) ->
 
 
 def _layer_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
-    other, classes = _parity_sums(left), _parity_sums(right)
+    other, sums = _parity_sums(left), _parity_sums(right)
     columns = blocks.astype(right.dtype)
-    density = jnp.zeros(classes.shape[3:], right.dtype)
+    density = jnp.zeros(sums.shape[3:], right.dtype)
     # Term by term: one sum over classes and components would run along the slowest axis of memory.
     for p, c in np.argwhere(np.any(COUPLED, axis=2)):
-        force = sum(columns[p, c, d] * classes[:, p, d] for d in np.flatnonzero(COUPLED[p, c]))
+        force = sum(columns[p, c, d] * sums[:, p, d] for d in np.flatnonzero(COUPLED[p, c]))
         density += jnp.sum(other[:, p, c] * force, axis=0)
     return density
 
@@ -120,29 +120,29 @@ def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
 def _parity_sums(field: jax.Array) -> jax.Array:
     """Sums and differences over the corners of each cell, by parity class: (cases, 8, 3, cells...).
 
-    Along its own direction a component changes places: entry [p, c] is wave p xor e_c. One operation per
-    axis on all components and classes together: single waves would need four times as many programs.
+    Along its own direction a component changes places: entry [p, c] is sum p xor e_c. One operation per
+    axis on all components and classes together: single sums would need four times as many programs.
     """
-    classes = field[:, None]
+    sums = field[:, None]
     for axis in range(3):
-        size = classes.shape[3 + axis]
-        near = jax.lax.slice_in_dim(classes, 0, size - 1, axis=3 + axis)
-        far = jax.lax.slice_in_dim(classes, 1, size, axis=3 + axis)
+        size = sums.shape[3 + axis]
+        near = jax.lax.slice_in_dim(sums, 0, size - 1, axis=3 + axis)
+        far = jax.lax.slice_in_dim(sums, 1, size, axis=3 + axis)
         pair = far[:, :, None] + _signs(axis, field.dtype) * near[:, :, None]
-        classes = pair.reshape(field.shape[0], -1, 3, *near.shape[3:])
-    return classes
+        sums = pair.reshape(field.shape[0], -1, 3, *near.shape[3:])
+    return sums
 
 
-def _parity_sums_transposed(classes: jax.Array) -> jax.Array:
+def _parity_sums_transposed(sums: jax.Array) -> jax.Array:
     """Transpose of `_parity_sums` without its outermost nodes: inner nodes have cells on all sides."""
     for axis in (2, 1, 0):
-        pair = classes.reshape(classes.shape[0], -1, 2, *classes.shape[2:])
+        pair = sums.reshape(sums.shape[0], -1, 2, *sums.shape[2:])
         first, second = pair[:, :, 0], pair[:, :, 1]
-        near = _signs(axis, classes.dtype)[0] * (first - second)
+        near = _signs(axis, sums.dtype)[0] * (first - second)
         size = near.shape[3 + axis]
         later = jax.lax.slice_in_dim(near, 1, size, axis=3 + axis)
-        classes = later + jax.lax.slice_in_dim(first + second, 0, size - 1, axis=3 + axis)
-    return classes[:, 0]
+        sums = later + jax.lax.slice_in_dim(first + second, 0, size - 1, axis=3 + axis)
+    return sums[:, 0]
 
 
 def _signs(axis: int, dtype: jnp.dtype[Any]) -> jax.Array:
@@ -153,10 +153,10 @@ def _signs(axis: int, dtype: jnp.dtype[Any]) -> jax.Array:
     return jnp.asarray(signs[..., None, None, None], dtype)
 
 
-def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, classes: jax.Array) -> jax.Array:
+def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, sums: jax.Array) -> jax.Array:
     """The 3 x 3 block product of every parity class."""
-    columns = blocks.astype(classes.dtype)[:, :, :, None, None, :]
+    columns = blocks.astype(sums.dtype)[:, :, :, None, None, :]
     return moduli * sum(
-        (columns[:, :, d] * classes[:, :, d, None] for d in range(1, 3)),
-        start=columns[:, :, 0] * classes[:, :, 0, None],
+        (columns[:, :, d] * sums[:, :, d, None] for d in range(1, 3)),
+        start=columns[:, :, 0] * sums[:, :, 0, None],
     )

@@ -66,7 +66,7 @@ def _kept(problem: DensityProblem) -> str:
 
 def _broken(problem: DensityProblem, last: Record) -> str:
     """Which limits are broken, and what was reached."""
-    pairs = zip(problem.statement.limits, last.limits, strict=False)
+    pairs = zip(problem.optimisation.limits, last.limits, strict=False)
     texts = [
         f"{limit}: reached {limit.shown(value)}"
         for limit, value in pairs

@@ -101,13 +101,13 @@ def _die(scene: Scene, domain: Domain) -> Die:
     axis = pull_axis(scene)
     free = designable(scene, domain) > 0
     kept = jnp.asarray(_behind_journals(scene, domain) * free) if axis == Z else None
-    return Die(jnp.asarray(free), kept, axis, parting_of(domain, axis), _fall(scene, domain, axis))
+    return Die(jnp.asarray(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis))
 
 
 def _mould(scene: Scene, domain: Domain) -> ToolAccess:
     axis = pull_axis(scene)
-    fall = _fall(scene, domain, axis)
-    ways = (Direction(axis, -1, ONE_CELL, fall), Direction(axis, 1, ONE_CELL, fall))
+    draft_slope = _draft_slope(scene, domain, axis)
+    ways = (Direction(axis, -1, ONE_CELL, draft_slope), Direction(axis, 1, ONE_CELL, draft_slope))
     return _access(scene, domain, (0, 0, int(axis == Z)), ways)
 
 
@@ -182,7 +182,7 @@ def _behind_journals(scene: Scene, domain: Domain) -> Array:
     return np.asarray(np.clip(_SOLID + inside_mm / ramp, 0.0, 1.0))
 
 
-def _fall(scene: Scene, domain: Domain, axis: int) -> tuple[float, float]:
+def _draft_slope(scene: Scene, domain: Domain, axis: int) -> tuple[float, float]:
     """Steps of the draft from layer to layer, in cells along the two other axes."""
     steps = web_cell_mm(domain)
     slope = math.tan(math.radians(scene.optimise.draft_deg)) * steps[axis]

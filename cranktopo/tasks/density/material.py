@@ -28,7 +28,7 @@ CONTRAST = 1e-9
 
 
 @dataclass(frozen=True)
-class Interpolation:
+class MaterialInterpolation:
     """Constant data of the density-to-modulus chain.
 
     Attributes:
@@ -38,8 +38,8 @@ class Interpolation:
         density_filter: from design variables to a smooth density.
         process: from a smooth density to the nearest one that can be made; None where anything can.
         penalty: exponent of SIMP.
-        within: share of the smooth density that the eroded design has, below 1 at walls of the design space
-            (nx, ny, nw); None where walls do not erode it.
+        boundary_correction: share of the smooth density that the eroded design has, below 1 at walls of the
+            design space (nx, ny, nw); None where walls do not erode it.
     """
 
     fixed: jax.Array
@@ -49,7 +49,7 @@ class Interpolation:
     process: Block | None = None
     projection: Projection = PLAIN
     penalty: float = PENALTY
-    within: jax.Array | None = None
+    boundary_correction: jax.Array | None = None
 
     @property
     def total(self) -> jax.Array:
@@ -59,7 +59,7 @@ class Interpolation:
 
 def build_interpolation(
     domain: Domain, filter_radius_mm: float, design: NDArray[np.float64] | None = None
-) -> Interpolation:
+) -> MaterialInterpolation:
     """The density-to-modulus chain of a domain, for a web that any process may make.
 
     Call it inside `double_precision()`.
@@ -71,7 +71,7 @@ def build_interpolation(
     first, last = domain.web_layers
     free = jnp.asarray(domain.design[:, :, first:last] if design is None else design)
     kernel = jnp.asarray(cone_kernel(web_cell_mm(domain), filter_radius_mm))
-    return Interpolation(
+    return MaterialInterpolation(
         fixed=jnp.asarray(domain.fixed),
         design=free,
         web_layers=(first, last),
@@ -85,36 +85,36 @@ def web_cell_mm(domain: Domain) -> tuple[float, float, float]:
     return float(dx[0]), float(dy[0]), float(dz[domain.web_layers[0]])
 
 
-def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
+def smooth_density(data: MaterialInterpolation, x: jax.Array) -> jax.Array:
     """Filtered density that the process can make; its iso-surface bounds the web."""
     smooth = data.density_filter(x)
     return smooth if data.process is None else data.process(smooth)
 
 
-def physical_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+def physical_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
     """Physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
-    return _projected(data, smooth_density(data, x), beta, data.projection.made)
+    return _projected(data, smooth_density(data, x), beta, data.projection.nominal)
 
 
-def eroded_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+def eroded_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
     """The thinner design whose stiffness counts: the physical density unless members have a least size."""
     smooth = smooth_density(data, x)
-    seen = smooth if data.within is None else smooth * data.within
+    seen = smooth if data.boundary_correction is None else smooth * data.boundary_correction
     return _projected(data, seen, beta, data.projection.eroded)
 
 
-def dilated_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+def dilated_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
     """The thicker design whose volume grows: the physical density unless gaps have a least size."""
     return _projected(data, smooth_density(data, x), beta, data.projection.dilated)
 
 
 def _projected(
-    data: Interpolation, smooth: jax.Array, beta: float | jax.Array, threshold: float
+    data: MaterialInterpolation, smooth: jax.Array, beta: float | jax.Array, threshold: float
 ) -> jax.Array:
     return projected(smooth, beta, threshold) * (data.design > 0)
 
 
-def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
+def relative_moduli(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Relative moduli (nx, ny, nz) of all cells (modified SIMP).
 
     Source: M. P. Bendsoe, O. Sigmund, Topology Optimization, 2003; O. Sigmund, SMO 33, 2007.
@@ -123,17 +123,17 @@ def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
     return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(web)
 
 
-def solid_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
+def solid_fraction(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Solid fraction (nx, ny, nz) of all cells, which carries the mass."""
     return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(data.design * density)
 
 
-def volume_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
+def volume_fraction(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Share of the designable volume that is solid."""
     return jnp.sum(data.design * density) / data.total
 
 
-def greyness(data: Interpolation, density: jax.Array) -> jax.Array:
+def greyness(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Measure of non-discreteness, 0 for a black-and-white design, 1 for density one half everywhere.
 
     Source: O. Sigmund, Morphology-based black and white filters, SMO 33, 2007.
@@ -142,7 +142,7 @@ def greyness(data: Interpolation, density: jax.Array) -> jax.Array:
 
 
 jax.tree_util.register_dataclass(
-    Interpolation,
-    data_fields=["fixed", "design", "density_filter", "process", "within"],
+    MaterialInterpolation,
+    data_fields=["fixed", "design", "density_filter", "process", "boundary_correction"],
     meta_fields=["web_layers", "projection", "penalty"],
 )

@@ -63,7 +63,7 @@ class ThrowModel:
 
 
 def build_model(
-    scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, plain: bool = False
+    scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, incompatible_modes: bool = True
 ) -> ThrowModel:
     """Supports and nodal loads of the load cases on a domain's grid.
 
@@ -79,7 +79,7 @@ def build_model(
         float(dy[0]),
         tuple(float(d) for d in dz),
         scene.material.poisson,
-        plain,
+        incompatible_modes,
     )
     modulus = scene.material.E_GPa * MPA_PER_GPA
     origin = float(domain.grid.x_mm[0]), float(domain.grid.y_mm[0])

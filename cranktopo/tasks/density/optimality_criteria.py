@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.tasks.density.material import (
-    Interpolation,
+    MaterialInterpolation,
     dilated_density,
     eroded_density,
     physical_density,
@@ -29,7 +29,7 @@ _FIRST_STEP = 0.5
 
 
 def design_gradients(
-    data: Interpolation,
+    data: MaterialInterpolation,
     x: jax.Array,
     beta: jax.Array,
     by_moduli: jax.Array,
@@ -50,7 +50,7 @@ def design_gradients(
 
 
 def update(
-    data: Interpolation,
+    data: MaterialInterpolation,
     x: jax.Array,
     beta: jax.Array,
     by_moduli: jax.Array,

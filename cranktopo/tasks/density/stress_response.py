@@ -51,15 +51,15 @@ def middle_strain(lattice: Lattice, u: jax.Array, layers: tuple[int, int]) -> ja
     first, last = layers
     part = u[..., first : last + 1]
     steps = [jnp.asarray(step) for step in (lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[first:last])]
-    slopes = []
+    derivatives = []
     for axis, step in enumerate(steps):
-        slope = jnp.diff(part, axis=2 + axis) / step
+        derivative = jnp.diff(part, axis=2 + axis) / step
         for other in {0, 1, 2} - {axis}:
-            size = slope.shape[2 + other]
-            near = jax.lax.slice_in_dim(slope, 0, size - 1, axis=2 + other)
-            slope = (near + jax.lax.slice_in_dim(slope, 1, size, axis=2 + other)) / 2
-        slopes.append(slope)
-    gradient = jnp.stack(slopes, axis=2)
+            size = derivative.shape[2 + other]
+            near = jax.lax.slice_in_dim(derivative, 0, size - 1, axis=2 + other)
+            derivative = (near + jax.lax.slice_in_dim(derivative, 1, size, axis=2 + other)) / 2
+        derivatives.append(derivative)
+    gradient = jnp.stack(derivatives, axis=2)
     return (gradient + jnp.swapaxes(gradient, 1, 2)) / 2
 
 

@@ -22,7 +22,7 @@ from cranktopo.runs.checkpoint import load_checkpoint
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.iterations import load_iteration
 from cranktopo.runs.kind import require_kind, resume_command
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.density_chain import build_chain
 from cranktopo.tasks.density.loop import WebDensities, design_of
 from cranktopo.tasks.density.state import from_checkpoint
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
@@ -109,13 +109,13 @@ def _design(run: RunStore, scene: Scene, domain: Domain, iteration: int | None) 
         number, x, beta = _last(run)
     else:
         number, (x, beta) = iteration, load_iteration(run.path, iteration)
-    chain = build_chain(scene, domain)
-    if x.shape != chain.design.shape:
+    density_chain = build_chain(scene, domain)
+    if x.shape != density_chain.design.shape:
         raise CranktopoError(
-            f"run '{run.path}': its density has {x.shape} cells, its design {chain.design.shape}.",
+            f"run '{run.path}': its density has {x.shape} cells, its design {density_chain.design.shape}.",
             hint="The run was made by another version: optimise again.",
         )
-    return number, design_of(chain, x, beta)
+    return number, design_of(density_chain, x, beta)
 
 
 def _last(run: RunStore) -> tuple[int, np.ndarray, float]:

@@ -191,7 +191,9 @@ class _Bar:
         work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
         reached = [
             f"{response.name} {value:.4g} {response.unit}".rstrip()
-            for response, value in zip(problem.statement.responses, (*row.goals, *row.limits), strict=False)
+            for response, value in zip(
+                problem.optimisation.responses, (*row.goals, *row.limits), strict=False
+            )
         ]
         wanted = ", ".join(dict.fromkeys(reached)) or f"{work}, volume {row.volume_fraction:.3f}"
         text = f"{wanted}, grey {row.greyness:.3f}"

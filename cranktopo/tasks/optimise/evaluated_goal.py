@@ -33,10 +33,10 @@ from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.report.goal_table import broken_limits, percent_line
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.continuation import with_bounds
+from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
-from cranktopo.tasks.density.statement import Requirement
 from cranktopo.tasks.extraction.checked_surface import checked_surface
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.goal_values import goal_values
@@ -61,7 +61,7 @@ class CheckedLimit:
         outcome: the limit as it is wanted, by the evaluation.
     """
 
-    in_cells: Requirement
+    in_cells: ResponseConstraint
     value: float
     outcome: LimitOutcome
 
@@ -123,7 +123,7 @@ class EvaluatedGoal:
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
         """The limits of the last design of a state; raises as `reached`."""
-        limits = self.problem.with_bounds(state.bounds).statement.limits
+        limits = self.problem.with_bounds(state.bounds).optimisation.limits
         names = {limit.response.name for limit in limits}
         found = limit_outcomes(self.goal, self.reached(state), self.original())
         known = (outcome for outcome in found if outcome.limit.quantity in names)

@@ -94,7 +94,7 @@ def finalise_run(
     )
     run.write_metrics(metrics.as_json())
     stress = read_run_stress(run, files["stl"]) if "stl" in files else None
-    designs = snapshots(run, prepared.domain, problem.chain)
+    designs = snapshots(run, prepared.domain, problem.density_chain)
     record = record_of(run, metrics, rows, prepared.scene, half_throw, designs, stress)
     write_report(run_page(record), run.path / REPORT)
     end = time.perf_counter()
@@ -208,7 +208,7 @@ def history_rows(problem: DensityProblem, history: Sequence[Record]) -> list[dic
 
     Compliances are in N mm by load case. With a goal, its value and those of its limits are among them.
     """
-    case_names, responses = problem.model.case_names, problem.statement.responses
+    case_names, responses = problem.model.case_names, problem.optimisation.responses
     return [
         {
             "iteration": row.iteration,

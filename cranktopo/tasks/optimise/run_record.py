@@ -25,9 +25,9 @@ from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.iterations import load_iteration, saved_iterations
 from cranktopo.runs.kind import require_kind, resume_command
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.density_chain import build_chain
 from cranktopo.tasks.density.loop import design_of
-from cranktopo.tasks.density.material import Interpolation
+from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
 from cranktopo.tasks.fea.case_stress import CaseStress
 from cranktopo.tasks.fea.evaluation import Info
@@ -137,10 +137,12 @@ def _optional(path: Path) -> dict[str, Any] | None:
     return read_json(path) if path.is_file() else None
 
 
-def snapshots(run: RunStore, domain: Domain, chain: Interpolation) -> tuple[DesignSnapshot, ...]:
+def snapshots(
+    run: RunStore, domain: Domain, density_chain: MaterialInterpolation
+) -> tuple[DesignSnapshot, ...]:
     """Return at most 60 designs of a run in order, the first and the last included; none where it keeps none.
 
-    Call inside `double_precision()`; `chain` is the filter chain of the run's own cells.
+    Call inside `double_precision()`; `density_chain` is the filter chain of the run's own cells.
 
     Raises:
         CranktopoError: a file of the run is damaged.
@@ -149,7 +151,7 @@ def snapshots(run: RunStore, domain: Domain, chain: Interpolation) -> tuple[Desi
     found = []
     for number in numbers:
         x, beta = load_iteration(run.path, number)
-        grid = web_fields(domain, design_of(chain, x, beta))[0]
+        grid = web_fields(domain, design_of(density_chain, x, beta))[0]
         found.append(DesignSnapshot(number, coarsened(grid, len(numbers))))
     return tuple(found)
 

@@ -52,7 +52,7 @@ class Fill:
             which[lower] = k + 1
         return inside, which
 
-    def pulled_back(
+    def vjp(
         self, points: Array, values: Array, which: NDArray[np.int8], weight: Array
     ) -> tuple[Array, Array]:
         """Derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts.
@@ -67,7 +67,7 @@ class Fill:
         by_values = []
         for k, (part, own) in enumerate(own_values(self.parts, values)):
             chosen = np.where(which == k + 1, weight, 0.0)
-            by_own, by_ends = part.pulled_back(own, _ends(points), self.axes, self.web_z_mm, chosen)
+            by_own, by_ends = part.vjp(own, _ends(points), self.axes, self.web_z_mm, chosen)
             by_values.append(by_own)
             by_points[[0, -1], 1] += by_ends
         return by_points, np.concatenate([np.zeros(0), *by_values])

@@ -30,8 +30,8 @@ class _Shape:
 
     points: Array
     constraints: Array
-    point_slopes: Array
-    constraint_slopes: Array
+    point_gradients: Array
+    constraint_gradients: Array
 
 
 class _Outline:
@@ -51,10 +51,10 @@ class _Outline:
         scene = scene_at(self._scene, self._layout, values)
         points, constraints = self._raw(own, scene)
         sides = [self._raw(own + 1j * _COMPLEX * unit, scene) for unit in np.eye(len(own))]
-        point_slopes = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
-        constraint_slopes = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
+        point_gradients = np.stack([side[0].imag for side in sides], axis=-1) / _COMPLEX
+        constraint_gradients = np.stack([side[1].imag for side in sides], axis=-1) / _COMPLEX
         by_sizes = self._by_sizes(own, values, len(constraints))
-        return _Shape(points, constraints, point_slopes, np.hstack([constraint_slopes, by_sizes]))
+        return _Shape(points, constraints, point_gradients, np.hstack([constraint_gradients, by_sizes]))
 
     def _by_sizes(self, own: Array, values: Array, count: int) -> Array:
         """Derivatives of the constraints by the parameters after the outline's, (constraints, rest)."""
@@ -98,13 +98,13 @@ class ParametricWeb:
     def points(self, values: Array) -> tuple[Array, Array]:
         """Points of the outline's right half, (n, 2), mm, and their derivatives by its values, (n, 2, m)."""
         shape = self._outline.at(values)
-        return shape.points, shape.point_slopes
+        return shape.points, shape.point_gradients
 
     def inside_mm(self, values: Array) -> tuple[Array, NDArray[np.int8]]:
         """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
         return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added(values))
 
-    def pulled_back(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
+    def vjp(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
         """Derivative of sum(weight * inside_mm) by the parameters.
 
         Args:
@@ -112,12 +112,12 @@ class ParametricWeb:
             weight: (nx, ny, nz) weight of each cell's distance.
         """
         shape = self._outline.at(values)
-        by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
+        by_points, by_parts = self._grid.vjp(shape.points, self._parts(values), which, weight)
         by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))
-        result = np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
+        result = np.concatenate([np.tensordot(by_points, shape.point_gradients, 2), by_parts, by_sizes])
         fillet = self.fillet(values)
         if fillet is not None:
-            result += fillet.pulled_back(self._grid.axes, np.where(which == FILLET, weight, 0.0))
+            result += fillet.vjp(self._grid.axes, np.where(which == FILLET, weight, 0.0))
         return result
 
     def _added(self, values: Array) -> dict[int, Array]:
@@ -161,18 +161,18 @@ class ParametricWeb:
         fillet = self.fillet(values)
         return (*self._outline.rule_names(values), *names, *([] if fillet is None else [fillet.rule[0]]))
 
-    def slopes(self, values: Array) -> Array:
+    def gradients(self, values: Array) -> Array:
         """Gradients of the constraints (constraints, parameters)."""
         shape, n = self._outline.at(values), self.layout.stations
 
         def parts(step: Array) -> Array:
-            return self._part_constraints(shape.points + shape.point_slopes @ step[:n], values + step)
+            return self._part_constraints(shape.points + shape.point_gradients @ step[:n], values + step)
 
         steps = _DIFFERENCE * np.eye(len(values))
         below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
         fillet = self.fillet(values)
-        own = [] if fillet is None else [fillet.rule_slopes]
-        return np.vstack([shape.constraint_slopes, below, *own])
+        own = [] if fillet is None else [fillet.rule_gradients]
+        return np.vstack([shape.constraint_gradients, below, *own])
 
     def _parts(self, values: Array) -> Array:
         return values[self.layout.stations :]

@@ -57,10 +57,10 @@ class Fit:
             width_mm: half-width of the smooth step.
         """
         inside, which = self.web.inside_mm(values)
-        model, slope = smooth_step(inside, width_mm)
+        model, steepness = smooth_step(inside, width_mm)
         off = model * self._free - self._target
-        weight = 2 * off * self._free * slope / self._target.sum()
-        return float((off**2).sum() / self._target.sum()), self.web.pulled_back(values, which, weight)
+        weight = 2 * off * self._free * steepness / self._target.sum()
+        return float((off**2).sum() / self._target.sum()), self.web.vjp(values, which, weight)
 
     def fill(self, values: Array, width_mm: float) -> Array:
         """Fill of the cells (nx, ny, nz), bores cut out.
@@ -106,16 +106,16 @@ def _minimise(fit: Fit, guess: Array, width_mm: float) -> tuple[Array, float]:
 
     def value(values: Array, gradient: Array) -> float:
         nonlocal best, least
-        result, slope = fit.misfit(values, width_mm)
+        result, by_values = fit.misfit(values, width_mm)
         if gradient.size:
-            gradient[:] = slope
+            gradient[:] = by_values
         if result < least and np.max(fit.web.constraints(values)) < _KEPT:
             best, least = values.copy(), float(result)
         return float(result)
 
     def constrain(result: Array, values: Array, gradient: Array) -> None:
         if gradient.size:
-            gradient[:] = fit.web.slopes(values)
+            gradient[:] = fit.web.gradients(values)
         result[:] = fit.web.constraints(values)
 
     optimiser = nlopt.opt(nlopt.LD_SLSQP, len(guess))

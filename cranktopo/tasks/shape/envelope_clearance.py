@@ -45,7 +45,7 @@ class EnvelopeRoom:
         fillet = web.fillet(values)
         if fillet is not None:
             arc = np.stack(fillet.circle.arc_mm(_RIM), axis=1)
-            bodies.append((arc, np.broadcast_to(fillet.slopes, (_RIM, *fillet.slopes.shape))))
+            bodies.append((arc, np.broadcast_to(fillet.gradients, (_RIM, *fillet.gradients.shape))))
         found = [self._of_points(self._envelope, *body, len(values)) for body in bodies]
         outside, slopes = zip(*found, strict=True)
         return np.concatenate(outside), np.vstack(slopes)

@@ -69,4 +69,4 @@ def rules_at(scene: Scene, web: ParametricWeb, values: Array) -> Rules:
 def rules_of(web: ParametricWeb, room: EnvelopeRoom, values: Array) -> tuple[Array, Array]:
     """Manufacturing constraints and envelope, mm, kept where <= 0, and their gradients."""
     inside, slopes = room.constraints(web, values)
-    return np.concatenate([web.constraints(values), inside]), np.vstack([web.slopes(values), slopes])
+    return np.concatenate([web.constraints(values), inside]), np.vstack([web.gradients(values), slopes])

@@ -20,7 +20,7 @@ Sense = Literal["minimise", "maximise"]
 
 
 @dataclass(frozen=True)
-class Goal:
+class Objective:
     """A response to make small or large.
 
     Attributes:
@@ -38,7 +38,7 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class Requirement:
+class ResponseConstraint:
     """A response that must be at most (<=) or at least (>=) a bound.
 
     Attributes:
@@ -92,15 +92,15 @@ class Requirement:
 
 
 @dataclass(frozen=True)
-class Statement:
+class OptimisationProblem:
     """Goals and limits of an optimisation; of several goals the one that is worst counts.
 
     Attributes:
         goals: at least one.
     """
 
-    goals: tuple[Goal, ...]
-    limits: tuple[Requirement, ...] = ()
+    goals: tuple[Objective, ...]
+    limits: tuple[ResponseConstraint, ...] = ()
 
     @property
     def responses(self) -> tuple[Response, ...]:
