@@ -1,6 +1,6 @@
 """Forging constraint: density that never grows away from the die's parting plane, with draft if wanted.
 
-The die halves leave along +x and -x, or through the web's faces along +z and -z. What lies outward of a void
+The die halves leave along +x and -x, or through the body's faces along +z and -z. What lies outward of a void
 would hold them back, so each cell takes a smooth minimum over the cells between it and the parting plane.
 Sums only grow outward: the result is monotone whatever the sharpness, and stays 1 where all cells are solid.
 
@@ -37,7 +37,7 @@ class Die:
 
     Attributes:
         free: designable cells (nx, ny, nw); the others are no obstacle.
-        kept: least density, 1 behind a journal; None where there is none.
+        kept: least density, 1 where material must be; None where there is none.
         axis: along which the halves leave, 0 or 2.
         draft_slope: tan(draft) times the cell's edge along the axis over its edge along each other axis.
     """
@@ -49,7 +49,7 @@ class Die:
     draft_slope: tuple[float, float] = NO_DRAFT
 
     def __call__(self, smooth: jax.Array) -> jax.Array:
-        """The density that the die releases (nx, ny, nw), nowhere above the given one but where kept."""
+        """Return density that the die releases (nx, ny, nw), nowhere above the given one but where kept."""
         raised = smooth if self.kept is None else jnp.maximum(self.kept, smooth)
         density, free = jnp.moveaxis(raised, self.axis, 0), jnp.moveaxis(self.free, self.axis, 0)
         found = without_undercuts(density, free, self.parting, self.draft_slope)
@@ -58,7 +58,7 @@ class Die:
 
 
 def reachable(open_to_die: NDArray[np.bool_], parting: Parting, axis: int = 0) -> NDArray[np.bool_]:
-    """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane along an axis."""
+    """Return cells (nx, ny, nw) with only open cells between them and the parting plane along an axis."""
     moved, (end, start) = np.moveaxis(open_to_die, axis, 0), parting
     left, right = (np.logical_and.accumulate(half) for half in (moved[:end][::-1], moved[start:]))
     return np.moveaxis(np.concatenate([left[::-1], right[end - start :]]), 0, axis)
@@ -67,7 +67,7 @@ def reachable(open_to_die: NDArray[np.bool_], parting: Parting, axis: int = 0) -
 def without_undercuts(
     density: jax.Array, free: jax.Array, parting: Parting, draft_slope: tuple[float, float] = NO_DRAFT
 ) -> jax.Array:
-    """Density that never grows away from the parting plane, along the first axis.
+    """Return the density that never grows away from the parting plane, along the first axis.
 
     Returns:
         (nx, ny, nw) in [0, 1], at most `density` where that is designable.
@@ -95,7 +95,7 @@ def running_smooth_min(ks_terms: jax.Array, draft_slope: tuple[float, float]) ->
 
 
 def ks_term(density: jax.Array) -> jax.Array:
-    """What a density adds to the sum in a smooth minimum: nothing where it is full."""
+    """Return what a density adds to the sum in a smooth minimum: nothing where it is full."""
     return jnp.exp(-SHARPNESS * density) - jnp.exp(-SHARPNESS)
 
 
@@ -105,7 +105,7 @@ def smooth_minimum(ks_terms: jax.Array) -> jax.Array:
 
 
 def eroded(layer: jax.Array, draft_slope: tuple[float, float]) -> jax.Array:
-    """A layer less its steepest descent over so many cells along each axis; flat beyond its edges."""
+    """Return a layer less its steepest descent over so many cells along each axis; flat beyond its edges."""
     square = jnp.zeros_like(layer)
     for axis, part in enumerate(draft_slope):
         edges = [(1, 1) if axis == other else (0, 0) for other in range(2)]

@@ -28,7 +28,7 @@ class Projection:
 
 
 def projected(density: jax.Array, beta: float | jax.Array, threshold: float = THRESHOLD) -> jax.Array:
-    """Smoothed Heaviside projection, not below 0; steeper with beta.
+    """Return the smoothed Heaviside projection, not below 0; steeper with beta.
 
     Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011, equation 9.
     """

@@ -16,7 +16,7 @@ _GAUSS = (-1 / np.sqrt(3), 1 / np.sqrt(3))
 
 
 def elasticity(poisson: float) -> Array:
-    """Isotropic elasticity matrix for unit Young's modulus, shape (6, 6), order xx yy zz yz zx xy.
+    """Return the isotropic elasticity matrix for unit Young's modulus, shape (6, 6), order xx yy zz yz zx xy.
 
     Args:
         poisson: Poisson's ratio, 0 <= poisson < 0.5.
@@ -32,7 +32,7 @@ def elasticity(poisson: float) -> Array:
 def hexahedron_stiffness(
     size_mm: tuple[float, float, float], poisson: float, *, incompatible_modes: bool = True
 ) -> Array:
-    """Stiffness of a box-shaped 8-node hexahedron with incompatible modes for E = 1 MPa, N/mm.
+    """Return the stiffness of a box-shaped 8-node hexahedron with incompatible modes for E = 1 MPa, N/mm.
 
     The three quadratic bubble modes per direction remove parasitic shear in bending and are condensed
     out; on a box they pass the patch test without correction.
@@ -61,7 +61,7 @@ def hexahedron_stiffness(
 
 
 def parity_blocks(stiffness: Array) -> Array:
-    """The eight 3 x 3 blocks of a hexahedron's stiffness in the basis of corner sums and differences.
+    """Return the eight 3 x 3 blocks of a hexahedron's stiffness in the basis of corner sums and differences.
 
     A box of isotropic material commutes with its three reflections, so the Walsh-Hadamard transform over
     its corners leaves one 3 x 3 block per parity class. Sum w = (wx, wy, wz) in {0, 1}^3 is a difference
@@ -102,7 +102,7 @@ def _bubble_gradients(point: tuple[float, ...], size: tuple[float, float, float]
 
 
 def _strain(gradients: Array) -> Array:
-    """Strain-displacement matrix (6, 3 n) of shape-function gradients (n, 3)."""
+    """Return the strain-displacement matrix (6, 3 n) of shape-function gradients (n, 3)."""
     b = np.zeros((6, len(gradients), 3))
     dx, dy, dz = gradients.T
     b[0, :, 0], b[1, :, 1], b[2, :, 2] = dx, dy, dz

@@ -70,7 +70,7 @@ def solve_system(
     names: tuple[str, ...],
     precision: Precision = "float32",
 ) -> Solution:
-    """Displacements of every case, their true residual at most the tolerance.
+    """Return the displacements of every case, their true residual at most the tolerance.
 
     Args:
         guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros; the
@@ -101,7 +101,7 @@ def solve_system(
 def run_method(
     method: Method, tables: GridTables, system: System, guess: jax.Array, tolerance: float
 ) -> CgResult:
-    """What one method arrives at; the others have not been tried."""
+    """Return what one method arrives at; the others have not been tried."""
     limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
@@ -137,7 +137,7 @@ def _check_numbers(system: System, names: tuple[str, ...]) -> None:
 
 @jax.jit
 def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, ...]:
-    """Least and largest modulus, whether all are finite, and whether the forces of each case are.
+    """Return minimum and largest modulus, whether all are finite, and whether the forces of each case are.
 
     A compiled minimum may pass over what is not a number; a sum does not.
     """
@@ -167,7 +167,7 @@ def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[
 
 
 def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
-    """The first case whose load reaches its supports across edges or corners only."""
+    """Return the first case whose load reaches its supports across edges or corners only."""
     found = unsupported_load(system, threshold, "faces")
     return found and (
         found[0],
@@ -176,7 +176,7 @@ def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
 
 
 def _check_load_path(system: System, names: tuple[str, ...]) -> None:
-    """Before slower methods are tried: a singular system has no answer."""
+    """Refuse a singular system before slower methods are tried."""
     found = unsupported_load(system, 0.0)
     if found is not None:
         case, reason = found

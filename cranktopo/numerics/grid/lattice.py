@@ -45,7 +45,7 @@ class Lattice:
         return (3, *self.nodes)
 
     def coarsenings(self, levels: int) -> tuple[Cells, ...]:
-        """Fine cells per coarse cell along (x, y, z) on every coarse grid of the multigrid hierarchy.
+        """Return fine cells per coarse cell along (x, y, z) on every coarse grid of the multigrid hierarchy.
 
         All axes are halved `levels` times; then those that still can, until a dense solve is cheap.
         """
@@ -65,14 +65,14 @@ class Lattice:
 
 @lru_cache(maxsize=64)
 def layer_stiffness(lattice: Lattice, layer: int) -> Array:
-    """Stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa."""
+    """Return the stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa."""
     size = lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[layer]
     return hexahedron_stiffness(size, lattice.poisson, incompatible_modes=lattice.incompatible_modes)
 
 
 @lru_cache(maxsize=16)
 def layer_blocks(lattice: Lattice) -> Array:
-    """Parity blocks (8, 3, 3, nz) of every layer; entries that vanish by symmetry are exactly zero."""
+    """Return parity blocks (8, 3, 3, nz) of every layer; entries that vanish by symmetry are exactly zero."""
     heights = sorted(set(lattice.dz_mm))
     known = {h: parity_blocks(layer_stiffness(lattice, lattice.dz_mm.index(h))) for h in heights}
     blocks = np.stack([known[h] for h in lattice.dz_mm], axis=-1)

@@ -19,7 +19,7 @@ from cranktopo.numerics.kernels.registry import by_kernel, called, coupled
 
 
 def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
-    """Nodal forces K(moduli) u of every case: by a kernel on the processor, elsewhere by JAX.
+    """Return the nodal forces K(moduli) u of every case: by a kernel on the processor, elsewhere by JAX.
 
     Args:
         blocks: parity blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
@@ -37,7 +37,7 @@ def _by_kernel(*arrays: jax.Array) -> jax.Array:
 
 
 def _apply_by_slabs(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
-    """The product as JAX code, slab by slab along x: sums of the whole grid would take the most memory."""
+    """Return product as JAX code, slab by slab along x: sums of the whole grid would take the most memory."""
 
     def part(start: int | jax.Array, depth: int) -> jax.Array:
         cells = jax.lax.dynamic_slice_in_dim(moduli, start, depth)
@@ -57,7 +57,7 @@ def _apply_to_slab(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> ja
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
-    """v^T K_e u of every cell for unit modulus, summed over cases: the derivative of v^T K u by moduli.
+    """Return v^T K_e u of every cell for unit modulus over all cases: the derivative of v^T K u by moduli.
 
     Returns:
         Array (nx, ny, nz), N mm per MPa.
@@ -67,7 +67,7 @@ def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
 
 @jax.jit
 def strain_energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
-    """u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus, N mm per MPa."""
+    """Return u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus, N mm per MPa."""
     return by_kernel(_energies_by_kernel, _energies_by_layers, blocks, u, u)
 
 
@@ -78,7 +78,7 @@ def _energies_by_kernel(blocks: jax.Array, left: jax.Array, right: jax.Array) ->
 
 
 def _energies_by_layers(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
-    """The same as JAX code, layer by layer: sums and differences stay in the cache."""
+    """Return the same as JAX code, layer by layer: sums and differences stay in the cache."""
 
     def layer(fields: tuple[jax.Array, jax.Array], start: jax.Array) -> jax.Array:
         at = [jax.lax.dynamic_slice_in_dim(field[None], start, 2, axis=2) for field in fields]
@@ -102,7 +102,7 @@ def _layer_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) 
 
 
 def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
-    """Diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1), in units of `moduli` times mm."""
+    """Return the diagonal of K(moduli), shape (3, nx + 1, ny + 1, nz + 1), in units of `moduli` times mm."""
     weights = jnp.sum(blocks, axis=0)  # by symmetry every corner has the same diagonal
     diagonal = []
     for c in range(3):
@@ -118,7 +118,7 @@ def stiffness_diagonal(blocks: jax.Array, moduli: jax.Array) -> jax.Array:
 
 
 def _parity_sums(field: jax.Array) -> jax.Array:
-    """Sums and differences over the corners of each cell, by parity class: (cases, 8, 3, cells...).
+    """Return sums and differences over the corners of each cell, by parity class: (cases, 8, 3, cells...).
 
     Along its own direction a component changes places: entry [p, c] is sum p xor e_c. One operation per
     axis on all components and classes together: single sums would need four times as many programs.
@@ -134,7 +134,7 @@ def _parity_sums(field: jax.Array) -> jax.Array:
 
 
 def _parity_sums_transposed(sums: jax.Array) -> jax.Array:
-    """Transpose of `_parity_sums` without its outermost nodes: inner nodes have cells on all sides."""
+    """Return transpose of `_parity_sums` without its outermost nodes: inner nodes have cells on all sides."""
     for axis in (2, 1, 0):
         pair = sums.reshape(sums.shape[0], -1, 2, *sums.shape[2:])
         first, second = pair[:, :, 0], pair[:, :, 1]
@@ -146,7 +146,7 @@ def _parity_sums_transposed(sums: jax.Array) -> jax.Array:
 
 
 def _signs(axis: int, dtype: jnp.dtype[Any]) -> jax.Array:
-    """Sign of the near corner along an axis, for both classes and every component: (2, 3, 1, 1, 1)."""
+    """Return sign of the near corner along an axis, for both classes and every component: (2, 3, 1, 1, 1)."""
     signs = np.ones((2, 3))
     signs[0, axis] = -1
     signs[1] = -signs[0]
@@ -154,7 +154,7 @@ def _signs(axis: int, dtype: jnp.dtype[Any]) -> jax.Array:
 
 
 def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, sums: jax.Array) -> jax.Array:
-    """The 3 x 3 block product of every parity class."""
+    """Return the 3 x 3 block product of every parity class."""
     columns = blocks.astype(sums.dtype)[:, :, :, None, None, :]
     return moduli * sum(
         (columns[:, :, d] * sums[:, :, d, None] for d in range(1, 3)),

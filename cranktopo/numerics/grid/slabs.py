@@ -17,7 +17,7 @@ def add_slabs(
     part: Callable[[int | jax.Array, int], jax.Array],
     axis: int,
 ) -> jax.Array:
-    """A nodal array plus the parts of slabs of equal depth along x; neighbours share a plane of nodes.
+    """Return a nodal array plus the parts of slabs of equal depth along x; neighbours share a plane of nodes.
 
     Args:
         layers: number of layers of cells along x.

@@ -22,7 +22,7 @@ TOLERANCE = 1e-8
 
 
 def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:
-    """Stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
+    """Return stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
 
     Raises:
         CranktopoError: the solve failed.
@@ -35,13 +35,13 @@ def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array
 
 
 def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessment:
-    """The scene's own web on the same grid, in the same model."""
+    """Return the scene's own web on the same grid, in the same model."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
     return _assess(model, scene, domain, original.fixed, original.fixed)
 
 
 def assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
-    """The design space all solid: no design is stiffer."""
+    """Return the design space all solid: no design is stiffer."""
     return assess(problem, scene, domain, np.asarray(problem.density_chain.design > 0, float))
 
 

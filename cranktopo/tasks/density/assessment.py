@@ -1,4 +1,4 @@
-"""What the optimiser's model says about a body: stiffness, mass and every quantity of a goal."""
+"""Stiffness, mass and every quantity of a goal of a body in the optimiser's model."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class Assessment:
-    """What the optimiser's model says about a body.
+    """Assessment of a body in the optimiser's model.
 
     Attributes:
         throw_kg: mass between the two mid-main-journal planes, kg.
@@ -37,5 +37,5 @@ class Assessment:
     quantities: Mapping[str, float]
 
     def stiffness_per_mass(self) -> dict[str, float]:
-        """Stiffness per mass of the throw, by load case name, in N m/(rad kg) or N/(mm kg)."""
+        """Return the stiffness per mass of the throw, by load case name, in N m/(rad kg) or N/(mm kg)."""
         return {c.name: c.stiffness / self.throw_kg for c in self.cases if c.stiffness is not None}

@@ -37,7 +37,7 @@ _START = 0.5
 def build_problem(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
 ) -> DensityProblem:
-    """The optimisation problem of a scene on a domain; call inside `double_precision()`.
+    """Return the optimisation problem of a scene on a domain; call inside `double_precision()`.
 
     Raises:
         CranktopoError: a goal or limit without its load case.
@@ -75,7 +75,7 @@ def build_problem(
 
 
 def with_limits(problem: DensityProblem, *limits: ResponseConstraint) -> DensityProblem:
-    """The problem with further limits, by the method that takes any."""
+    """Return the problem with further limits, by the method that takes any."""
     optimisation = replace(problem.optimisation, limits=(*problem.optimisation.limits, *limits))
     return replace(problem, optimisation=optimisation, method=by_moving_asymptotes)
 

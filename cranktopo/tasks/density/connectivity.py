@@ -1,4 +1,4 @@
-"""Whether the solid of a design joins the main journal with the crankpin."""
+"""Connection of the main journal with the crankpin by the solid of a design."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ SOLID = 0.5
 
 
 def is_connected(domain: Domain, density: NDArray[np.float64]) -> bool:
-    """Whether one face-connected body of solid cells holds both journals."""
+    """Tell whether one face-connected body of solid cells holds both journals."""
     from scipy.ndimage import label
 
     first, last = domain.web_layers

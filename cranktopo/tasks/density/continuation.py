@@ -27,7 +27,7 @@ MOVE_LEAST = 0.05
 
 
 def advance(problem: DensityProblem, state: State, new_x: Array) -> State:
-    """The next design, its projection, and whether the evaluated one ends the run."""
+    """Return the next design, its projection, and whether the evaluated one ends the run."""
     schedule, last = problem.schedule, state.last
     in_stage = len(state.history) - state.stage_start
     plateau = _plateau(state, in_stage) if in_stage > WINDOW else np.inf
@@ -65,7 +65,7 @@ def _kept(problem: DensityProblem) -> str:
 
 
 def _broken(problem: DensityProblem, last: Record) -> str:
-    """Which limits are broken, and what was reached."""
+    """Return which limits are broken, and what was reached."""
     pairs = zip(problem.optimisation.limits, last.limits, strict=False)
     texts = [
         f"{limit}: reached {limit.shown(value)}"
@@ -76,7 +76,7 @@ def _broken(problem: DensityProblem, last: Record) -> str:
 
 
 def _stuck(problem: DensityProblem, state: State, in_stage: int) -> bool:
-    """Whether broken limits have come no nearer during two windows at the final projection."""
+    """Tell whether broken limits have come no nearer during two windows at the final projection."""
     last = state.last
     if last.beta < problem.schedule.projection_last or last.broken <= STUCK_LEAST:
         return False
@@ -87,25 +87,25 @@ def _stuck(problem: DensityProblem, state: State, in_stage: int) -> bool:
 
 
 def largest_move(schedule: Schedule, beta: float) -> float:
-    """Largest change of a design variable by one step."""
+    """Return the largest change of a design variable by one step."""
     return max(min(MOVE_LEAST, schedule.move), schedule.move / math.sqrt(beta))
 
 
 def tolerance_at(problem: DensityProblem, beta: float) -> float:
-    """Relative residual that a solve at this projection steepness must reach."""
+    """Return the relative residual that a solve at this projection steepness must reach."""
     solving = problem.solving
     return solving.tolerance if beta >= problem.schedule.projection_last else solving.tolerance_early
 
 
 def with_limit(problem: DensityProblem, state: State) -> State:
-    """A stopped state set running again when the problem's iteration limit allows more."""
+    """Set a stopped state running again when the problem's iteration limit allows more."""
     if state.status == "stopped" and len(state.history) < problem.max_iterations:
         return replace(state, status="running", reason="")
     return state
 
 
 def with_bounds(state: State, bounds: Sequence[float]) -> State:
-    """A converged state set running again at the same projection, the limits of its problem at new bounds."""
+    """Set a converged state running again at the same projection, its limits at new bounds."""
     now = Round(state.last.iteration, tuple(bounds))
     return replace(
         state, status="running", reason="", stage_start=len(state.history), rounds=(*state.rounds, now)
@@ -113,7 +113,7 @@ def with_bounds(state: State, bounds: Sequence[float]) -> State:
 
 
 def iterations_left(problem: DensityProblem, state: State) -> int:
-    """Upper estimate of the iterations still needed, for the progress display."""
+    """Return the upper estimate of the iterations still needed, for the progress display."""
     schedule = problem.schedule
     stages = 1 + math.ceil(math.log2(schedule.projection_last / state.beta))
     in_stage = len(state.history) - state.stage_start
@@ -122,6 +122,6 @@ def iterations_left(problem: DensityProblem, state: State) -> int:
 
 
 def _plateau(state: State, in_stage: int) -> float:
-    """Relative spread of the objective over the last window of the current stage."""
+    """Return the relative spread of the objective over the last window of the current stage."""
     recent = [row.objective for row in state.history[-min(WINDOW + 1, in_stage) :]]
     return (max(recent) - min(recent)) / abs(recent[-1])

@@ -16,7 +16,7 @@ from cranktopo.tasks.density.material import Block, MaterialInterpolation, build
 
 
 def build_chain(scene: Scene, domain: Domain) -> MaterialInterpolation:
-    """The density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
+    """Return the density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
     radius = filter_radius_mm(scene, domain)
     density_chain = build_interpolation(domain, radius, designable(scene, domain))
     return replace(
@@ -29,7 +29,7 @@ def build_chain(scene: Scene, domain: Domain) -> MaterialInterpolation:
 
 
 def _boundary_correction(density_filter: Block, scene: Scene, domain: Domain) -> jax.Array | None:
-    """What keeps a member as thick as asked where it lies along a wall of the design space."""
+    """Return what keeps a member as thick as asked along a wall of the design space."""
     if scene.optimise.min_member_mm is None or not isinstance(density_filter, ConeFilter):
         return None
     (first, last), reach = domain.web_layers, density_filter.kernel.shape[2] // 2

@@ -1,4 +1,4 @@
-"""What a stiffness of the optimiser's model is worth: a bound of its error, known before any solve."""
+"""Bound of the error of a stiffness in the optimiser's model, known before any solve."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ up to a tenth more."""
 
 
 def model_error_percent(scene: Scene, cell_mm: float) -> dict[str, float]:
-    """Bound of the error of the stiffnesses of a throw without fillets, %, by kind of load case.
+    """Return the bound of the error of the stiffnesses of a throw without fillets, %, by kind of load case.
 
     A power of the cell over the thickness of the web, fitted from above to the errors of `python -m
     tests.benchmarks.voxel_accuracy --throws` on webs of 14 to 37 mm, and `--features` with counterweights and

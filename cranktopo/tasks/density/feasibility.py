@@ -71,12 +71,12 @@ def _check_together(limits: Sequence[ResponseConstraint]) -> None:
 
 
 def _monotone(limit: ResponseConstraint) -> bool:
-    """Whether the limit is met best by the stiffest design."""
+    """Tell whether the limit is met best by the stiffest design."""
     return limit.response.stiffest == {"<=": "least", ">=": "most"}[limit.sense]
 
 
 def _of_cells(problem: DensityProblem, limit: ResponseConstraint) -> tuple[ResponseConstraint, float, str]:
-    """Best value of a sum over the cells, and what has it."""
+    """Return the best value of a sum over the cells, and what has it."""
     density_chain = problem.density_chain
 
     def reached(density: jax.Array, density_chain: MaterialInterpolation) -> jax.Array:

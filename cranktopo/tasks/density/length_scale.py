@@ -23,7 +23,7 @@ LARGEST_THRESHOLD = 0.75
 
 
 def least_width(eroded: float) -> float:
-    """Least width of a member of the made design, over the filter radius.
+    """Return the minimum width of a member of the made design, over the filter radius.
 
     Args:
         eroded: threshold of the eroded design, from that of the made one up to below 1.
@@ -35,7 +35,7 @@ def least_width(eroded: float) -> float:
 
 
 def eroded_threshold(width: float) -> float:
-    """Threshold of the eroded design for a least width over the filter radius: the inverse of `least_width`.
+    """Return the eroded design's threshold for a width over the filter radius: inverse of `least_width`.
 
     Raises:
         ValueError: a width that the largest threshold does not reach.
@@ -46,7 +46,7 @@ def eroded_threshold(width: float) -> float:
 
 
 def projection_for(scene: Scene, radius_mm: float) -> Projection:
-    """The thresholds that a scene's least member and gap take with a filter radius."""
+    """Return the thresholds that a scene's least member and gap take with a filter radius."""
     settings = scene.optimise
     above, below = (
         eroded_threshold(min(length / radius_mm, least_width(LARGEST_THRESHOLD))) if length else THRESHOLD
@@ -56,18 +56,18 @@ def projection_for(scene: Scene, radius_mm: float) -> Projection:
 
 
 def filter_radius_mm(scene: Scene, domain: Domain) -> float:
-    """Radius of the filter: the scene's own, or the usual one, or what its least member and gap need."""
+    """Return the filter radius: the scene's own, the usual one, or what its least member and gap need."""
     given = scene.optimise.filter_radius_mm
     return given or max(usual_filter_radius_mm(domain), needed_filter_radius_mm(scene))
 
 
 def usual_filter_radius_mm(domain: Domain) -> float:
-    """Filter radius when the scene asks for nothing: 2.5 cells, and never below 3 mm."""
+    """Return the filter radius when the scene asks for nothing: 2.5 cells, and never below 3 mm."""
     return max(3.0, 2.5 * domain.grid.largest_edge_mm)
 
 
 def needed_filter_radius_mm(scene: Scene) -> float:
-    """Smallest filter radius for the scene's least member and gap; 0 where it asks for none."""
+    """Return the smallest filter radius for the scene's least member and gap; 0 where it asks for none."""
     lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
     return max(length or 0.0 for length in lengths) / least_width(LARGEST_THRESHOLD)
 
@@ -101,7 +101,7 @@ def check_lengths(scene: Scene) -> None:
 
 
 def length_notice(scene: Scene, domain: Domain) -> str:
-    """What least member and gap change without being asked; empty where nothing."""
+    """Say what minimum member and gap change without being asked; empty where nothing."""
     usual, used = usual_filter_radius_mm(domain), filter_radius_mm(scene, domain)
     if scene.optimise.filter_radius_mm is not None or used == usual:
         return ""

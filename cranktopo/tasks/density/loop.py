@@ -46,7 +46,7 @@ class WebDensities:
 
 
 def init(problem: DensityProblem) -> State:
-    """The uniform start design."""
+    """Return the uniform start design."""
     x = np.full(problem.density_chain.design.shape, problem.start)
     cases, *nodes = problem.model.forces.shape
     displacements = np.zeros((cases if problem.density_chain.projection == PLAIN else 2 * cases, *nodes))
@@ -103,7 +103,7 @@ class _Solved(NamedTuple):
 
 
 def _solved(problem: DensityProblem, state: State) -> _Solved:
-    """The state's design under its loads; also the robust one where it is another."""
+    """Return the state's design under its loads; also the robust one where it is another."""
     density_chain, x, beta = problem.density_chain, jnp.asarray(state.x), jnp.asarray(state.beta)
     moduli, solid, volume, grey = _nominal(density_chain, x, beta)
     cases = len(problem.model.cases)
@@ -119,7 +119,7 @@ def _solved(problem: DensityProblem, state: State) -> _Solved:
 def _loaded(
     problem: DensityProblem, state: State, moduli: jax.Array, solid: jax.Array, guess: Array
 ) -> tuple[Design, Solution]:
-    """A design under its loads, and how it was solved."""
+    """Return a design under its loads, and how it was solved."""
     model = problem.model
     forces = case_forces(model, solid)
     solution = solve(
@@ -137,12 +137,12 @@ def _loaded(
 
 
 def final_design(problem: DensityProblem, state: State) -> WebDensities:
-    """Densities of the last design evaluated."""
+    """Return the densities of the last design evaluated."""
     return design_of(problem.density_chain, state.evaluated, state.last.beta)
 
 
 def design_of(density_chain: MaterialInterpolation, x: Array, beta: float) -> WebDensities:
-    """Densities of design variables at a projection steepness."""
+    """Return the densities of design variables at a projection steepness."""
     filtered, physical = _densities(density_chain, jnp.asarray(x), jnp.asarray(beta))
     return WebDensities(filtered=np.asarray(filtered), physical=np.asarray(physical))
 
@@ -160,7 +160,7 @@ def _densities(
 def _nominal(
     density_chain: MaterialInterpolation, x: jax.Array, beta: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-    """Moduli, solid fraction, volume fraction and greyness of the design itself."""
+    """Return the moduli, solid fraction, volume fraction and greyness of the design itself."""
     density = physical_density(density_chain, x, beta)
     moduli, solid = relative_moduli(density_chain, density), solid_fraction(density_chain, density)
     return moduli, solid, volume_fraction(density_chain, density), greyness(density_chain, density)
@@ -170,6 +170,6 @@ def _nominal(
 def _eroded(
     density_chain: MaterialInterpolation, x: jax.Array, beta: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Moduli of the eroded design and solid fraction of the dilated one."""
+    """Return the moduli of the eroded design and solid fraction of the dilated one."""
     moduli = relative_moduli(density_chain, eroded_density(density_chain, x, beta))
     return moduli, solid_fraction(density_chain, dilated_density(density_chain, x, beta))

@@ -60,7 +60,7 @@ class MaterialInterpolation:
 def build_interpolation(
     domain: Domain, filter_radius_mm: float, design: NDArray[np.float64] | None = None
 ) -> MaterialInterpolation:
-    """The density-to-modulus chain of a domain, for a web that any process may make.
+    """Return the density-to-modulus chain of a domain, for a web that any process may make.
 
     Call it inside `double_precision()`.
 
@@ -80,31 +80,31 @@ def build_interpolation(
 
 
 def web_cell_mm(domain: Domain) -> tuple[float, float, float]:
-    """Edges of the cells of the web's layers, mm."""
+    """Return the edges of the cells of the web's layers, mm."""
     dx, dy, dz = domain.grid.steps_mm
     return float(dx[0]), float(dy[0]), float(dz[domain.web_layers[0]])
 
 
 def smooth_density(data: MaterialInterpolation, x: jax.Array) -> jax.Array:
-    """Filtered density that the process can make; its iso-surface bounds the web."""
+    """Return the filtered density that the process can make; its iso-surface bounds the web."""
     smooth = data.density_filter(x)
     return smooth if data.process is None else data.process(smooth)
 
 
 def physical_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """Physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
+    """Return the physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
     return _projected(data, smooth_density(data, x), beta, data.projection.nominal)
 
 
 def eroded_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """The thinner design whose stiffness counts: the physical density unless members have a least size."""
+    """Return thinner design whose stiffness counts: the physical density unless members have a least size."""
     smooth = smooth_density(data, x)
     seen = smooth if data.boundary_correction is None else smooth * data.boundary_correction
     return _projected(data, seen, beta, data.projection.eroded)
 
 
 def dilated_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """The thicker design whose volume grows: the physical density unless gaps have a least size."""
+    """Return the thicker design whose volume grows: the physical density unless gaps have a least size."""
     return _projected(data, smooth_density(data, x), beta, data.projection.dilated)
 
 
@@ -115,7 +115,7 @@ def _projected(
 
 
 def relative_moduli(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
-    """Relative moduli (nx, ny, nz) of all cells (modified SIMP).
+    """Return the relative moduli (nx, ny, nz) of all cells (modified SIMP).
 
     Source: M. P. Bendsoe, O. Sigmund, Topology Optimization, 2003; O. Sigmund, SMO 33, 2007.
     """
@@ -124,7 +124,7 @@ def relative_moduli(data: MaterialInterpolation, density: jax.Array) -> jax.Arra
 
 
 def solid_fraction(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
-    """Solid fraction (nx, ny, nz) of all cells, which carries the mass."""
+    """Return the solid fraction (nx, ny, nz) of all cells, which carries the mass."""
     return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(data.design * density)
 
 

@@ -1,4 +1,4 @@
-"""What an optimisation does that its user may not expect, in one sentence each."""
+"""Notices of what an optimisation does that its user may not expect, in one sentence each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WORTH_SAYING = 1e-3
 
 
 def notices(scene: Scene, domain: Domain) -> tuple[str, ...]:
-    """Sentences about the envelope, the die, the filter and the web that gains are measured against.
+    """Return sentences about the envelope, the die, the filter and the web that gains are measured against.
 
     Args:
         scene: as it is simulated, without what the plan leaves out.
@@ -46,7 +46,7 @@ def _die(scene: Scene, domain: Domain) -> str:
 
 
 def baseline_notice(scene: Scene) -> str:
-    """What "original" means where it is a body from CAD, or the envelope is one; else empty."""
+    """Say what "original" means where it is a body from CAD, or the envelope is one; else empty."""
     if scene.original is not None:
         return f"the original web is that of the body in '{Path(scene.original.file).name}' ([original])"
     if scene.envelope is None or scene.envelope.shape != "stl":

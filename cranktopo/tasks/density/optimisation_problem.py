@@ -1,4 +1,4 @@
-"""What an optimisation is asked for: one thing to make small or large, and limits, all scaled alike.
+"""The optimisation problem: one thing to make small or large, and limits, all scaled alike.
 
 Every function that an optimiser sees is of the order of 1: a goal over its reference, a limit as the share by
 which it is broken. A stiffness enters through its reciprocal, which is nearly linear in what is added.
@@ -32,7 +32,7 @@ class Objective:
     reference: float = 1.0
 
     def scaled(self, design: Design) -> jax.Array:
-        """What is minimised: the response over its reference, or its reciprocal."""
+        """Return what is minimised: the response over its reference, or its reciprocal."""
         value = self.response.value(design) / self.reference
         return value if self.sense == "minimise" else 1 / value
 
@@ -58,13 +58,13 @@ class ResponseConstraint:
         return f"{self.response.name} {self.sense} {self.shown(self.bound)}"
 
     def shown(self, value: float) -> str:
-        """A value of the response with its unit, as in messages."""
+        """Return a value of the response with its unit, as in messages."""
         if self.percent:
             return f"{100 * value / self.original:.4g} %"
         return self.in_unit(value)
 
     def in_unit(self, value: float) -> str:
-        """A value of the response in its own unit."""
+        """Return a value of the response in its own unit."""
         return f"{value:.6g} {self.response.unit}".rstrip()
 
     def scaled(self, design: Design) -> jax.Array:
@@ -114,5 +114,5 @@ class OptimisationProblem:
 
     @property
     def worst_of_several(self) -> bool:
-        """Whether the largest of several goals is minimised."""
+        """True where the largest of several goals is minimised."""
         return len(self.goals) > 1

@@ -20,7 +20,7 @@ TOLERANCE, TOLERANCE_EARLY = 1e-3, 1e-2
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """How exactly the linear systems of the design iterations are solved.
+    """Accuracy of the solves of the design iterations.
 
     Attributes:
         tolerance_early: relative residual before the last projection stage.
@@ -35,7 +35,7 @@ class SolverSettings:
 
 @dataclass(frozen=True)
 class Schedule:
-    """How the optimisation proceeds.
+    """Schedule of projection and steps.
 
     Attributes:
         projection_first, projection_last: steepness of the projection, which doubles from stage to stage.
@@ -75,7 +75,7 @@ class DensityProblem:
     original: Assessment | None = None
 
     def with_bounds(self, bounds: Sequence[float]) -> DensityProblem:
-        """The same with the limits at other bounds, in their order; none keep their own."""
+        """Return the same with the limits at other bounds, in their order; none keep their own."""
         if not bounds:
             return self
         pairs = zip(self.optimisation.limits, bounds, strict=True)

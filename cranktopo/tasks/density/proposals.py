@@ -30,7 +30,7 @@ _GAIN, _LARGEST_MARGIN = 0.5, 0.01
 
 
 def by_optimality_criteria(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
-    """The weighted sum of compliances at a volume fraction."""
+    """Take a step for the weighted sum of compliances at a volume fraction."""
     factors = jnp.asarray(
         [w / float(c) for w, c in zip(problem.weights, design.reference_compliances, strict=True)]
     )
@@ -56,7 +56,7 @@ def compile_optimality_criteria(problem: DensityProblem) -> None:
 def _objective_gradients(
     model: ThrowModel, design: Design, factors: jax.Array
 ) -> tuple[jax.Array, jax.Array | None]:
-    """Derivative of the objective by the moduli, and by the solid where its own mass loads it."""
+    """Return the derivative of the objective by the moduli, and by the solid where its own mass loads it."""
     by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, design.displacements))
     if not model.spinning:
         return by_moduli, None
@@ -65,7 +65,7 @@ def _objective_gradients(
 
 
 def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
-    """Any goals and limits."""
+    """Take a step for any goals and limits."""
     optimisation = problem.optimisation
     adjoints = _adjoints(problem, state, eroded)
     values, by_moduli, by_solid = gradients(problem.model, optimisation.functions, eroded, adjoints)
@@ -98,7 +98,7 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, 
 
 
 def _margins(problem: DensityProblem, state: State, values: jax.Array, epigraph: jax.Array) -> jax.Array:
-    """What the limits are tightened by at the final projection, where steps keep missing them to one side."""
+    """Return margins of the limits at the final projection, where steps keep missing them to one side."""
     if not state.memory or state.beta < problem.schedule.projection_last:
         return jnp.zeros_like(values)
     before = jnp.asarray(state.memory["margins"])
@@ -112,7 +112,7 @@ def _remembered(state: State, x: jax.Array) -> Asymptotes:
 
 
 def _adjoints(problem: DensityProblem, state: State, design: Design) -> dict[int, jax.Array]:
-    """Solutions for the responses that read displacements; each starts from that of the last design."""
+    """Solve for the responses that read displacements; each starts from that of the last design."""
     found = {}
     optimisation = problem.optimisation
     for index, (response, function) in enumerate(
@@ -139,7 +139,7 @@ def vjp(
     by_moduli: jax.Array,
     by_solid: jax.Array,
 ) -> jax.Array:
-    """Derivatives (k, nx, ny, nw) by the design variables of k functions of moduli and solid fraction."""
+    """Return derivatives (k, nx, ny, nw) by design variables of k functions of moduli and solid fraction."""
 
     def fields(x: jax.Array) -> tuple[jax.Array, jax.Array]:
         moduli = relative_moduli(density_chain, eroded_density(density_chain, x, beta))

@@ -74,7 +74,7 @@ class Response:
 
 
 def weighted_compliance(weights: Sequence[float]) -> Response:
-    """Weighted sum of the works of the loads, each over its value in the first design."""
+    """Return the weighted sum of the works of the loads, each over its value in the first design."""
     shares = jnp.asarray(weights) / sum(weights)
     return Response(
         "weighted compliance", "", lambda design: shares @ (design.compliances / design.reference_compliances)
@@ -82,7 +82,7 @@ def weighted_compliance(weights: Sequence[float]) -> Response:
 
 
 def relative_compliance(index: int, name: str, weight: float = 1.0) -> Response:
-    """Work of the loads of one case over its value in the first design, times a weight."""
+    """Return the work of the loads of one case over its value in the first design, times a weight."""
 
     def value(design: Design) -> jax.Array:
         return weight * design.compliances[index] / design.reference_compliances[index]
@@ -102,7 +102,7 @@ def volume(density_chain: MaterialInterpolation) -> Response:
 
 
 def quantities(model: ThrowModel, density_kg_m3: float, bolted: Moments | None = None) -> dict[str, Response]:
-    """Every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
+    """Return every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
 
     The stiffness of a load case has the case's name.
 
@@ -141,7 +141,7 @@ def _of_solid(
 
 
 def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
-    """Stiffness, stiffness per mass and motion of the load under one case; a body force has none."""
+    """Return stiffness, stiffness per mass and motion of the load under one case; a body force has none."""
     load, torsion = abs(case_load(case)), case.kind == "torsion"
     if case.kind == "centrifugal" or load == 0:
         return []
@@ -163,7 +163,7 @@ def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
 
 
 def ratio(name: str, unit: str, above: Response, below: Response) -> Response:
-    """One response over another."""
+    """Return one response over another."""
     return Response(
         name,
         unit,
@@ -179,7 +179,7 @@ def gradients(
     design: Design,
     adjoints: Mapping[int, jax.Array],
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Values of k functions of a solved design and their whole derivatives.
+    """Return the values of k functions of a solved design and their whole derivatives.
 
     Args:
         functions: such as the values of responses; hashable.
@@ -201,14 +201,14 @@ def gradients(
 
 @partial(jax.jit, static_argnums=0)
 def loads_of(function: Callable[[Design], jax.Array], design: Design) -> jax.Array:
-    """Derivative of a function by the displacements (cases, 3, nodes...): the loads of its adjoint solve."""
+    """Return the loads of a function's adjoint solve: its derivative by the displacements."""
     loads = jax.grad(lambda u: function(design._replace(displacements=u)))(design.displacements)
     return on_material(loads, design.moduli)
 
 
 @jax.jit
 def on_material(field: jax.Array, moduli: jax.Array) -> jax.Array:
-    """A field (cases, 3, nodes...) with zeros at the nodes where no cell has any stiffness."""
+    """Return a field (cases, 3, nodes...) with zeros at the nodes where no cell has any stiffness."""
     filled = jnp.pad(moduli > 0, 1)
     for axis in range(3):
         size = filled.shape[axis]
@@ -219,7 +219,7 @@ def on_material(field: jax.Array, moduli: jax.Array) -> jax.Array:
 
 @partial(jax.jit, static_argnums=0)
 def values_of(functions: tuple[Callable[[Design], jax.Array], ...], design: Design) -> jax.Array:
-    """Values (k,) of functions of a solved design."""
+    """Return the values (k,) of functions of a solved design."""
     return jnp.stack([function(design) for function in functions])
 
 
@@ -227,7 +227,7 @@ def values_of(functions: tuple[Callable[[Design], jax.Array], ...], design: Desi
 def _partial_gradients(
     functions: tuple[Callable[[Design], jax.Array], ...], design: Design
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-    """Values and derivatives by moduli, solid and compliances, the displacements held."""
+    """Return the values and derivatives by moduli, solid and compliances, the displacements held."""
 
     def stacked(moduli: jax.Array, solid: jax.Array, compliances: jax.Array) -> jax.Array:
         return values_of(functions, design._replace(moduli=moduli, solid=solid, compliances=compliances))

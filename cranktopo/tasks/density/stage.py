@@ -83,7 +83,7 @@ def optimise_density(
 
 
 def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *_: None) -> State:
-    """The state at the end of the optimisation; `progress` is called after every iteration."""
+    """Return the state at the end of the optimisation; `progress` is called after every iteration."""
     while not state.done:
         state = loop.step(problem, state)
         progress(problem, state)
@@ -91,7 +91,7 @@ def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *
 
 
 def describe(prepared: Prepared) -> str:
-    """One line about the model: cells, cell size, padding, symmetry, load cases."""
+    """Return one line about the model: cells, cell size, padding, symmetry, load cases."""
     grid = prepared.domain.grid
     sizes = " x ".join(f"{step.max():.3g}" for step in grid.steps_mm)
     nx, ny, nz = grid.cells

@@ -55,7 +55,7 @@ class Round:
 
 @dataclass(frozen=True)
 class CoarseStart:
-    """What larger cells did before the first iteration.
+    """Iterations on larger cells before the first one.
 
     Attributes:
         cell_mm: their largest edge.
@@ -68,7 +68,7 @@ class CoarseStart:
 
 @dataclass(frozen=True)
 class State:
-    """Where an optimisation stands.
+    """Present state of an optimisation.
 
     Attributes:
         x: design variables of the next design (nx, ny, nw).
@@ -112,7 +112,7 @@ class State:
 
     @property
     def done(self) -> bool:
-        """Whether no further step is wanted."""
+        """True where no further step is wanted."""
         return self.status != "running"
 
 
@@ -133,7 +133,7 @@ class Proposal(NamedTuple):
 
 
 def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
-    """The state as named arrays and JSON-able data."""
+    """Return the state as named arrays and JSON-able data."""
     data = asdict(state)
     arrays = {name: data.pop(name) for name in ARRAY_FIELDS}
     arrays |= {MEMORY + name: array for name, array in data.pop("memory").items()}
@@ -141,7 +141,7 @@ def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
 
 
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
-    """The state from what `to_checkpoint` returned, exactly."""
+    """Return the state from what `to_checkpoint` returned, exactly."""
     records: list[dict[str, Any]] = [
         {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
         for row in data["history"]

@@ -20,7 +20,7 @@ _LEAST = 1e-12
 
 
 def stress_norm(model: ThrowModel, layers: tuple[int, int], power: float = 8.0) -> Response:
-    """Power mean of the von Mises stress in the middle of the web's cells over all load cases, MPa.
+    """Return power mean of the von Mises stress in the middle of the web's cells over all load cases, MPa.
 
     Args:
         layers: first and past-the-last z layer of the web.
@@ -43,7 +43,7 @@ def stress_norm(model: ThrowModel, layers: tuple[int, int], power: float = 8.0) 
 
 
 def middle_strain(lattice: Lattice, u: jax.Array, layers: tuple[int, int]) -> jax.Array:
-    """Strain (cases, 3, 3, nx, ny, n) in the middle of the cells of some layers.
+    """Return the strain (cases, 3, 3, nx, ny, n) in the middle of the cells of some layers.
 
     Args:
         u: displacements (cases, 3, nodes...), mm.
@@ -64,7 +64,7 @@ def middle_strain(lattice: Lattice, u: jax.Array, layers: tuple[int, int]) -> ja
 
 
 def von_mises_MPa(strain: jax.Array, modulus_MPa: float, poisson: float) -> jax.Array:
-    """Von Mises stress (cases, ...) of an isotropic solid, from strain (cases, 3, 3, ...).
+    """Return the von Mises stress (cases, ...) of an isotropic solid, from strain (cases, 3, 3, ...).
 
     The mean stress drops out, so that the shear modulus is all that counts.
     """

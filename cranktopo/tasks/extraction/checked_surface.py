@@ -40,16 +40,16 @@ class CheckedSurface:
         return float(self.grid.cell_mm.min())
 
     def undercuts(self, scene: Scene) -> Undercuts:
-        """What the scene's process cannot leave, to half a cell."""
+        """Return what the scene's process cannot leave, to half a cell."""
         return undercuts(self.surface.web, scene, self.cell_mm / 2)
 
     def walls(self, scene: Scene) -> dict[str, float | None]:
-        """Least draft (deg), member and gap (mm) of the walls that were shaped; None where there is none."""
+        """Return the minimum draft (deg), member and gap (mm) of the shaped walls; None for none."""
         return measure(self.surface.half_throw, envelope_solid(scene, self.grid), scene, self.cell_mm)
 
 
 def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> CheckedSurface:
-    """Surface of a design.
+    """Return the surface of a design.
 
     Raises:
         CranktopoError: a surface that fails a check, as that of a grey density does.
@@ -60,7 +60,7 @@ def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> Check
 
 
 def web_fields(domain: Domain, design: WebDensities) -> tuple[DensityGrid, Array, Array]:
-    """Fields of the web's cells over the full width, for the surface.
+    """Return the fields of the web's cells over the full width, for the surface.
 
     Returns:
         Physical density, the part of each cell that can hold material, and the filtered density. Journals

@@ -50,7 +50,7 @@ def command(
 
 
 def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> SurfaceFormat:
-    """The format that is asked for, by option or by the name of a file that can be written."""
+    """Return the format that is asked for, by option or by the name of a file that can be written."""
     if out is None:
         return form or "stl"
     from cranktopo.runs.destination import check_file

@@ -90,7 +90,7 @@ class Throw:
 
 @dataclass(frozen=True)
 class Field:
-    """What is extracted.
+    """Density and settings that a surface is extracted from.
 
     Attributes:
         field: the resampled density.
@@ -106,7 +106,7 @@ class Field:
 
 
 def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scene) -> Throw:
-    """The half throw by the first way that leads to a sound surface.
+    """Return the half throw by the first way that leads to a sound surface.
 
     Where none does, that of the usual way is returned, and the checks refuse it.
 
@@ -133,7 +133,7 @@ def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scen
 
 
 def _by(way: Way, source: Field, rough: Array) -> tuple[Throw, Array | None]:
-    """The throw of a way; None where it is sound, else the places where it passes through itself."""
+    """Return the throw of a way; None where it is sound, else the places where it passes through itself."""
     cutter, field, iso = source.cutter, source.field, source.iso
     if way.blur:
         field = blurred(field, way.blur)
@@ -155,7 +155,7 @@ def _web(way: Way, cutter: Cutter, field: FineField, iso: float, rough: Array | 
 
 
 def _near(found: Throw, source: Field) -> bool:
-    """Whether a throw has the volume of the density, islands counted, and lies near its iso-surface."""
+    """Tell whether a throw has the volume of the density, islands counted, and lies near its iso-surface."""
     web = web_region(found.body, source.scene)
     volume = web.volume() + sum(piece.volume() for piece in found.islands)
     if abs(volume - source.target_mm3) > VOLUME_SHARE * source.target_mm3:
@@ -166,7 +166,7 @@ def _near(found: Throw, source: Field) -> bool:
 
 
 def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold, list[Manifold]]:
-    """The piece of web and journals that holds both journals, and the islands that it left."""
+    """Return the piece of web and journals that holds both journals, and the islands that it left."""
     main, pin = journal_halves(scene)
     pieces = (web + main + pin).as_original().simplify(sliver_mm).decompose()
     islands = [piece for piece in pieces if piece.volume() > 0]
@@ -184,7 +184,7 @@ def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold
 
 
 def _joins(piece: Manifold, scene: Scene) -> bool:
-    """Whether a piece reaches both cut planes, which only the journals do."""
+    """Tell whether a piece reaches both cut planes, which only the journals do."""
     bounds = piece.bounding_box()
     return bool(bounds[2] < 1e-6 and bounds[5] > scene.pitch_mm / 2 - 1e-6)
 

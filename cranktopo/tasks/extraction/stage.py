@@ -136,7 +136,7 @@ def iso_distance_mm(
     solid_fraction: Array | None = None,
     smooth: Array | None = None,
 ) -> Array:
-    """Distances from the iso-surface of the resampled density, before any smoothing, to the final surface.
+    """Return distances from the unsmoothed iso-surface of the resampled density to the final surface.
 
     Only its points inside the envelope and outside bores and journals count: elsewhere the exact solids make
     the surface.

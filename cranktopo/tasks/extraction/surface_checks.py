@@ -1,4 +1,4 @@
-"""What a surface must satisfy before it is written."""
+"""Checks that a surface passes before it is written."""
 
 from __future__ import annotations
 

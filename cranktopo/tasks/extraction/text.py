@@ -15,7 +15,7 @@ _KEPT = 0.9
 
 @dataclass(frozen=True)
 class DesignUndercuts:
-    """What would keep a design from being made.
+    """Obstacles that keep a design from being made.
 
     Attributes:
         hollows: closed ones inside the half throw.
@@ -28,7 +28,7 @@ class DesignUndercuts:
 
     @property
     def free(self) -> bool:
-        """Whether a die releases the web, and a cutter reaches all of it."""
+        """True where a die releases the web, and a cutter reaches all of it."""
         return not obstacles(self.hollows, UndercutMeasures.of(self.undercuts))
 
 
@@ -42,12 +42,12 @@ _COLUMNS: tuple[Column[DesignUndercuts], ...] = (
 
 
 def undercut_table(found: Sequence[DesignUndercuts]) -> ResultTable:
-    """Hollows and undercuts of each design."""
+    """Return the hollows and undercuts of each design."""
     return tabulate(_COLUMNS, found)
 
 
 def undercut_text(found: UndercutMeasures) -> str:
-    """Whether a die, mould or mill leaves the web as it is, and what it would have to leave behind."""
+    """Tell whether a die, mould or mill leaves the web as it is, and what it would have to leave behind."""
     if not found.caught_rays:
         return f"none: {released_text(found.by)} the web"
     lateral = found.by == LATERAL_DIE.text
@@ -60,12 +60,12 @@ def undercut_text(found: UndercutMeasures) -> str:
 
 
 def released_text(way: str) -> str:
-    """What a die, mould or mill does to a web that it can make, without the object."""
+    """Return what a die, mould or mill does to a web that it can make, without the object."""
     return f"{way} {'reaches all of' if way.startswith('a mill') else 'releases'}"
 
 
 def obstacles(cavities: int, undercuts: UndercutMeasures | None) -> list[str]:
-    """What keeps a web from being made; nothing where a die releases it and a cutter reaches all of it.
+    """Return what keeps a web from being made; nothing where a die releases it and a cutter reaches it.
 
     Args:
         cavities: closed hollows inside.
@@ -84,7 +84,7 @@ def obstacles(cavities: int, undercuts: UndercutMeasures | None) -> list[str]:
 
 
 def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, float]]:
-    """Measured and asked length of everything that was asked for, mm, by its name in words.
+    """Return the measured and asked length of everything that was asked for, mm, by its name in words.
 
     The measured length is None where no such wall faces another.
     """
@@ -98,12 +98,12 @@ def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, f
 
 
 def kept(measured_mm: float | None, asked_mm: float) -> bool:
-    """Whether a measured length is the asked one, as nearly as a surface is known."""
+    """Tell whether a measured length is the asked one, as nearly as a surface is known."""
     return measured_mm is None or measured_mm >= _KEPT * asked_mm
 
 
 def length_lines(walls: WallMeasures | None) -> list[str]:
-    """One line for every length that was asked for."""
+    """Return one line for every length that was asked for."""
     return [
         f"{words} {shown(measured)}, {asked:g} mm asked{'' if kept(measured, asked) else ': NOT KEPT'}"
         for words, (measured, asked) in asked_lengths(walls).items()
@@ -111,5 +111,5 @@ def length_lines(walls: WallMeasures | None) -> list[str]:
 
 
 def shown(measured_mm: float | None) -> str:
-    """A measured length; none where there is nothing to measure."""
+    """Return a measured length; none where there is nothing to measure."""
     return "none" if measured_mm is None else f"{measured_mm:.1f} mm"

@@ -36,7 +36,7 @@ class StepRow(LoopStep, LoopWeb):
 
 
 class ShapeOutcome(Result):
-    """What became of the shape optimisation that the loop handed over to.
+    """Outcome of the shape optimisation that the loop handed over to.
 
     Attributes:
         reason: why it ended.
@@ -56,7 +56,7 @@ class ShapeOutcome(Result):
 
 
 class LoopResult(Result):
-    """What a loop reached, finished or after any of its steps.
+    """Result of a loop, finished or after any of its steps.
 
     Attributes:
         best_step: the step that gains most and beats the original web, if one does.

@@ -109,7 +109,7 @@ def _row(number: int, data: Mapping[str, Any], web: Scene) -> LoopStep:
 
 
 def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: Mapping[str, Any]) -> ShapeStep:
-    """Compare: a step is better only where it keeps the limits and is so clearly; a near-tie is no loss."""
+    """Compare both: a step is better only where it keeps the limits and is so clearly."""
     if best is None:
         return ShapeStep(row, _outcome(data, better_than_best_step=True))
     original, shaped, own = data["values"]["original"], data["values"]["result"], _values(best)

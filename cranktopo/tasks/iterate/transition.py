@@ -1,4 +1,4 @@
-"""How thick a web still is where it takes over from its journals."""
+"""Thickness of a web where it takes over from its journals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _BEYOND_MM = 1.0
 
 
 def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
-    """Least axial thickness of a web around its journals, on the half turned to the other journal.
+    """Return minimum axial thickness of a web around its journals, on the half turned to the other journal.
 
     Rays parallel to the crank axis on a circle just outside each journal; what a force takes from one
     journal to the other crosses that half circle.
@@ -41,7 +41,7 @@ def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
 
 
 def _in_other_bore(place: np.ndarray, scene: Scene) -> bool:
-    """A bore of an overlapping journal is no fault of the web."""
+    """Tell whether a place lies in a bore of an overlapping journal, which is no fault of the web."""
     return any(
         np.hypot(place[X], place[Y] - centre) <= _OUTSIDE * journal.bore_radius_mm
         for journal, centre in scene.throw.journals

@@ -129,7 +129,7 @@ def _scene(
     no_bound: bool,
     **settings: Any,
 ) -> Scene:
-    """The design with what the options change; `settings` are named as in `[optimise]`."""
+    """Return the design with what the options change; `settings` are named as in `[optimise]`."""
     if settings["resolution_mm"] and (accuracy or budget):
         raise click.UsageError(
             "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
@@ -177,7 +177,7 @@ class _Bar:
         self._bar.close()
 
     def info(self, line: str) -> None:
-        """A line above the bar, unless the command is quiet."""
+        """Write a line above the bar, unless the command is quiet."""
         if level() > QUIET:
             self._bar.write(line, file=sys.stderr)
 

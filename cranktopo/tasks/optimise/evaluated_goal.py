@@ -67,7 +67,7 @@ class CheckedLimit:
 
     @property
     def met(self) -> bool:
-        """Whether the limit holds by the evaluation, and with no reserve if it decides the design."""
+        """True where the limit holds by the evaluation, and with no reserve if it decides the design."""
         missed = self.outcome.missed
         if missed is None:
             return True
@@ -102,7 +102,7 @@ class EvaluatedGoal:
     work: Work
 
     def original(self) -> Values:
-        """Quantities of the original web.
+        """Return the quantities of the original web.
 
         Raises:
             CranktopoError: its file is no half throw, or a failed solve.
@@ -112,7 +112,7 @@ class EvaluatedGoal:
             return self._values(_ORIGINAL, lambda: self._original(path))
 
     def reached(self, state: State) -> Values:
-        """Quantities of the last design of a state.
+        """Return the quantities of the last design of a state.
 
         Raises:
             CranktopoError: its density has no surface, or a failed solve.
@@ -122,7 +122,7 @@ class EvaluatedGoal:
             return self._values(_iteration_name(state.last.iteration), lambda: self._surface(state, path))
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
-        """The limits of the last design of a state; raises as `reached`."""
+        """Return the limits of the last design of a state; raises as `reached`."""
         limits = self.problem.with_bounds(state.bounds).optimisation.limits
         names = {limit.response.name for limit in limits}
         found = limit_outcomes(self.goal, self.reached(state), self.original())
@@ -152,14 +152,14 @@ class EvaluatedGoal:
 
 
 def _iteration_name(iteration: int) -> str:
-    """Name under which the evaluation of a design is kept."""
+    """Return the name under which the evaluation of a design is kept."""
     return f"iteration-{iteration}"
 
 
 def evaluated_goal(
     scene: Scene, prepared: Prepared, problem: DensityProblem, work: Work
 ) -> EvaluatedGoal | None:
-    """The goal of a scene whose limits are to hold by the evaluation; None where none are."""
+    """Return the goal of a scene whose limits are to hold by the evaluation; None where none are."""
     goal = wanted(scene)
     if goal is None or not judged_by_evaluation(scene):
         return None
@@ -213,7 +213,7 @@ def _verdict(told: Mapping[str, Any], rounds: int) -> str:
 def goal_by_evaluation(
     goal: Mapping[str, Any], case: EvaluatedGoal, state: State, failure: str
 ) -> dict[str, Any]:
-    """The entry `goal` of the metrics with what the evaluation says of the last design; as it is without.
+    """Return entry `goal` of the metrics with what the evaluation says of the last design; as it is without.
 
     Args:
         failure: why the last design could not be evaluated; empty where it was, or was not to be.
@@ -235,5 +235,5 @@ def goal_by_evaluation(
 
 
 def evaluation_seconds(case: EvaluatedGoal) -> float:
-    """Wall time of the evaluations."""
+    """Return the wall time of the evaluations."""
     return float(sum(entry["seconds"]["total"] for entry in case.work.kept.values()))

@@ -1,4 +1,4 @@
-"""What a user wants to know of a finished run, as lines of text."""
+"""Text of a finished run."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ _ENDLESS_MM = 1e4
 
 
 def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:
-    """Rules of the outline alone, each an array: curvature times the least radius less 1, rise, reach.
+    """Return rules of the outline alone, each an array: curvature times the least radius less 1, rise, reach.
 
     Analytic in the flank, so that a complex step differentiates them.
     """
@@ -55,7 +55,7 @@ def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> li
 
 
 def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
-    """What keeps the outline away from each journal: the wall of its bore or the shoulder of its fillet."""
+    """Return what keeps the outline off each journal: the wall of its bore or the shoulder of its fillet."""
     least = least_shoulder_mm(scene.throw)
     return [
         wall_rule(f"between the outline and the bore of the {name}", limits.min_wall_mm)
@@ -66,7 +66,7 @@ def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
 
 
 def _rises(flank: Flank, u: Array) -> Any:
-    """Rise in y per mm along the outline, which must not turn: at u of the inner pieces, at both ends.
+    """Return rise in y per mm along the outline, which must not turn: at u of the inner pieces, at both ends.
 
     At a round end the rise starts from 0 and is quadratic, so its first slope and its value at the piece's
     other end bound it.
@@ -85,7 +85,7 @@ def part_rules(
     scene: Scene,
     limits: ManufacturingLimits,
 ) -> list[Rule]:
-    """Rules of the features: walls, shoulders, access, mm.
+    """Return the rules of the features: walls, shoulders, access, mm.
 
     Args:
         points: (n, 2) points of the outline's right half, mm.
@@ -105,7 +105,7 @@ def part_rules(
 
 
 def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, float]]:
-    """Axes along the throw and the least distance of the outline from each: wall of the bore, fillet."""
+    """Return the axes along the throw and the outline's minimum distance from each: bore wall, fillet."""
     least = least_shoulder_mm(scene.throw)
     return [
         (y, max(j.bore_radius_mm + limits.min_wall_mm, j.radius_mm + j.fillet_mm + least) + CLEAR_MM)
@@ -114,5 +114,5 @@ def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, f
 
 
 def _apart(one: Array, other: Array) -> Any:
-    """Distance of two boxes along the axis that parts them most, mm; negative where they meet."""
+    """Return the distance of two boxes along the axis that parts them most, mm; negative where they meet."""
     return np.maximum(one[0] - other[1], other[0] - one[1]).max()

@@ -91,7 +91,7 @@ class MovedFillet:
         return result
 
     def inside_mm(self, axes: Axes) -> Array:
-        """Signed distance of cells where the arc bounds the web, (nx, ny, nz), mm; -inf elsewhere."""
+        """Return signed distance of cells where the arc bounds the web, (nx, ny, nz), mm; -inf elsewhere."""
         x, y = axes[0][:, None], axes[1][None, :]
         off = self.circle.off_mm(x, y)
         flat = np.minimum(np.minimum(off, _DEPTH * self._radius_mm - off), self.sector.below_rim_mm(x, y))
@@ -99,7 +99,7 @@ class MovedFillet:
         return np.minimum(flat, between_mm(self.scene, self.sector, axes[2]))
 
     def vjp(self, axes: Axes, weight: Array) -> Array:
-        """Derivative of sum(weight * inside_mm) by the parameters, where the arc is the nearest."""
+        """Return derivative of sum(weight * inside_mm) by the parameters, where the arc is the nearest."""
         x, y = axes[0][:, None], axes[1][None, :]
         off = self.circle.off_mm(x, y)[:, :, None]
         chosen = np.where(self.inside_mm(axes) == off, weight, 0.0).sum(axis=2)
@@ -118,7 +118,7 @@ class MovedFillet:
 
 
 def moved_fillet(scene: Scene, layout: Layout, values: Array) -> MovedFillet | None:
-    """The fillet of a scene's counterweight; None without one.
+    """Return the fillet of a scene's counterweight; None without one.
 
     Args:
         scene: whose dimensions the values change.

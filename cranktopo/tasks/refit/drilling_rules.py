@@ -16,7 +16,7 @@ NamedBox = tuple[str, Array]
 
 
 def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[Rule]:
-    """One rule for each drilling and each of outline, bevels and boxes; none where there is no drilling.
+    """Yield a rule for each drilling and each of outline, bevels and boxes; none without a drilling.
 
     Args:
         boxes: titles of pockets and the corners of the box around each, (2, 3), z from the journal face.
@@ -40,7 +40,7 @@ def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[
 
 
 def _axis(channel: Channel, start: float, end: float) -> Array:
-    """Points of the axis within the web, (n, 3), z from its journal face."""
+    """Return the points of the axis within the web, (n, 3), z from its journal face."""
     (_, _, foot), (_, _, rise) = channel.mouths[0].point_mm, channel.direction
     ends = np.sort((np.array([start, end]) - foot) / rise) if rise else np.zeros(0)
     low, high = channel.extent_mm
@@ -52,7 +52,7 @@ def _axis(channel: Channel, start: float, end: float) -> Array:
 
 
 def _in_outline_mm(axis: Array, points: Array) -> float:
-    """Least distance of the axis inside the outline, negative where it is outside."""
+    """Return the minimum distance of the axis inside the outline, negative where it is outside."""
     x, y = np.abs(axis[:, 0]), axis[:, 1]
     away = np.hypot(x[:, None] - points[:, 0], y[:, None] - points[:, 1]).min(axis=1)
     half = np.interp(y, points[:, 1], points[:, 0], left=0.0, right=0.0)
@@ -60,7 +60,7 @@ def _in_outline_mm(axis: Array, points: Array) -> float:
 
 
 def _off_box_mm(points: Array, low: Array, high: Array) -> float:
-    """Least distance of points from a box, negative inside."""
+    """Return the minimum distance of points from a box, negative inside."""
     off = np.maximum(low - points, points - high)
     outside = np.sqrt((np.maximum(off, 0.0) ** 2).sum(axis=1))
     return float(np.where(outside > 0, outside, off.max(axis=1)).min())

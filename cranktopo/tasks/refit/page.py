@@ -18,7 +18,7 @@ _KINDS = {"torsion": "Torsional stiffness", "bending": "Bending stiffness"}
 def remodel_page(
     data: RefitResult, bodies: tuple[ShownBody, ...], versions: Mapping[str, str | None], written: str
 ) -> Page:
-    """The report of a re-model.
+    """Return the report of a re-model.
 
     Args:
         bodies: the fitted half throw, and the body that it was fitted to.
@@ -36,7 +36,7 @@ def remodel_page(
 
 
 def remodel_section(data: RefitResult) -> Section:
-    """Shape error, stiffnesses, what was tried and what is left over."""
+    """Return the shape error, stiffnesses, what was tried and what is left over."""
     tables: list[tuple[str, ResultTable]] = [
         ("Web against body", pairs([*shape_rows(data), *stiffness_rows(data.stiffness)])),
         ("Features tried, each kept only for what it gains", trials_table(data)),

@@ -57,7 +57,7 @@ class _Outline:
         return _Shape(points, constraints, point_gradients, np.hstack([constraint_gradients, by_sizes]))
 
     def _by_sizes(self, own: Array, values: Array, count: int) -> Array:
-        """Derivatives of the constraints by the parameters after the outline's, (constraints, rest)."""
+        """Return derivatives of the constraints by the parameters after the outline's."""
         result = np.zeros((count, len(values) - len(own)))
         for k in range(len(values) - len(self._layout.dimensions), len(values)):
             step = _DIFFERENCE * np.eye(len(values))[k]
@@ -73,7 +73,7 @@ class _Outline:
         return flank.along(CHORDS), np.concatenate([values for _, values in rules])
 
     def rule_names(self, values: Array) -> list[str]:
-        """Name of each constraint."""
+        """Return the name of each constraint."""
         scene = scene_at(self._scene, self._layout, values)
         rules = outline_rules(flank_of(self._layout, values), scene, self._limits)
         return [name for name, values in rules for _ in values]
@@ -96,16 +96,16 @@ class ParametricWeb:
         self._last: tuple[bytes, MovedFillet | None] = b"", None
 
     def points(self, values: Array) -> tuple[Array, Array]:
-        """Points of the outline's right half, (n, 2), mm, and their derivatives by its values, (n, 2, m)."""
+        """Return points of the outline's right half, (n, 2), mm, and derivatives by its values, (n, 2, m)."""
         shape = self._outline.at(values)
         return shape.points, shape.point_gradients
 
     def inside_mm(self, values: Array) -> tuple[Array, NDArray[np.int8]]:
-        """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
+        """Return the signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
         return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added(values))
 
     def vjp(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
-        """Derivative of sum(weight * inside_mm) by the parameters.
+        """Return the derivative of sum(weight * inside_mm) by the parameters.
 
         Args:
             which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
@@ -121,14 +121,14 @@ class ParametricWeb:
         return result
 
     def _added(self, values: Array) -> dict[int, Array]:
-        """Signed distances of the cells from the counterweight and its fillets, by number of the field."""
+        """Return signed distances from the counterweight and its fillets, by number of the field."""
         sector = self._moved_added(values) if self._weight else self._own_added
         fillet = self.fillet(values)
         fields = {} if sector is None else {ADDED: sector}
         return fields if fillet is None else {**fields, FILLET: fillet.inside_mm(self._grid.axes)}
 
     def fillet(self, values: Array) -> MovedFillet | None:
-        """The counterweight's fillet, the last one kept."""
+        """Return the counterweight's fillet, the last one kept."""
         if self._last[0] != values.tobytes():
             self._last = values.tobytes(), moved_fillet(self._scene, self.layout, values)
         return self._last[1]
@@ -139,7 +139,7 @@ class ParametricWeb:
         return found
 
     def _by_sizes(self, values: Array, weight: Array) -> Array:
-        """Derivative of sum(weight * distance from the counterweight) by the dimensions of the throw."""
+        """Return the derivative of sum(weight * counterweight distance) by the dimensions of the throw."""
         result = np.zeros(len(self.layout.dimensions))
         for name in self._weight:
             step = _DIFFERENCE * np.eye(len(values))[self.layout.names.index(name)]
@@ -148,21 +148,21 @@ class ParametricWeb:
         return result
 
     def constraints(self, values: Array) -> Array:
-        """Manufacturing constraints, kept where <= 0."""
+        """Return the manufacturing constraints, kept where <= 0."""
         shape = self._outline.at(values)
         fillet = self.fillet(values)
         own = [] if fillet is None else [fillet.rule[1]]
         return np.concatenate([shape.constraints, self._part_constraints(shape.points, values), own])
 
     def rule_names(self, values: Array) -> tuple[str, ...]:
-        """Name of each constraint in plain English, several parts of one rule alike."""
+        """Return the name of each constraint in plain English, several parts of one rule alike."""
         points = self._outline.at(values).points
         names = [name for name, _ in self._part_rules(points, values)]
         fillet = self.fillet(values)
         return (*self._outline.rule_names(values), *names, *([] if fillet is None else [fillet.rule[0]]))
 
     def gradients(self, values: Array) -> Array:
-        """Gradients of the constraints (constraints, parameters)."""
+        """Return the gradients of the constraints (constraints, parameters)."""
         shape, n = self._outline.at(values), self.layout.stations
 
         def parts(step: Array) -> Array:
@@ -181,7 +181,7 @@ class ParametricWeb:
         return np.array([value for _, value in self._part_rules(points, values)], dtype=np.float64)
 
     def _part_rules(self, points: Array, values: Array) -> list[Rule]:
-        """Rules of the features and of the dimensions of the throw."""
+        """Return the rules of the features and of the dimensions of the throw."""
         scene = scene_at(self._scene, self.layout, values)
         parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
         return [*parts, *size_rules(self.layout, values, self._scene, self._limits)]

@@ -38,7 +38,7 @@ class WebRead:
 
 
 def read_web(scene: Scene, sampled: Array) -> WebRead:
-    """The scene's web in the family.
+    """Return the scene's web in the family.
 
     Args:
         sampled: outline to take where the web's own is none of the family's.
@@ -58,7 +58,7 @@ def read_web(scene: Scene, sampled: Array) -> WebRead:
 
 
 def family_outline(scene: Scene) -> Array | None:
-    """Ends and half-widths of an outline whose stations lie as the family's do; None for any other.
+    """Return ends and half-widths of an outline whose stations lie as the family's do; None for any other.
 
     The stations are rounded in a scene: the ends are those that come nearest to all of them.
     """
@@ -72,7 +72,7 @@ def family_outline(scene: Scene) -> Array | None:
 
 
 def _line_through(shares: Array, places: Array) -> tuple[float, float, float]:
-    """Both ends of a line whose points at the shares come nearest to the places, and the largest distance."""
+    """Return the ends of the line that comes nearest to places at shares of it, and the largest distance."""
     from scipy.optimize import linprog
 
     sides, one = np.stack([1 - shares, shares], axis=1), np.ones((len(shares), 1))
@@ -85,7 +85,7 @@ def _line_through(shares: Array, places: Array) -> tuple[float, float, float]:
 
 
 def _features(scene: Scene, frame: Frame) -> Iterator[tuple[str, tuple[FittedFeature, Array] | None]]:
-    """Every feature of the web with its key, as one of the family or None; a pair counts as one."""
+    """Return every feature of the web with its key, as one of the family or None; a pair counts as one."""
     waiting = [
         (key, feature) for key, feature in scene.web.features() if feature is not scene.web.counterweight
     ]

@@ -42,7 +42,7 @@ class FitProblem:
 
 
 class Fit:
-    """How well a web fits, as functions of its parameters."""
+    """Misfit of a web, as functions of its parameters."""
 
     def __init__(self, problem: FitProblem, layout: Layout) -> None:
         cells = problem.target
@@ -51,7 +51,7 @@ class Fit:
         self._target, self._free = cells.filled, problem.free[:, :, None]
 
     def misfit(self, values: Array, width_mm: float) -> tuple[float, Array]:
-        """Squared difference of the fills over the filled volume, and its gradient.
+        """Return the squared difference of the fills over the filled volume, and its gradient.
 
         Args:
             width_mm: half-width of the smooth step.
@@ -63,7 +63,7 @@ class Fit:
         return float((off**2).sum() / self._target.sum()), self.web.vjp(values, which, weight)
 
     def fill(self, values: Array, width_mm: float) -> Array:
-        """Fill of the cells (nx, ny, nz), bores cut out.
+        """Return the fill of the cells (nx, ny, nz), bores cut out.
 
         Args:
             width_mm: half-width of the smooth step.
@@ -71,7 +71,7 @@ class Fit:
         return smooth_step(self.web.inside_mm(values)[0], width_mm)[0] * self._free
 
     def overlap(self, values: Array, width_mm: float) -> float:
-        """Intersection over union of the fills.
+        """Return the intersection over union of the fills.
 
         Args:
             width_mm: half-width of the smooth step.

@@ -1,4 +1,4 @@
-"""Which features and how many stations: each is kept only for the overlap that it gains."""
+"""Choice of features and stations: each is kept only for the overlap that it gains."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Trial:
 
 
 def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
-    """The web in which every parameter gains enough overlap, and all trials in their order.
+    """Return the web in which every parameter gains enough overlap, and all trials in their order.
 
     Args:
         problem: on cells coarse enough for many searches.
@@ -84,7 +84,7 @@ def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
 
 
 def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Candidate | None:
-    """One search from one initial guess; None when it finds nothing that keeps the limits.
+    """Return one search from one initial guess; None when it finds nothing that keeps the limits.
 
     Args:
         guess: (n,) initial values, mm or degrees.
@@ -117,7 +117,7 @@ def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Cand
 def _try(
     problem: FitProblem, best: Candidate, choices: Sequence[tuple[FittedFeature, Array]], trials: list[Trial]
 ) -> Candidate:
-    """The web with the best one of several features, if it gains enough overlap."""
+    """Return the web with the best one of several features, if it gains enough overlap."""
     found = []
     for part, guess in choices:
         layout = replace(best.layout, parts=(*best.layout.parts, part))
@@ -131,7 +131,7 @@ def _try(
 
 
 def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeature, Array]]:
-    """Features that could take out what the body lacks, largest region first."""
+    """Return the features that could take out what the body lacks, largest region first."""
     for region in residual_regions(problem, model_fill(problem, best)):
         for kind in FITTED_TO_REGIONS if region.kind != "material" else ():
             part = kind.in_region(region)
@@ -140,7 +140,7 @@ def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeatu
 
 
 def _stations(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
-    """The fewest stations that come within the least gain of the most that any number tried reaches.
+    """Return the fewest stations that come within the least gain of the most that any number tried reaches.
 
     Numbers are tried upwards until another two bring less than the least gain.
     """
@@ -171,7 +171,7 @@ def _least(problem: FitProblem) -> float:
 
 
 def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
-    """Fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1]."""
+    """Return the fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1]."""
     sharp = _SHARP * float(problem.target.cell_mm[0])
     return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 

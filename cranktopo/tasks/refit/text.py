@@ -1,4 +1,4 @@
-"""What `remodel` says: what was tried, shape error, stiffness, and what is not represented."""
+"""Text of `remodel`: what was tried, shape error, stiffness, and what is not represented."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _REST: tuple[Column[UnrepresentedRegion], ...] = (
 
 
 def remodel_text(data: RefitResult) -> str:
-    """The content of remodel.json for a terminal."""
+    """Return the content of remodel.json for a terminal."""
     rows = [*shape_rows(data), *stiffness_rows(data.stiffness)]
     lines = [
         terminal(trials_table(data)),
@@ -43,17 +43,17 @@ def remodel_text(data: RefitResult) -> str:
 
 
 def trials_table(data: RefitResult) -> ResultTable:
-    """What was tried, with the overlap that it reached."""
+    """Return what was tried, with the overlap that it reached."""
     return tabulate(_TRIALS, data.trials)
 
 
 def rest_table(data: RefitResult) -> ResultTable:
-    """One row per region that the parametric web cannot represent."""
+    """Return one row per region that the parametric web cannot represent."""
     return tabulate(_REST, data.not_represented)
 
 
 def shape_rows(data: RefitResult) -> list[tuple[str, str]]:
-    """How far the web is from the body: overlap, distance, mass."""
+    """Return the distance of the web from the body: overlap, distance, mass."""
     iou, distance, mass = data.iou, data.distance_mm, data.web_mass_kg
     place = ", ".join(f"{value:.1f}" for value in distance.max_at)
     half, web = 100 * iou.half_throw, 100 * iou.web
@@ -71,7 +71,7 @@ def shape_rows(data: RefitResult) -> list[tuple[str, str]]:
 
 
 def stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
-    """Stiffnesses of the web without fillets beside those of the body, and with fillets."""
+    """Return the stiffnesses of the web without fillets beside those of the body, and with fillets."""
     if stiffness is None:
         return []
     return [
@@ -101,7 +101,7 @@ def _stiffness_text(stiffness: RefitStiffness, kind: str, unit: str) -> str:
 
 
 def _rest(data: RefitResult) -> list[str]:
-    """One line per region that the parametric web cannot represent."""
+    """Return one line per region that the parametric web cannot represent."""
     if not data.not_represented:
         return ["the parametric web represents the whole body to within two cells of its surface"]
     lines = [
@@ -133,7 +133,7 @@ def _kind(item: UnrepresentedRegion) -> str:
 
 
 def fit_lines(data: RefitResult) -> list[str]:
-    """Why so many stations, and what the final fit reached from each initial guess."""
+    """Say why so many stations, and what the final fit reached from each initial guess."""
     tried = [trial for trial in data.trials if trial.step.endswith("stations")]
     kept = [trial.step for trial in tried if trial.kept]
     least = data.rules.least_gain_percent
