@@ -16,7 +16,7 @@ from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
 from cranktopo.design.loading import input_files, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
-from cranktopo.tasks.density.notices import baseline_notice
+from cranktopo.tasks.density.stage import baseline_notice
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import read_half_throw

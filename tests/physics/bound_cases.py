@@ -16,7 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.grid.lattice import Lattice
 from cranktopo.tasks.bound.lower_bound import BoundModel
 from cranktopo.tasks.bound.webs import Webs
-from cranktopo.tasks.density.density_chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import CONTRAST, physical_density
 from cranktopo.tasks.density.model import ThrowModel, case_forces
 from cranktopo.tasks.density.response import compliances, solve

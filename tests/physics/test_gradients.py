@@ -14,7 +14,7 @@ import pytest
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.projection import Projection
-from cranktopo.tasks.density.density_chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import (
     MaterialInterpolation,
     build_interpolation,

@@ -17,7 +17,7 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
 from cranktopo.numerics.filters.forging import SHARPNESS, Die, without_undercuts
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.tasks.density.density_chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of
 from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density
 from cranktopo.throw.geometry import OutlineEnvelope

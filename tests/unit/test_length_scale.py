@@ -21,7 +21,7 @@ from cranktopo.numerics.filters.density_filter import (
     cone_kernel,
 )
 from cranktopo.numerics.filters.projection import Projection
-from cranktopo.tasks.density.density_chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.length_scale import (
     check_lengths,
     eroded_threshold,
@@ -30,7 +30,7 @@ from cranktopo.tasks.density.length_scale import (
     projection_for,
 )
 from cranktopo.tasks.density.material import dilated_density, eroded_density, physical_density
-from cranktopo.tasks.density.notices import notices
+from cranktopo.tasks.density.stage import notices
 
 Array = np.ndarray
 STEP = 1 / 24  # of the filter radius

@@ -14,7 +14,7 @@ from scipy import ndimage
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.forging import Die
-from cranktopo.tasks.density.density_chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import parting_of
 from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density
 from tests.physics.throw_cases import forged

@@ -15,7 +15,7 @@ from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.bound.curve import stiffest, stiffness_percent
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
 from cranktopo.tasks.bound.requirements import STIFFNESSES
-from cranktopo.tasks.density.error_bound import model_error_percent
+from cranktopo.tasks.density.assessment import model_error_percent
 from cranktopo.tasks.refit.dimensions import free_dimensions
 
 Info = Callable[[str], None]

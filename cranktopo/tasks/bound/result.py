@@ -6,7 +6,7 @@ from typing import Any
 
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel
-from cranktopo.tasks.density.error_bound import model_error_percent
+from cranktopo.tasks.density.assessment import model_error_percent
 from cranktopo.tasks.density.manufacturing import is_manufactured
 
 SCHEMA_VERSION = 1

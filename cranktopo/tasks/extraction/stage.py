@@ -22,7 +22,7 @@ from cranktopo.runs.checkpoint import load_checkpoint
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.iterations import load_iteration
 from cranktopo.runs.kind import require_kind, resume_command
-from cranktopo.tasks.density.density_chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import WebDensities, design_of
 from cranktopo.tasks.density.state import from_checkpoint
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface

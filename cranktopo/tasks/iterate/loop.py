@@ -30,13 +30,12 @@ from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind
 from cranktopo.runs.status import working_in
 from cranktopo.tasks.bound.beside_result import bounds_beside
 from cranktopo.tasks.density import stage
-from cranktopo.tasks.density.notices import baseline_notice
+from cranktopo.tasks.density.stage import baseline_notice
 from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import half_throw_of, read_half_throw
 from cranktopo.tasks.importing.original import check_original, original_file
-from cranktopo.tasks.iterate.page import iterate_page
-from cranktopo.tasks.iterate.plot import save_steps_plot
+from cranktopo.tasks.iterate.page import iterate_page, save_steps_plot
 from cranktopo.tasks.iterate.result import LoopResult, LoopRun, StepRow
 from cranktopo.tasks.iterate.settings import Settings, loop_settings
 from cranktopo.tasks.iterate.shape_step import shape_scene, shape_step
@@ -44,12 +43,12 @@ from cranktopo.tasks.iterate.step import LoopStep, Verdict, best_step, step_of, 
 from cranktopo.tasks.iterate.step_solids import (
     Solids,
     read_solids,
+    transition_mm,
     write_envelope,
     write_original,
     write_solids,
 )
 from cranktopo.tasks.iterate.text import LOOP_FILES, shape_line, steps_table
-from cranktopo.tasks.iterate.transition import transition_mm
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.stage import RUN_TABLES, announce, optimise_design, resume_optimisation
 from cranktopo.tasks.refit.fit import fit_web

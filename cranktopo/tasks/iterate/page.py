@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from cranktopo.base.files import write_bytes
 from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.page import Fact, FactStatus, Page, Section
 from cranktopo.report.plot import Picture
+from cranktopo.report.png import png
 from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.fea.quantities import (
     BENDING,
@@ -20,9 +27,16 @@ from cranktopo.tasks.fea.quantities import (
     Quantity,
 )
 from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
-from cranktopo.tasks.iterate.plot import steps_figure
 from cranktopo.tasks.iterate.result import LoopResult, StepRow
 from cranktopo.tasks.iterate.text import best_line, shape_line, steps_estimate, steps_tables
+
+_LINES = (
+    (MASS, "s-", "0.45"),
+    (TORSION, "o-", "#d1632a"),
+    (BENDING, "^-", "#1f6fb4"),
+    (TORSION_PER_MASS, "o--", "#d1632a"),
+    (BENDING_PER_MASS, "^--", "#1f6fb4"),
+)
 
 _FACTS = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
 
@@ -111,3 +125,32 @@ def _handed_over(loop: LoopResult) -> str:
 def _provenance(loop: LoopResult, manifest: Mapping[str, Any]) -> Section:
     tables = (("Loop", pairs(origin_rows(manifest))), *assumed_tables(loop.assumed))
     return Section("provenance", "Where this comes from", tables=tables)
+
+
+def save_steps_plot(path: Path, loop: LoopResult) -> None:
+    """Write the plot as PNG; raises CranktopoError when the file cannot be written."""
+    write_bytes(path, png(steps_figure(loop)))
+
+
+def steps_figure(loop: LoopResult) -> Figure:
+    """Draw every step in percent of the original web."""
+    figure = Figure(figsize=(7.2, 4.6), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    numbers = [step.number for step in loop.steps]
+    names = [step.name or str(step.number) for step in loop.steps]
+    done = len(numbers) - (names[-1] == SHAPE)
+    for quantity, style, colour in _LINES:
+        values = [step.percent_of_original[quantity.key] for step in loop.steps]
+        label = f"{quantity.label}: {values[-1]:.1f} %"
+        fill = "none" if style.endswith("--") else "full"
+        axes.plot(numbers[:done], values[:done], style, color=colour, fillstyle=fill, label=label)
+        axes.plot(numbers[done:], values[done:], style[0], color=colour, fillstyle=fill)
+    axes.axhline(100.0, color="0.7", linewidth=1, zorder=0)
+    if loop.best is not None:
+        axes.axvline(loop.best.number, color="0.7", linestyle=":", zorder=0)
+    axes.set(xlabel="step", ylabel="percent of the original web")
+    axes.set_xticks(numbers, names)
+    axes.set_title(f"{loop.design}: {loop.stop_reason}", fontsize=9)
+    axes.legend(fontsize=8)
+    return figure

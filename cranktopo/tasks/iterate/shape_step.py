@@ -24,7 +24,7 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.iterate.result import ShapeOutcome
 from cranktopo.tasks.iterate.settings import Settings
 from cranktopo.tasks.iterate.step import LoopStep
-from cranktopo.tasks.iterate.transition import transition_mm
+from cranktopo.tasks.iterate.step_solids import transition_mm
 from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 from cranktopo.tasks.shape.search import HELD
 

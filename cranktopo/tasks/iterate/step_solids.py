@@ -6,8 +6,10 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from manifold3d import Manifold
 
+from cranktopo.base.frames import X, Y, Z
 from cranktopo.bodies.prisms import snapped_to_mirror_plane, web_region
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.schema import Scene
@@ -15,6 +17,10 @@ from cranktopo.numerics.surfaces.checks import manifold_fault
 from cranktopo.numerics.surfaces.files import as_stored, read_stl, write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.importing.imported_body import half_throw_surface
+
+RAYS = 61
+_OUTSIDE = 1.02
+_BEYOND_MM = 1.0
 
 WEB = "web_only.stl"
 HALF = "web"
@@ -89,3 +95,38 @@ def _symmetric(body: Manifold) -> SurfaceMesh:
         if not manifold_fault(mesh):
             break
     return mesh
+
+
+def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
+    """Return minimum axial thickness of a web around its journals, on the half turned to the other journal.
+
+    Rays parallel to the crank axis on a circle just outside each journal; what a force takes from one
+    journal to the other crosses that half circle.
+
+    Returns:
+        Thickness, mm; 0 where a ray meets no material.
+    """
+    body = solid_of(web, "web")
+    low, high = scene.web_z_mm[0] - _BEYOND_MM, scene.web_z_mm[1] + _BEYOND_MM
+    throw = scene.throw
+    angles = np.linspace(-np.pi / 2, np.pi / 2, RAYS + 2)[1:-1]
+    least = np.inf
+    for journal, centre, side in ((throw.main_journal, 0.0, 1.0), (throw.crankpin, throw.radius_mm, -1.0)):
+        radius = _OUTSIDE * journal.radius_mm
+        for angle in angles:
+            place = np.zeros(3)
+            place[X], place[Y] = radius * np.sin(angle), centre + side * radius * np.cos(angle)
+            if _in_other_bore(place, scene):
+                continue
+            hits = body.ray_cast((place[X], place[Y], low), (place[X], place[Y], high))
+            cuts = np.array([hit.position[Z] for hit in hits]).reshape(-1, 2)
+            least = min(least, float(np.diff(cuts).sum()))
+    return least
+
+
+def _in_other_bore(place: np.ndarray, scene: Scene) -> bool:
+    """Tell whether a place lies in a bore of an overlapping journal, which is no fault of the web."""
+    return any(
+        np.hypot(place[X], place[Y] - centre) <= _OUTSIDE * journal.bore_radius_mm
+        for journal, centre in scene.throw.journals
+    )

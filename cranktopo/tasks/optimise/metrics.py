@@ -6,14 +6,13 @@ from statistics import fmean, median
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.density.assessment import Assessment
-from cranktopo.tasks.density.connectivity import is_connected
-from cranktopo.tasks.density.error_bound import model_error_percent
+from cranktopo.tasks.density.assessment import Assessment, model_error_percent
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
@@ -38,6 +37,8 @@ from cranktopo.tasks.optimise.result import (
     SolverMetrics,
     VolumeFraction,
 )
+
+SOLID = 0.5
 
 _PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
 
@@ -175,3 +176,15 @@ def _solver(problem: DensityProblem, state: State, result: Assessment) -> Solver
         levels=problem.model.levels,
         final_relative_residual=max(case.relative_residual for case in result.cases),
     )
+
+
+def is_connected(domain: Domain, density: NDArray[np.float64]) -> bool:
+    """Tell whether one face-connected body of solid cells holds both journals."""
+    from scipy.ndimage import label
+
+    first, last = domain.web_layers
+    solid = domain.fixed >= SOLID
+    solid[:, :, first:last] |= (density >= SOLID) & (domain.design > 0)[:, :, first:last]
+    labels, _ = label(solid)
+    start, end = labels[:, :, 0][solid[:, :, 0]], labels[:, :, -1][solid[:, :, -1]]
+    return bool(np.intersect1d(start, end).size > 0)

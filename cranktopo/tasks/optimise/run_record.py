@@ -25,7 +25,7 @@ from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.iterations import load_iteration, saved_iterations
 from cranktopo.runs.kind import require_kind, resume_command
-from cranktopo.tasks.density.density_chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import design_of
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields

@@ -63,7 +63,7 @@ class Fill:
             weight: (nx, ny, nz) weight of each cell's distance.
         """
         chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
-        by_points = _outline_pulled_back(points, *self.axes[:2], chosen)
+        by_points = _outline_vjp(points, *self.axes[:2], chosen)
         by_values = []
         for k, (part, own) in enumerate(own_values(self.parts, values)):
             chosen = np.where(which == k + 1, weight, 0.0)
@@ -116,7 +116,7 @@ def outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
     return _nearest(points, x_mm, y_mm)[0]
 
 
-def _outline_pulled_back(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
+def _outline_vjp(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
     """Return derivative of sum(weight * distance) by the points: a chord's ends move with the foot on it."""
     _, chord, along, normal = _nearest(points, x_mm, y_mm)
     result = np.zeros(points.shape)
