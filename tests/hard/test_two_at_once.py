@@ -8,8 +8,8 @@ import sys
 _PROGRAM = """
 import os, threading
 import jax
-from cranktopo.fem.multigrid import build_hierarchy
-from cranktopo.fem.precision import double_precision
+from cranktopo.numerics.grid.multigrid import build_hierarchy
+from cranktopo.numerics.precision import double_precision
 from tests.studies.parts import lopsided
 
 def work(cells):

@@ -21,7 +21,7 @@ _WRITER = """
 import sys
 from pathlib import Path
 import numpy as np
-from cranktopo.store.checkpoint import save_checkpoint
+from cranktopo.runs.checkpoint import save_checkpoint
 path = Path(sys.argv[1])
 step = 0
 while True:
