@@ -22,7 +22,7 @@ from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.runs.directories import create_run
 from cranktopo.tasks.refit import stage as remodel
 from cranktopo.tasks.refit.fit import FittedWeb
-from cranktopo.tasks.refit.select import Trial
+from cranktopo.tasks.refit.select import FitTrial
 from cranktopo.tasks.refit.shape_error import shape_error
 from cranktopo.tasks.refit.stage import write_remodel
 from tests.step_volume import step_volume_mm3
@@ -36,7 +36,7 @@ def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     """The scene reads back the same, STEP and STL hold its volume, the drawing shows something everywhere."""
     scene = known_scene(mikron, WHOLE)
     body = mesh_of(body_of(known_scene(mikron, PLAIN), 1.0))
-    trials = (Trial("outline", 7, 80.0, 0.0, True),)
+    trials = (FitTrial("outline", 7, 80.0, 0.0, True),)
     fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
     near, half_throw = shape_error(scene, body), surface_of(scene, "half")
     files = write_remodel(fitted, near, half_throw, body, tmp_path, lambda _: None)

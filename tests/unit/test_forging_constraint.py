@@ -15,7 +15,7 @@ from cranktopo.bodies.undercuts import undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
-from cranktopo.numerics.filters.forging import SHARPNESS, Die, without_undercuts
+from cranktopo.numerics.filters.forging import SHARPNESS, ForgingConstraint, without_undercuts
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of
@@ -36,7 +36,7 @@ def density_chain(request: pytest.FixtureRequest, float64: None, mikron: Scene) 
 
 
 def plane_of(density_chain: MaterialInterpolation) -> int:
-    assert isinstance(density_chain.process, Die)
+    assert isinstance(density_chain.process, ForgingConstraint)
     assert len(set(density_chain.process.parting)) == 1
     return density_chain.process.parting[0]
 

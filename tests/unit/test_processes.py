@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import Die
+from cranktopo.numerics.filters.forging import ForgingConstraint
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import parting_of
 from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density
@@ -93,7 +93,7 @@ def test_layers_of_a_drafted_die_shrink_outward(float64: None, mikron: Scene, pa
     draft = 12.0
     domain, density_chain = chain_of(mikron, process="forged", parting=parting, draft_deg=draft)
     die = density_chain.process
-    assert isinstance(die, Die)
+    assert isinstance(die, ForgingConstraint)
     dx, dy, dz = (float(step[0]) for step in domain.grid.steps_mm)
     dz = float(np.diff(domain.grid.z_mm)[domain.web_layers[0]])
     steps = [dx, dy, dz]
@@ -122,7 +122,9 @@ def test_a_prism_becomes_a_wedge(float64: None) -> None:
     bar = np.clip(0.5 + (half_width - np.abs(y)) / 8.0, 0, 1)
     field = jnp.asarray(np.broadcast_to(bar[None, :, None], (48, 60, 5)))
     slope = float(np.tan(np.radians(draft)))
-    made = np.asarray(Die(jnp.ones(field.shape, bool), None, 0, (0, 0), (slope, slope))(field))[:, :, 2]
+    made = np.asarray(ForgingConstraint(jnp.ones(field.shape, bool), None, 0, (0, 0), (slope, slope))(field))[
+        :, :, 2
+    ]
     widths = [np.interp(0.5, row[30:][::-1], y[30:][::-1]) for row in made]
     fitted = np.polyfit(np.arange(6, 48), widths[6:], 1)[0]
     assert -fitted == pytest.approx(slope, rel=0.05)

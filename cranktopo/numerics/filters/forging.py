@@ -32,7 +32,7 @@ the same number, or one layer that belongs to both where the parting plane lies 
 
 
 @dataclass(frozen=True)
-class Die:
+class ForgingConstraint:
     """Two die halves that part in a plane.
 
     Attributes:
@@ -85,10 +85,10 @@ def running_smooth_min(ks_terms: jax.Array, draft_slope: tuple[float, float]) ->
     each layer lies within the eroded one before it.
     """
     if not any(draft_slope):
-        return smooth_minimum(jnp.cumsum(ks_terms, axis=0))
+        return _smooth_minimum(jnp.cumsum(ks_terms, axis=0))
 
     def layer(before: jax.Array, own: jax.Array) -> tuple[jax.Array, jax.Array]:
-        found = smooth_minimum(own + ks_term(eroded(before, draft_slope)))
+        found = _smooth_minimum(own + ks_term(eroded(before, draft_slope)))
         return found, found
 
     return jax.lax.scan(layer, jnp.ones(ks_terms.shape[1:]), ks_terms)[1]
@@ -99,7 +99,7 @@ def ks_term(density: jax.Array) -> jax.Array:
     return jnp.exp(-SHARPNESS * density) - jnp.exp(-SHARPNESS)
 
 
-def smooth_minimum(ks_terms: jax.Array) -> jax.Array:
+def _smooth_minimum(ks_terms: jax.Array) -> jax.Array:
     """Smooth minimum of densities from the sum of their gaps; at most the true one."""
     return -jnp.log(jnp.minimum(ks_terms + jnp.exp(-SHARPNESS), 1.0)) / SHARPNESS
 
@@ -117,5 +117,5 @@ def eroded(layer: jax.Array, draft_slope: tuple[float, float]) -> jax.Array:
 
 
 jax.tree_util.register_dataclass(
-    Die, data_fields=["free", "kept"], meta_fields=["axis", "parting", "draft_slope"]
+    ForgingConstraint, data_fields=["free", "kept"], meta_fields=["axis", "parting", "draft_slope"]
 )

@@ -17,7 +17,7 @@ from cranktopo.numerics.grid.operator import strain_energy_densities
 from cranktopo.numerics.grid.partition import WHOLE
 
 Mask = NDArray[np.bool_]
-Across = Literal["corners", "faces"]
+_Across = Literal["corners", "faces"]
 
 # Cells softer than this share of the stiffest are void, there to keep equations regular: half a percent of
 # density under SIMP. An answer that rests on them has lost seven digits to rounding and means nothing.
@@ -52,7 +52,7 @@ def void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.A
     return jax.lax.cond(jnp.any(void), energy, lambda: jnp.zeros_like(work)), work
 
 
-def unsupported_load(system: System, threshold: float, across: Across = "corners") -> tuple[int, str] | None:
+def unsupported_load(system: System, threshold: float, across: _Across = "corners") -> tuple[int, str] | None:
     """Return the first load case of which some load does not reach a support through the material.
 
     Args:

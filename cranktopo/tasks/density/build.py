@@ -34,7 +34,7 @@ from cranktopo.tasks.density.responses import (
     weighted_compliance,
 )
 
-LEFT_TO_EVALUATION = "fatigue_safety"
+_LEFT_TO_EVALUATION = "fatigue_safety"
 # Half the design space is where the projection turns neither way.
 _START = 0.5
 
@@ -105,7 +105,7 @@ def _of_goal(goal: Goal, known: Mapping[str, Response], original: Mapping[str, f
         tuple(
             _requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
             for limit in goal.limits
-            if limit.quantity != LEFT_TO_EVALUATION
+            if limit.quantity != _LEFT_TO_EVALUATION
         ),
     )
 
@@ -113,7 +113,7 @@ def _of_goal(goal: Goal, known: Mapping[str, Response], original: Mapping[str, f
 def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
     if quantity in known:
         return known[quantity]
-    if quantity == LEFT_TO_EVALUATION:
+    if quantity == _LEFT_TO_EVALUATION:
         raise invalid(
             key,
             quantity,

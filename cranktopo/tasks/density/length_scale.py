@@ -18,7 +18,7 @@ from cranktopo.numerics.filters.projection import THRESHOLD, Projection
 
 LEAST_CELLS = 2.0
 """Cells that the least member or gap must span."""
-LARGEST_THRESHOLD = 0.75
+_LARGEST_THRESHOLD = 0.75
 """Of the eroded design: nearer to 1 it answers too little to the design variables."""
 
 
@@ -42,14 +42,14 @@ def eroded_threshold(width: float) -> float:
     """
     from scipy.optimize import brentq
 
-    return float(brentq(lambda eroded: least_width(eroded) - width, THRESHOLD, LARGEST_THRESHOLD))
+    return float(brentq(lambda eroded: least_width(eroded) - width, THRESHOLD, _LARGEST_THRESHOLD))
 
 
 def projection_for(scene: Scene, radius_mm: float) -> Projection:
     """Return the thresholds that a scene's least member and gap take with a filter radius."""
     settings = scene.optimise
     above, below = (
-        eroded_threshold(min(length / radius_mm, least_width(LARGEST_THRESHOLD))) if length else THRESHOLD
+        eroded_threshold(min(length / radius_mm, least_width(_LARGEST_THRESHOLD))) if length else THRESHOLD
         for length in (settings.min_member_mm, settings.min_gap_mm)
     )
     return Projection(THRESHOLD, above, 1.0 - below)
@@ -58,18 +58,18 @@ def projection_for(scene: Scene, radius_mm: float) -> Projection:
 def filter_radius_mm(scene: Scene, domain: Domain) -> float:
     """Return the filter radius: the scene's own, the usual one, or what its least member and gap need."""
     given = scene.optimise.filter_radius_mm
-    return given or max(usual_filter_radius_mm(domain), needed_filter_radius_mm(scene))
+    return given or max(_usual_filter_radius_mm(domain), _needed_filter_radius_mm(scene))
 
 
-def usual_filter_radius_mm(domain: Domain) -> float:
+def _usual_filter_radius_mm(domain: Domain) -> float:
     """Return the filter radius when the scene asks for nothing: 2.5 cells, and never below 3 mm."""
     return max(3.0, 2.5 * domain.grid.largest_edge_mm)
 
 
-def needed_filter_radius_mm(scene: Scene) -> float:
+def _needed_filter_radius_mm(scene: Scene) -> float:
     """Return the smallest filter radius for the scene's least member and gap; 0 where it asks for none."""
     lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
-    return max(length or 0.0 for length in lengths) / least_width(LARGEST_THRESHOLD)
+    return max(length or 0.0 for length in lengths) / least_width(_LARGEST_THRESHOLD)
 
 
 def check_lengths(scene: Scene) -> None:
@@ -90,7 +90,7 @@ def check_lengths(scene: Scene) -> None:
                 f"most {largest:g} mm (web.thickness_mm)",
                 "Smaller cells resolve smaller lengths.",
             )
-    given, needed = settings.filter_radius_mm, needed_filter_radius_mm(scene)
+    given, needed = settings.filter_radius_mm, _needed_filter_radius_mm(scene)
     if given is not None and given < needed:
         raise invalid(
             "optimise.filter_radius_mm",
@@ -102,7 +102,7 @@ def check_lengths(scene: Scene) -> None:
 
 def length_notice(scene: Scene, domain: Domain) -> str:
     """Say what minimum member and gap change without being asked; empty where nothing."""
-    usual, used = usual_filter_radius_mm(domain), filter_radius_mm(scene, domain)
+    usual, used = _usual_filter_radius_mm(domain), filter_radius_mm(scene, domain)
     if scene.optimise.filter_radius_mm is not None or used == usual:
         return ""
     return f"the filter radius is {used:.3g} mm instead of {usual:.3g} mm, as needed for {_asked(scene)}"

@@ -20,7 +20,7 @@ from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.bodies.through_holes import through_holes
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import Die, Parting, reachable
+from cranktopo.numerics.filters.forging import ForgingConstraint, Parting, reachable
 from cranktopo.numerics.filters.tool_access import ONE_CELL, Direction, Offsets, ToolAccess
 from cranktopo.tasks.density.material import web_cell_mm
 
@@ -61,7 +61,7 @@ def unreachable_share(scene: Scene, domain: Domain) -> float:
     return float(1 - kept.sum() / (domain.design * domain.volume_mm3)[:, :, first:last].sum())
 
 
-def process_block(scene: Scene, domain: Domain) -> Die | ToolAccess | None:
+def process_block(scene: Scene, domain: Domain) -> ForgingConstraint | ToolAccess | None:
     """Return the scene's process as a block of the density chain; call inside `double_precision()`."""
     if not is_manufactured(scene):
         return None
@@ -97,11 +97,13 @@ def open_cells(scene: Scene, domain: Domain) -> Cells:
     return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
 
 
-def _die(scene: Scene, domain: Domain) -> Die:
+def _die(scene: Scene, domain: Domain) -> ForgingConstraint:
     axis = pull_axis(scene)
     free = designable(scene, domain) > 0
     kept = jnp.asarray(_behind_journals(scene, domain) * free) if axis == Z else None
-    return Die(jnp.asarray(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis))
+    return ForgingConstraint(
+        jnp.asarray(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis)
+    )
 
 
 def _mould(scene: Scene, domain: Domain) -> ToolAccess:
@@ -116,8 +118,8 @@ def _mill(scene: Scene, domain: Domain) -> ToolAccess:
     x, y, z = (max(1, math.ceil(radius / step)) for step in steps)
     # A tool centred a radius beyond the mirror plane touches what stands two radii beyond it.
     margin = (2 * x if domain.mirrored_x else x, y, z)
-    faces = disc(radius, steps[0], steps[1])
-    sides = disc(radius, steps[1], steps[2])
+    faces = _tool_disc(radius, steps[0], steps[1])
+    sides = _tool_disc(radius, steps[1], steps[2])
     ways = (Direction(Z, 1, faces), Direction(Z, -1, faces), Direction(X, -1, sides), Direction(X, 1, sides))
     return _access(scene, domain, margin, ways)
 
@@ -132,7 +134,7 @@ def _access(scene: Scene, domain: Domain, margin: tuple[int, ...], ways: tuple[D
     return ToolAccess(jnp.asarray(free), jnp.asarray(air), (x, y, z), mirrored, used)
 
 
-def disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
+def _tool_disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
     """Return the cells whose centres lie within a radius of a cell's centre, as offsets along two axes."""
     a, b = (math.floor(radius_mm / step + 1e-9) for step in (step_a_mm, step_b_mm))
     inside = radius_mm * (1 + 1e-9)

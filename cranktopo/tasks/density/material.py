@@ -22,7 +22,7 @@ from cranktopo.numerics.filters.projection import Projection, projected
 
 Block = Callable[[jax.Array], jax.Array]
 """A differentiable map of fields (nx, ny, nw), registered as a JAX pytree: a dataclass with `__call__`."""
-PENALTY = 3.0
+_PENALTY = 3.0
 PLAIN = Projection()
 CONTRAST = 1e-9
 
@@ -48,7 +48,7 @@ class MaterialInterpolation:
     density_filter: Block
     process: Block | None = None
     projection: Projection = PLAIN
-    penalty: float = PENALTY
+    penalty: float = _PENALTY
     boundary_correction: jax.Array | None = None
 
     @property

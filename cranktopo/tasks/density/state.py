@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from cranktopo.base.arrays import Array
 
-ARRAY_FIELDS = ("x", "evaluated", "displacements")
+_ARRAY_FIELDS = ("x", "evaluated", "displacements")
 MEMORY = "memory."
 Status = Literal["running", "converged", "stopped", "infeasible"]
 
@@ -46,7 +46,7 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Round:
+class MovedBounds:
     """A converged design that was evaluated, and the bounds of the limits in the model from then on."""
 
     iteration: int
@@ -97,7 +97,7 @@ class State:
     status: Status = "running"
     reason: str = ""
     memory: Mapping[str, Array] = field(default_factory=dict)
-    rounds: tuple[Round, ...] = ()
+    rounds: tuple[MovedBounds, ...] = ()
     coarse_start: CoarseStart | None = None
 
     @property
@@ -135,7 +135,7 @@ class Proposal(NamedTuple):
 def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
     """Return the state as named arrays and JSON-able data."""
     data = asdict(state)
-    arrays = {name: data.pop(name) for name in ARRAY_FIELDS}
+    arrays = {name: data.pop(name) for name in _ARRAY_FIELDS}
     arrays |= {MEMORY + name: array for name, array in data.pop("memory").items()}
     return arrays, data
 
@@ -156,7 +156,7 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
         history=tuple(Record(**row) for row in records),
         status=data["status"],
         reason=data["reason"],
-        rounds=tuple(Round(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
+        rounds=tuple(MovedBounds(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
         coarse_start=CoarseStart(**data["coarse_start"]) if data.get("coarse_start") else None,
         memory={name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)},
     )

@@ -44,7 +44,7 @@ class LoopWeb(Result):
 Row = TypeVar("Row", bound=LoopWeb)
 
 
-class _Shape(Result):
+class _ShapeVerdict(Result):
     better_than_best_step: bool
 
 
@@ -53,7 +53,7 @@ class _Loop(Result):
 
     best_step: int | None
     steps: list[LoopWeb] = Field(default_factory=list)
-    shape: _Shape | None = None
+    shape: _ShapeVerdict | None = None
 
 
 @dataclass(frozen=True)

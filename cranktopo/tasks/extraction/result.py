@@ -15,7 +15,7 @@ LEAST_MEMBER_CELLS = 2.0
 """Members thinner than this have no bending stiffness of their own on the grid."""
 
 
-class Masses(Result):
+class ThrowMasses(Result):
     """Masses of the full throw and of one web, kg."""
 
     throw: float
@@ -125,6 +125,6 @@ class Extraction(Result):
     run: str
     design: str
     iteration: int
-    mass_kg: Masses
+    mass_kg: ThrowMasses
     surface: ExtractedSurface
     files: dict[str, str]

@@ -33,7 +33,7 @@ from cranktopo.tasks.extraction.result import (
     ExtractedSurface,
     Extraction,
     IsoDistance,
-    Masses,
+    ThrowMasses,
     UndercutMeasures,
     quality,
 )
@@ -79,10 +79,10 @@ def _checked(run: RunStore, iteration: int | None) -> tuple[Scene, int, CheckedS
     return scene, number, checked_surface(scene, domain, design)
 
 
-def _masses(scene: Scene, report: SurfaceReport) -> Masses:
+def _masses(scene: Scene, report: SurfaceReport) -> ThrowMasses:
     kg_per_mm3 = density_kg_per_mm3(scene.material.density_kg_m3)
     bolted_kg = bolted_mass(scene).volume
-    return Masses(
+    return ThrowMasses(
         throw=2 * (report.volume_mm3 * kg_per_mm3 + bolted_kg),
         web=report.web_volume_mm3 * kg_per_mm3 + bolted_kg,
     )

@@ -8,7 +8,7 @@ from cranktopo.numerics.surfaces.checks import check_manifold, check_self_inters
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.tasks.extraction.half_throw import WebSurface
 
-VOLUME_TOLERANCE_PERCENT = 0.5
+_VOLUME_TOLERANCE_PERCENT = 0.5
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ def check_surface(surface: WebSurface) -> SurfaceReport:
             f"{bodies} separate bodies instead of 1", "Raise the volume fraction or the resolution."
         )
     error = 100 * (surface.volume_mm3 / surface.target_volume_mm3 - 1)
-    if not abs(error) <= VOLUME_TOLERANCE_PERCENT:
+    if not abs(error) <= _VOLUME_TOLERANCE_PERCENT:
         raise surface_refusal(
             f"the web has {surface.volume_mm3:.0f} mm3, {error:+.2f} % of the density's "
-            f"{surface.target_volume_mm3:.0f} mm3 (allowed {VOLUME_TOLERANCE_PERCENT} %; "
+            f"{surface.target_volume_mm3:.0f} mm3 (allowed {_VOLUME_TOLERANCE_PERCENT} %; "
             f"{surface.dropped_islands} islands with {surface.dropped_volume_mm3:.0f} mm3 left out)",
             "Run more iterations, or raise the filter radius so that no islands form.",
         )

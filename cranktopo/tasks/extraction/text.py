@@ -29,7 +29,7 @@ class DesignUndercuts:
     @property
     def free(self) -> bool:
         """True where a die releases the web, and a cutter reaches all of it."""
-        return not obstacles(self.hollows, UndercutMeasures.of(self.undercuts))
+        return not manufacturing_obstacles(self.hollows, UndercutMeasures.of(self.undercuts))
 
 
 _COLUMNS: tuple[Column[DesignUndercuts], ...] = (
@@ -64,7 +64,7 @@ def released_text(way: str) -> str:
     return f"{way} {'reaches all of' if way.startswith('a mill') else 'releases'}"
 
 
-def obstacles(cavities: int, undercuts: UndercutMeasures | None) -> list[str]:
+def manufacturing_obstacles(cavities: int, undercuts: UndercutMeasures | None) -> list[str]:
     """Return what keeps a web from being made; nothing where a die releases it and a cutter reaches it.
 
     Args:
@@ -105,11 +105,11 @@ def kept(measured_mm: float | None, asked_mm: float) -> bool:
 def length_lines(walls: WallMeasures | None) -> list[str]:
     """Return one line for every length that was asked for."""
     return [
-        f"{words} {shown(measured)}, {asked:g} mm asked{'' if kept(measured, asked) else ': NOT KEPT'}"
+        f"{words} {length_text(measured)}, {asked:g} mm asked{'' if kept(measured, asked) else ': NOT KEPT'}"
         for words, (measured, asked) in asked_lengths(walls).items()
     ]
 
 
-def shown(measured_mm: float | None) -> str:
+def length_text(measured_mm: float | None) -> str:
     """Return a measured length; none where there is nothing to measure."""
     return "none" if measured_mm is None else f"{measured_mm:.1f} mm"

@@ -28,8 +28,8 @@ _FACING = math.cos(math.radians(140.0))
 """Walls face each other within 40 deg: a knife edge counts as a thin member, a corner of 90 deg does not."""
 _ALONG = math.sin(math.radians(1.0))
 _KEPT_SHARE = 0.9
-PARTING_CELLS = 1.5
-LEAST_SHARE = 0.01
+_PARTING_CELLS = 1.5
+_LEAST_SHARE = 0.01
 """A least value is the one that all but this share of the shaped walls' area keeps: single triangles and the
 rounding of an edge do not decide."""
 
@@ -125,7 +125,7 @@ def _to_one_edge_mm(walls: Walls, others: Walls) -> Array:
     return np.asarray(np.where(beside, distance, np.inf))
 
 
-def least(values: Array, areas_mm2: Array, share: float = LEAST_SHARE) -> float:
+def least(values: Array, areas_mm2: Array, share: float = _LEAST_SHARE) -> float:
     """Return the value that all but a share of the area keeps; infinite without any area."""
     if not len(values):
         return math.inf
@@ -145,7 +145,7 @@ def measure(
     body = walls_of(half_throw, cell_mm)
     walls = shaped(body, envelope, scene)
     way = way_of(scene)
-    drafted = walls.where(from_parting_mm(walls, way) > PARTING_CELLS * cell_mm)
+    drafted = walls.where(from_parting_mm(walls, way) > _PARTING_CELLS * cell_mm)
     leaves = _is_manufactured(scene) and way.axis is not None
     draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else None
     found = {

@@ -55,8 +55,8 @@ from cranktopo.tasks.refit.fit import fit_web
 from cranktopo.tasks.refit.shape_error import shape_error
 from cranktopo.throw.geometry import StlEnvelope
 
-STEP_FILE = "step.json"
-MOST_KEPT = 0.98
+_STEP_FILE = "step.json"
+_MOST_KEPT = 0.98
 """Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
 
 
@@ -254,7 +254,7 @@ def _shaped_body(folder: Path) -> ShownBody:
 
 def _finished(folder: Path) -> _Web | None:
     """Return a step that an earlier go of the loop finished."""
-    path = folder / STEP_FILE
+    path = folder / _STEP_FILE
     if not path.is_file():
         return None
     data = read_json(path)
@@ -265,7 +265,7 @@ def _finished(folder: Path) -> _Web | None:
 def _kept(web: _Web, folder: Path) -> _Web:
     """Write the file that says that a step is finished."""
     data = {"step": web.step.as_json(), "scene": web.scene.model_dump(mode="json")}
-    write_json(folder / STEP_FILE, data)
+    write_json(folder / _STEP_FILE, data)
     return web
 
 
@@ -313,7 +313,7 @@ def _bounded(folder: Path, number: int, webs: Sequence[_Web], settings: Settings
         path = write_envelope(webs[-1].solids.web, folder.parent / f"step-{number - 1:02d}")
         envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
         scene = scene.model_copy(update={"envelope": envelope})
-    fraction = min(target / volume, MOST_KEPT)
+    fraction = min(target / volume, _MOST_KEPT)
     return scene.with_effect("bound", "off").with_optimise(volume_fraction=fraction), fraction
 
 

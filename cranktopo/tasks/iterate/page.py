@@ -102,7 +102,7 @@ def _fact(step: StepRow, original: StepRow, quantity: Quantity) -> Fact:
 
 
 def _steps(loop: LoopResult) -> Section:
-    figure = steps_figure(loop)
+    figure = _steps_figure(loop)
     figure.set_facecolor("none")
     alt = "Mass, stiffnesses and stiffnesses per mass of every step in percent of the original web's"
     return Section(
@@ -129,10 +129,10 @@ def _provenance(loop: LoopResult, manifest: Mapping[str, Any]) -> Section:
 
 def save_steps_plot(path: Path, loop: LoopResult) -> None:
     """Write the plot as PNG; raises CranktopoError when the file cannot be written."""
-    write_bytes(path, png(steps_figure(loop)))
+    write_bytes(path, png(_steps_figure(loop)))
 
 
-def steps_figure(loop: LoopResult) -> Figure:
+def _steps_figure(loop: LoopResult) -> Figure:
     """Draw every step in percent of the original web."""
     figure = Figure(figsize=(7.2, 4.6), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)

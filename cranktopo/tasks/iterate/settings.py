@@ -10,7 +10,7 @@ from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.usual_size import usual_limits
 
-THIN_SHARE = 0.4
+_THIN_SHARE = 0.4
 """Least thickness beside a journal over that of the web, by default."""
 _LIMITS = "rules"
 """Key of the limits in a manifest."""
@@ -65,5 +65,5 @@ def loop_settings(
     shape: bool = True,
 ) -> Settings:
     """Return the settings of a loop over a design; the least thickness is 40 % of the web's by default."""
-    least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
+    least_mm = least_transition_mm or _THIN_SHARE * scene.web.thickness_mm
     return Settings(steps, least_mm, element_size_mm, limits or usual_limits(scene), shape)

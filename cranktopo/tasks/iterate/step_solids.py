@@ -18,7 +18,7 @@ from cranktopo.numerics.surfaces.files import as_stored, read_stl, write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 
-RAYS = 61
+_RAYS = 61
 _OUTSIDE = 1.02
 _BEYOND_MM = 1.0
 
@@ -109,7 +109,7 @@ def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
     body = solid_of(web, "web")
     low, high = scene.web_z_mm[0] - _BEYOND_MM, scene.web_z_mm[1] + _BEYOND_MM
     throw = scene.throw
-    angles = np.linspace(-np.pi / 2, np.pi / 2, RAYS + 2)[1:-1]
+    angles = np.linspace(-np.pi / 2, np.pi / 2, _RAYS + 2)[1:-1]
     least = np.inf
     for journal, centre, side in ((throw.main_journal, 0.0, 1.0), (throw.crankpin, throw.radius_mm, -1.0)):
         radius = _OUTSIDE * journal.radius_mm

@@ -15,7 +15,7 @@ from cranktopo.tasks.iterate.result import LoopResult, ShapeOutcome, StepRow
 
 LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
 """What a loop leaves in its directory beside the folders of its steps."""
-IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
+_IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
 """What every step shows in percent of the original web."""
 
 
@@ -45,7 +45,7 @@ _SHAPE: tuple[Column[StepRow], ...] = (
     Column("overlap_percent", 1, lambda step: step.overlap_percent),
 )
 _PERCENT: tuple[Column[StepRow], ...] = tuple(
-    Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in IN_PERCENT
+    Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in _IN_PERCENT
 )
 
 

@@ -43,7 +43,7 @@ from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.original import original_file, without_its_fillets
 
-ROUNDS = 3
+_ROUNDS = 3
 """Most times that the limits are moved."""
 _MOVED = "limits in the cells as the evaluation moved them"
 _ORIGINAL = "original"
@@ -190,7 +190,7 @@ def enforce_limits_by_fea(
             case.work.info(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
             return replace(state, reason=f"{state.reason}; its limits are not judged"), error.message
         told = goal_json(case.goal, case.reached(state), case.original())
-        done = len(state.rounds) == ROUNDS or all(limit.met for limit in limits)
+        done = len(state.rounds) == _ROUNDS or all(limit.met for limit in limits)
         more = "" if done else "; the limits in the cells are moved by their error"
         case.work.info(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
         if done:

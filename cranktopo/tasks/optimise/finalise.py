@@ -68,7 +68,7 @@ def finalise_run(
     """
     optimised = time.perf_counter()
     design = loop.final_design(problem, state)
-    rows = history_rows(problem, state.history)
+    rows = _history_rows(problem, state.history)
     (surface, half_throw, files), judged = side_by_side(
         lambda: _shown(run, prepared, design, rows),
         lambda: _judged(run, prepared, problem, state, design.physical, cells),
@@ -203,7 +203,7 @@ def _title(scene: Scene) -> str:
     return f"{scene.name}, {volume if goal is None else f'{goal.sense} {goal.quantity}'}"
 
 
-def history_rows(problem: DensityProblem, history: Sequence[Record]) -> list[dict[str, Any]]:
+def _history_rows(problem: DensityProblem, history: Sequence[Record]) -> list[dict[str, Any]]:
     """Return the rows of history.csv: one per design, units in the column names.
 
     Compliances are in N mm by load case. With a goal, its value and those of its limits are among them.

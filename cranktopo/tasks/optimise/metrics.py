@@ -18,9 +18,9 @@ from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface
 from cranktopo.tasks.extraction.result import (
-    Masses,
     NoSurface,
     RunSurface,
+    ThrowMasses,
     UndercutMeasures,
     WallMeasures,
     quality,
@@ -71,7 +71,7 @@ def run_metrics(
         iterations=len(state.history),
         coarse_start=state.coarse_start,
         volume_fraction=VolumeFraction(target=problem.target, reached=state.last.volume_fraction),
-        mass_kg=Masses(throw=result.throw_kg, web=result.web_kg),
+        mass_kg=ThrowMasses(throw=result.throw_kg, web=result.web_kg),
         greyness=state.last.greyness,
         connected=is_connected(domain, density),
         grid=_grid(domain),
@@ -146,7 +146,7 @@ def _original(
 ) -> OriginalWeb:
     before = original.stiffness_per_mass()
     return OriginalWeb(
-        mass_kg=Masses(throw=original.throw_kg, web=original.web_kg),
+        mass_kg=ThrowMasses(throw=original.throw_kg, web=original.web_kg),
         load_cases=_load_cases(scene, problem, original, domain),
         stiffness_per_mass=_per_mass(original),
         gain_of_stiffness_per_mass_percent={

@@ -17,7 +17,7 @@ from cranktopo.report.gallery import JOURNAL_SIDE, PIN_SIDE, UP, Direction
 from cranktopo.report.png import png
 from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
 
-History = Sequence[Mapping[str, Any]]
+_History = Sequence[Mapping[str, Any]]
 # Name, direction to the viewer, axis labels (none: not along the axes).
 _VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
     ("from the journal side", JOURNAL_SIDE, None),
@@ -30,7 +30,7 @@ _VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
 def save_run_picture(
     path: Path,
     mesh: SurfaceMesh,
-    history: History,
+    history: _History,
     title: str,
     web_z_mm: tuple[float, float],
 ) -> None:
@@ -45,7 +45,7 @@ def save_run_picture(
     write_bytes(path, png(run_figure(mesh, history, title, web_z_mm)))
 
 
-def run_figure(mesh: SurfaceMesh, history: History, title: str, web_z_mm: tuple[float, float]) -> Figure:
+def run_figure(mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]) -> Figure:
     """Return the picture of a run as a figure of its own: no global matplotlib state is read or changed.
 
     Args:
@@ -102,7 +102,7 @@ def _draw_views(
             plain(axes)
 
 
-def _draw_curves(figure: Figure, history: History) -> None:
+def _draw_curves(figure: Figure, history: _History) -> None:
     grid = figure.add_gridspec(
         1, 3, left=0.06, right=0.975, top=0.34, bottom=0.075, wspace=0.22, width_ratios=(1.5, 1, 1)
     )
@@ -114,7 +114,7 @@ _CASE_KEY = "_compliance_N_mm"
 _COLOURS = ("#1f6fb4", "#d1632a", "#2c8c4f", "#8a4fa3")
 
 
-def _compliances_panel(axes: Any, history: History) -> None:
+def _compliances_panel(axes: Any, history: _History) -> None:
     """Draw the compliance of every load case and the objective, each over its first value."""
     _draw_compliances(axes, history)
     _frame(axes, history)
@@ -122,34 +122,34 @@ def _compliances_panel(axes: Any, history: History) -> None:
         axes.text(0.5, 0.5, "no history", transform=axes.transAxes, ha="center", color=GREY)
 
 
-def _volume_panel(axes: Any, history: History) -> None:
+def _volume_panel(axes: Any, history: _History) -> None:
     """Draw the volume fraction."""
     _draw_fraction(axes, history, "volume_fraction", "volume fraction (-)")
     _frame(axes, history)
 
 
-def _greyness_panel(axes: Any, history: History) -> None:
+def _greyness_panel(axes: Any, history: _History) -> None:
     """Draw the greyness."""
     _draw_fraction(axes, history, "greyness", "greyness (-)")
     axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
     _frame(axes, history)
 
 
-PANELS: tuple[Callable[[Any, History], None], ...] = (
+PANELS: tuple[Callable[[Any, _History], None], ...] = (
     _compliances_panel,
     _volume_panel,
     _greyness_panel,
 )
 
 
-def _frame(axes: Any, history: History) -> None:
+def _frame(axes: Any, history: _History) -> None:
     axes.set_xlabel("iteration", fontsize=9)
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)
     _mark_projection(axes, history)
 
 
-def _draw_compliances(axes: Any, history: History) -> None:
+def _draw_compliances(axes: Any, history: _History) -> None:
     keys = [key for key in dict.fromkeys(k for row in history for k in row) if key.endswith(_CASE_KEY)]
     lowest, highest = 1.0, 1.0
     lines = [(key, key.removesuffix(_CASE_KEY), "-") for key in keys] + [("objective", "objective", "--")]
@@ -170,7 +170,7 @@ def _draw_compliances(axes: Any, history: History) -> None:
         axes.legend(fontsize=9, frameon=False, loc="upper right", bbox_to_anchor=(1.0, 0.94))
 
 
-def _draw_fraction(axes: Any, history: History, key: str, label: str) -> None:
+def _draw_fraction(axes: Any, history: _History, key: str, label: str) -> None:
     steps, values = _series(history, key)
     axes.plot(steps, values, color=_COLOURS[0], linewidth=1.6)
     axes.set_ylabel(label, fontsize=9)
@@ -180,7 +180,7 @@ def _draw_fraction(axes: Any, history: History, key: str, label: str) -> None:
         axes.set_ylim(middle - half, middle + half)
 
 
-def _mark_projection(axes: Any, history: History) -> None:
+def _mark_projection(axes: Any, history: _History) -> None:
     """Draw thin lines where the sharpness of the projection changes: the curves jump there."""
     steps, betas = _series(history, "beta")
     for before, now, step in zip(betas, betas[1:], steps[1:], strict=False):
@@ -197,6 +197,6 @@ def _mark_projection(axes: Any, history: History) -> None:
             )
 
 
-def _series(history: History, key: str) -> tuple[list[float], list[float]]:
+def _series(history: _History, key: str) -> tuple[list[float], list[float]]:
     rows = [row for row in history if row.get(key) is not None]
     return [float(row["iteration"]) for row in rows], [float(row[key]) for row in rows]

@@ -12,7 +12,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.kind import read_result
 from cranktopo.tasks.density.state import CoarseStart
-from cranktopo.tasks.extraction.result import Masses, NoSurface, RunSurface, WallMeasures
+from cranktopo.tasks.extraction.result import NoSurface, RunSurface, ThrowMasses, WallMeasures
 from cranktopo.tasks.fea.quantities import MASS, STIFFNESS, Quantity
 from cranktopo.tasks.fea.verdict_sentence import percent_change
 
@@ -64,7 +64,7 @@ class CaseMetrics(Result):
 class OriginalWeb(Result):
     """The design's own web in the same model, and what the optimised one gains on it."""
 
-    mass_kg: Masses
+    mass_kg: ThrowMasses
     load_cases: dict[str, CaseMetrics]
     stiffness_per_mass: dict[str, float]
     gain_of_stiffness_per_mass_percent: dict[str, float]
@@ -111,7 +111,7 @@ class RunMetrics(Result):
     iterations: int
     coarse_start: CoarseStart | None = UNLESS_NONE
     volume_fraction: VolumeFraction
-    mass_kg: Masses
+    mass_kg: ThrowMasses
     greyness: float
     connected: bool
     grid: GridSummary

@@ -37,7 +37,7 @@ from cranktopo.tasks.refit.result import RefitResult
 
 # What other commands print with --json, where the run holds it.
 _FATIGUE, _ACCURACY, _REMODEL = "fatigue.json", "accuracy.json", "remodel/remodel.json"
-MOST_SNAPSHOTS = 60
+_MOST_SNAPSHOTS = 60
 MOST_CELLS = 6_000_000
 """Of all snapshots together, one byte each before compression; finer grids are averaged over blocks."""
 
@@ -147,7 +147,7 @@ def snapshots(
     Raises:
         CranktopoError: a file of the run is damaged.
     """
-    numbers = evenly_spread(saved_iterations(run.path), MOST_SNAPSHOTS)
+    numbers = evenly_spread(saved_iterations(run.path), _MOST_SNAPSHOTS)
     found = []
     for number in numbers:
         x, beta = load_iteration(run.path, number)

@@ -8,7 +8,7 @@ from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
 from cranktopo.report.result_table import terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.result import NoSurface, RunSurface
-from cranktopo.tasks.extraction.text import length_lines, obstacles
+from cranktopo.tasks.extraction.text import length_lines, manufacturing_obstacles
 from cranktopo.tasks.fea.verdict_sentence import percent_change, worse_line
 from cranktopo.tasks.optimise.result import RunMetrics
 
@@ -72,4 +72,4 @@ def _case_line(name: str, metrics: RunMetrics) -> str:
 def _surface_warning(surface: RunSurface | NoSurface) -> list[str]:
     if isinstance(surface, NoSurface):
         return [f"no STL: {surface.refusal}"]
-    return obstacles(surface.cavities, surface.undercuts)
+    return manufacturing_obstacles(surface.cavities, surface.undercuts)

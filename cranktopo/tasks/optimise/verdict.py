@@ -8,7 +8,13 @@ from typing import Any
 from cranktopo.report.goal_table import broken_limits, goal_words, unjudged_line
 from cranktopo.report.page import Fact, FactStatus
 from cranktopo.tasks.extraction.result import NoSurface, WallMeasures
-from cranktopo.tasks.extraction.text import asked_lengths, kept, obstacles, released_text, shown
+from cranktopo.tasks.extraction.text import (
+    asked_lengths,
+    kept,
+    length_text,
+    manufacturing_obstacles,
+    released_text,
+)
 from cranktopo.tasks.fea.quantities import MASS, TORSION
 from cranktopo.tasks.fea.verdict_sentence import (
     NOTICEABLE_PERCENT,
@@ -69,7 +75,7 @@ def run_undercuts_fact(metrics: RunMetrics) -> Fact:
     surface, label = metrics.surface, "Released by a die"
     if isinstance(surface, NoSurface):
         return Fact(label, "no", "the density has no surface", "bad")
-    found = obstacles(surface.cavities, surface.undercuts)
+    found = manufacturing_obstacles(surface.cavities, surface.undercuts)
     if found:
         return Fact(label, "no", "; ".join(found), "bad")
     if surface.undercuts is None:  # a run of an earlier version
@@ -94,7 +100,12 @@ def _walls_text(walls: WallMeasures | None) -> str:
 def _lengths(metrics: RunMetrics) -> list[Fact]:
     """Return the minimum member and gap as measured, where they were asked for."""
     return [
-        Fact(name.capitalize(), shown(found), f"{asked:g} mm asked", "good" if kept(found, asked) else "bad")
+        Fact(
+            name.capitalize(),
+            length_text(found),
+            f"{asked:g} mm asked",
+            "good" if kept(found, asked) else "bad",
+        )
         for name, (found, asked) in asked_lengths(metrics.walls).items()
     ]
 

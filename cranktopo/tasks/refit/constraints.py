@@ -27,7 +27,7 @@ from cranktopo.throw.flank import Flank
 
 _AXIS_POINTS = 33
 """Points along the axis of a drilling."""
-NamedBox = tuple[str, Array]
+_NamedBox = tuple[str, Array]
 
 _CHECKS, _POINTS = 8, 16
 _LEAST_RISE = 0.01
@@ -123,7 +123,7 @@ def _apart(one: Array, other: Array) -> Any:
     return np.maximum(one[0] - other[1], other[0] - one[1]).max()
 
 
-def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[Rule]:
+def drilling_rules(around: Surroundings, boxes: Sequence[_NamedBox]) -> Iterator[Rule]:
     """Yield a rule for each drilling and each of outline, bevels and boxes; none without a drilling.
 
     Args:

@@ -67,7 +67,7 @@ def with_part(layout: Layout, values: Array, part: FittedFeature, guess: Array) 
     return more, np.concatenate([web, guess, layout.sizes(values)])
 
 
-def rounded(scene: Scene, layout: Layout, values: Array) -> Array:
+def rounded_dimensions(scene: Scene, layout: Layout, values: Array) -> Array:
     """Return the parameters with the dimensions of the throw rounded to 0.01 mm, within their ranges."""
     result = np.array(values, dtype=np.float64)
     for k, name in enumerate(layout.dimensions, len(values) - len(layout.dimensions)):

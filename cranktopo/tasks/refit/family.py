@@ -53,7 +53,7 @@ class Layout:
             yield part.label if seen[part.label] == 1 else f"{part.label}-{seen[part.label]}", part
 
 
-def unit_of(parameter: str) -> str:
+def parameter_unit(parameter: str) -> str:
     """Return the unit of a parameter by its name: degrees for a draft and an angle, else mm."""
     return "deg" if parameter.endswith(("draft", "angle")) else "mm"
 
@@ -108,7 +108,7 @@ def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
 def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     """Return the `[web]` table of a parameter vector to the last digit, as plain data."""
     flank = flank_of(layout, np.asarray(values, dtype=np.float64))
-    frame = frame_of(flank)
+    frame = surroundings_of(flank)
     features: dict[str, list[dict[str, Any]]] = {key: [] for key in scene.web.feature_keys}
     for part, named in named_parts(layout.parts, values[layout.stations :]):
         features[part.table] += part.tables(named, frame)
@@ -128,7 +128,7 @@ def _counterweight(scene: Scene) -> dict[str, Any]:
     return {} if weight is None else {"counterweight": weight.model_dump(exclude_none=True)}
 
 
-def frame_of(flank: Flank) -> Frame:
+def surroundings_of(flank: Flank) -> Frame:
     """Return what the features of an outline refer to."""
     return float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank)
 

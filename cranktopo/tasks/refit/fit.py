@@ -18,7 +18,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import bounds, web_of
 from cranktopo.tasks.refit.residual_regions import ResidualRegion, residual_regions
 from cranktopo.tasks.refit.search import FitProblem
-from cranktopo.tasks.refit.select import Candidate, Trial, fit_from, model_fill, select
+from cranktopo.tasks.refit.select import Candidate, FitTrial, fit_from, model_fill, select
 from cranktopo.tasks.refit.usual_size import (
     scaled_lengths,
     scaled_limits,
@@ -58,7 +58,7 @@ class FittedWeb:
     scene: Scene
     names: tuple[str, ...]
     values: tuple[float, ...]
-    trials: tuple[Trial, ...]
+    trials: tuple[FitTrial, ...]
     overlaps: tuple[float, ...]
     residual_regions: tuple[ResidualRegion, ...]
 

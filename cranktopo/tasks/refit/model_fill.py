@@ -40,7 +40,7 @@ class Fill:
             added: signed distances from what is added to the outline, (nx, ny, nz), by number of the field.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
-        inside[:] = outline_distance(points, *self.axes[:2])[:, :, None]
+        inside[:] = _outline_distance(points, *self.axes[:2])[:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
         for number, field in added.items():
             which[field > inside] = number
@@ -106,7 +106,7 @@ def _ends(points: Array) -> Array:
     return points[[0, -1], 1]
 
 
-def outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
+def _outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
     """Return the signed distance from the outline, (nx, ny), mm; positive inside.
 
     Args:

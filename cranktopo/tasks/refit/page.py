@@ -10,7 +10,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.sections import pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.tasks.refit.result import RefitResult
-from cranktopo.tasks.refit.text import fit_lines, rest_table, shape_rows, stiffness_rows, trials_table
+from cranktopo.tasks.refit.text import fit_lines, fit_trials_table, rest_table, shape_rows, stiffness_rows
 
 _KINDS = {"torsion": "Torsional stiffness", "bending": "Bending stiffness"}
 
@@ -39,7 +39,7 @@ def remodel_section(data: RefitResult) -> Section:
     """Return the shape error, stiffnesses, what was tried and what is left over."""
     tables: list[tuple[str, ResultTable]] = [
         ("Web against body", pairs([*shape_rows(data), *stiffness_rows(data.stiffness)])),
-        ("Features tried, each kept only for what it gains", trials_table(data)),
+        ("Features tried, each kept only for what it gains", fit_trials_table(data)),
     ]
     if data.not_represented:
         tables.append(("Not represented by the parametric web", rest_table(data)))

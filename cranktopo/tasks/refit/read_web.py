@@ -11,7 +11,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import DECIMALS, Layout, flank_of, frame_of, station_shares
+from cranktopo.tasks.refit.family import DECIMALS, Layout, flank_of, station_shares, surroundings_of
 from cranktopo.throw.feature import Feature
 from cranktopo.throw.fitted import FittedFeature, Frame
 from cranktopo.throw.profile import ProfileWeb
@@ -43,13 +43,13 @@ def read_web(scene: Scene, sampled: Array) -> WebRead:
     Args:
         sampled: outline to take where the web's own is none of the family's.
     """
-    outline, web = family_outline(scene), scene.web
+    outline, web = _family_outline(scene), scene.web
     own, left_out = sampled if outline is None else outline, list[str]()
     if outline is None:
         frame = (*web.y_range_mm(scene.throw.radius_mm), web.largest_half_width_mm)
         left_out.append(f"web.outline = '{web.outline}', sampled at {len(own)} stations")
     else:
-        frame = frame_of(flank_of(Layout(len(own)), own))
+        frame = surroundings_of(flank_of(Layout(len(own)), own))
     found = list(_features(scene, frame))
     left_out += [key for key, part in found if part is None]
     parts = [part for _, part in found if part is not None]
@@ -57,7 +57,7 @@ def read_web(scene: Scene, sampled: Array) -> WebRead:
     return WebRead(layout, np.concatenate([own, *(values for _, values in parts)]), tuple(left_out))
 
 
-def family_outline(scene: Scene) -> Array | None:
+def _family_outline(scene: Scene) -> Array | None:
     """Return ends and half-widths of an outline whose stations lie as the family's do; None for any other.
 
     The stations are rounded in a scene: the ends are those that come nearest to all of them.

@@ -7,7 +7,7 @@ from typing import Any
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.tasks.refit.residual_regions import ResidualRegion
-from cranktopo.tasks.refit.select import Trial
+from cranktopo.tasks.refit.select import FitTrial
 
 _Point = tuple[float, float, float]
 
@@ -82,7 +82,7 @@ class RefitResult(Result):
     distance_mm: SurfaceDistance
     web_mass_kg: WebMasses
     stiffness: RefitStiffness | None
-    trials: list[Trial]
+    trials: list[FitTrial]
     overlap_by_start: list[float]
     not_represented: list[UnrepresentedRegion]
     rules: ManufacturingLimits

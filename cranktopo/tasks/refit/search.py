@@ -80,7 +80,7 @@ class Fit:
         return float(np.minimum(model, self._target).sum() / np.maximum(model, self._target).sum())
 
 
-def search(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
+def minimise_misfit(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
     """Fit the parameters from one initial guess, with ever sharper steps.
 
     Args:

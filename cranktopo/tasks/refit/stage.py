@@ -30,7 +30,7 @@ from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.fea.evaluation import Info, evaluate
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
-from cranktopo.tasks.refit.family import unit_of
+from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.fit import FittedWeb, fit_web
 from cranktopo.tasks.refit.page import remodel_page
 from cranktopo.tasks.refit.result import (
@@ -175,7 +175,7 @@ def _result(
         design=scene.name,
         web=scene.web.model_dump(mode="json"),
         parameters=[
-            FittedParameter(name=name, value=value, unit=unit_of(name))
+            FittedParameter(name=name, value=value, unit=parameter_unit(name))
             for name, value in zip(fitted.names, fitted.values, strict=True)
         ],
         iou=Overlaps(web=near.web_iou, half_throw=near.iou),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.fea.table import estimate_line
 from cranktopo.tasks.refit.result import RefitResult, RefitStiffness, UnrepresentedRegion
-from cranktopo.tasks.refit.select import Trial
+from cranktopo.tasks.refit.select import FitTrial
 
 _FILES = ("report", "design", "step", "stl", "drawing", "drawing_svg", "json")
 _EVALUATED = ("body", "fitted_without_fillets", "fitted")
-_TRIALS: tuple[Column[Trial], ...] = (
+_TRIALS: tuple[Column[FitTrial], ...] = (
     Column("tried", 0, lambda trial: trial.step),
     Column("parameters", 0, lambda trial: float(trial.parameters)),
     Column("overlap_percent", 2, lambda trial: trial.iou_percent),
@@ -31,7 +31,7 @@ def remodel_text(data: RefitResult) -> str:
     """Return the content of remodel.json for a terminal."""
     rows = [*shape_rows(data), *stiffness_rows(data.stiffness)]
     lines = [
-        terminal(trials_table(data)),
+        terminal(fit_trials_table(data)),
         *fit_lines(data),
         "",
         *(f"{name:19} {text}" for name, text in rows),
@@ -42,7 +42,7 @@ def remodel_text(data: RefitResult) -> str:
     return "\n".join([*lines, "", *files])
 
 
-def trials_table(data: RefitResult) -> ResultTable:
+def fit_trials_table(data: RefitResult) -> ResultTable:
     """Return what was tried, with the overlap that it reached."""
     return tabulate(_TRIALS, data.trials)
 

@@ -8,7 +8,7 @@ from typing import Any
 from cranktopo.design.goal.outcome import goal_json, limit_outcomes
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import unit_of
+from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.shape.active_constraints import held_by
 from cranktopo.tasks.shape.goal_in_model import goal_on_cells
 from cranktopo.tasks.shape.rules import rule_unit, rules_at
@@ -69,7 +69,7 @@ def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> list[dict[str, Any]]:
     web, paid, found = optimum.web, optimum.prices, dict[tuple[str, str], float]()
     names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
     bounds = [
-        (f"{'least' if price > 0 else 'greatest'} {name}", unit_of(name))
+        (f"{'least' if price > 0 else 'greatest'} {name}", parameter_unit(name))
         for name, price in zip(web.layout.names, paid.bounds, strict=True)
     ]
     for key, price in zip([*names, *bounds], [*paid.rules, *abs(paid.bounds)], strict=True):

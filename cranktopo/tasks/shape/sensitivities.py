@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.refit.family import unit_of
+from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 
@@ -56,7 +56,7 @@ def dimensions(
     return tuple(
         Dimension(
             name,
-            unit_of(name),
+            parameter_unit(name),
             float(value),
             float(low),
             float(high),
