@@ -16,7 +16,7 @@ from cranktopo.tasks.accuracy import stage as accuracy
 from cranktopo.tasks.fatigue import stage as fatigue
 from cranktopo.tasks.fea import stage as evaluating
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
-from cranktopo.tasks.iterate import loop
+from cranktopo.tasks.iterate import one_step
 from cranktopo.tasks.optimise.result import OptimisedRun
 from cranktopo.tasks.refit import stage as remodelling
 from tests.plain_runs import plain_runs
@@ -159,7 +159,7 @@ def test_loop_starts_and_continues(mikron: Scene, tmp_path: Path, monkeypatch: p
         seen.append((scene.name, folder.name))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(loop, "write_solids", interrupted)
+    monkeypatch.setattr(one_step, "write_solids", interrupted)
     with pytest.raises(cranktopo.CranktopoError, match="finished steps are kept"):
         cranktopo.start_loop(mikron, cranktopo.loop_settings(mikron, 3), tmp_path / "loop")
     with pytest.raises(cranktopo.CranktopoError, match="finished steps are kept"):
