@@ -77,7 +77,7 @@ def functions(problem: DensityProblem, state: State, design: Design) -> tuple[np
     """Scaled goal and limits and their derivatives by the designable variables."""
     values, *fields = gradients(problem.model, problem.optimisation.functions, design, {})
     by_x = vjp(problem.density_chain, jnp.asarray(state.x), jnp.asarray(state.beta), *fields)
-    free = np.asarray(problem.density_chain.design) > 0
+    free = np.asarray(problem.density_chain.design_fraction) > 0
     return np.asarray(values), np.asarray(by_x)[:, free]
 
 
@@ -85,7 +85,7 @@ def with_mmapy(problem: DensityProblem) -> State:
     """The loop with mmapy's step."""
     from mmapy import mmasub
 
-    free = np.asarray(problem.density_chain.design) > 0
+    free = np.asarray(problem.density_chain.design_fraction) > 0
 
     def propose(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
         values, by_x = functions(problem, state, design)
@@ -110,7 +110,7 @@ def with_ccsaq(problem: DensityProblem) -> State:
     """nlopt's CCSAQ, restarted at each steepness of the projection."""
     import nlopt
 
-    free = np.asarray(problem.density_chain.design) > 0
+    free = np.asarray(problem.density_chain.design_fraction) > 0
     found: dict[str, Any] = {"state": loop.init(problem)}
 
     def keep(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:

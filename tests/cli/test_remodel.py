@@ -24,7 +24,7 @@ from cranktopo.tasks.refit import stage as remodel
 from cranktopo.tasks.refit.fit import FittedWeb
 from cranktopo.tasks.refit.select import FitTrial
 from cranktopo.tasks.refit.shape_error import shape_error
-from cranktopo.tasks.refit.stage import write_remodel
+from cranktopo.tasks.refit.stage import write_refit
 from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 
@@ -39,7 +39,7 @@ def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     trials = (FitTrial("outline", 7, 80.0, 0.0, True),)
     fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
     near, half_throw = shape_error(scene, body), surface_of(scene, "half")
-    files = write_remodel(fitted, near, half_throw, body, tmp_path, lambda _: None)
+    files = write_refit(fitted, near, half_throw, body, tmp_path, lambda _: None)
     assert load_scene(str(tmp_path / files["design"])) == scene
     volume = half_throw_volume_mm3(scene)
     assert step_volume_mm3(tmp_path / files["step"]) == pytest.approx(volume, rel=1e-6)
@@ -191,7 +191,7 @@ def test_an_interrupted_remodel_leaves_nothing(
 
     for name in ("read_half_throw", "fit_web", "shape_error", "without", "surface_of", "as_stored"):
         monkeypatch.setattr(remodel, name, lambda *_: SimpleNamespace(scene=mikron))
-    monkeypatch.setattr(remodel, "write_remodel", interrupted)
+    monkeypatch.setattr(remodel, "write_refit", interrupted)
     assert main(["remodel", str(run)]) == 130
     assert "interrupted" in capsys.readouterr().err
     assert len(seen[0]) == 1

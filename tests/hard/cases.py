@@ -103,7 +103,7 @@ class Throw:
     @property
     def moduli(self) -> Array:
         density_chain = build_interpolation(self.domain, 1.0)
-        shape = density_chain.design.shape
+        shape = density_chain.design_fraction.shape
         density = jnp.asarray(fields.blobs(0.6, (shape[0], shape[1], shape[2])), float)
         return np.asarray(relative_moduli(density_chain, density))
 

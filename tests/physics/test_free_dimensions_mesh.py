@@ -117,7 +117,7 @@ def test_a_mesh_there_and_a_mesh_here_tell_the_same_change(case: Case) -> None:
 def test_slopes_of_the_rules_are_those_of_differences(case: Case) -> None:
     web = ParametricWeb(case.layout, case.scene, ManufacturingLimits(), (np.zeros(0),) * 3)
     values, step = case.values + 0.01, 1e-4
-    slopes = web.slopes(values)
+    slopes = web.gradients(values)
     for i in range(len(values)):
         change = step * np.eye(len(values))[i]
         measured = (web.constraints(values + change) - web.constraints(values - change)) / (2 * step)

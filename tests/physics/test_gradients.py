@@ -65,13 +65,13 @@ def setting(float64: None, mikron: Scene) -> tuple[ThrowModel, MaterialInterpola
 
 
 def some_design(density_chain: MaterialInterpolation) -> jax.Array:
-    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, density_chain.design.shape))
+    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, density_chain.design_fraction.shape))
 
 
 def some_direction(density_chain: MaterialInterpolation) -> jax.Array:
     return (
-        jnp.asarray(np.random.default_rng(2).standard_normal(density_chain.design.shape))
-        * density_chain.design
+        jnp.asarray(np.random.default_rng(2).standard_normal(density_chain.design_fraction.shape))
+        * density_chain.design_fraction
     )
 
 
@@ -165,7 +165,9 @@ def test_compliance_under_the_body_force(float64: None, mikron: Scene) -> None:
 
 def test_volume_derivative(setting: tuple[ThrowModel, MaterialInterpolation, jax.Array]) -> None:
     _, density_chain, x = setting
-    _, by_x = design_gradients(density_chain, x, jnp.asarray(4.0), jnp.zeros(density_chain.fixed.shape))
+    _, by_x = design_gradients(
+        density_chain, x, jnp.asarray(4.0), jnp.zeros(density_chain.passive_fraction.shape)
+    )
     cell, step = (3, 9, 1), 1e-5
 
     def volume(x: jax.Array) -> float:

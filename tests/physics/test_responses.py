@@ -56,7 +56,7 @@ def setting(mikron: Scene) -> tuple[ThrowModel, MaterialInterpolation]:
 
 
 def lopsided(density_chain: MaterialInterpolation) -> jax.Array:
-    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, density_chain.design.shape))
+    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, density_chain.design_fraction.shape))
 
 
 def solved(model: ThrowModel, density_chain: MaterialInterpolation, x: jax.Array) -> Design:
@@ -113,7 +113,9 @@ def test_derivatives_against_central_differences(setting: tuple[ThrowModel, Mate
         "at most": ResponseConstraint(known["pin_displacement"], "<=", 0.01).scaled,
         "about zero": ResponseConstraint(known["unbalance"], "<=", 0.0, original=40.0).scaled,
     }
-    direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * (density_chain.design > 0)
+    direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * (
+        density_chain.design_fraction > 0
+    )
     expected = differences(model, density_chain, tuple(functions.values()), x, direction)
     design = solved(model, density_chain, x)
     adjoints = {

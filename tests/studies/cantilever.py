@@ -71,7 +71,7 @@ def optimise(
     model: ThrowModel, density_chain: MaterialInterpolation, iterations: int
 ) -> tuple[list[Iteration], jax.Array]:
     """So many design iterations from the uniform start, the first one with compilation, and the design."""
-    x = jnp.asarray(np.full(density_chain.design.shape, VOLUME_FRACTION))
+    x = jnp.asarray(np.full(density_chain.design_fraction.shape, VOLUME_FRACTION))
     guess, rows = jnp.zeros_like(model.forces), []
     for _ in range(iterations):
         began = time.perf_counter()

@@ -96,7 +96,7 @@ def test_a_whole_optimisation_is_handed_on(mikron: Scene, monkeypatch: pytest.Mo
     assert state.coarse_start is not None
     assert (state.coarse_start.iterations, state.beta, state.history) == (4, 4.0, ())
     assert state.coarse_start.cell_mm == pytest.approx(4.5, rel=0.05)
-    assert state.x.shape == problem.density_chain.design.shape
+    assert state.x.shape == problem.density_chain.design_fraction.shape
     assert state.initial_N_mm == (2.0, 3.0)
     assert back.coarse_start == state.coarse_start
 

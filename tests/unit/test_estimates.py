@@ -8,7 +8,7 @@ from cranktopo.tasks.fea.table import estimate_line
 from cranktopo.tasks.iterate.result import StepRow
 from cranktopo.tasks.iterate.text import steps_estimate
 from cranktopo.tasks.refit.result import RefitResult
-from cranktopo.tasks.refit.text import remodel_text
+from cranktopo.tasks.refit.text import refit_text
 
 
 def test_the_largest_of_each() -> None:
@@ -60,6 +60,6 @@ def test_remodel_says_it_below_both_stiffnesses() -> None:
         "folder": "out",
         "files": dict.fromkeys(("report", "design", "step", "stl", "drawing", "drawing_svg", "json"), "file"),
     }
-    lines = remodel_text(RefitResult.of_json(data, "remodel.json")).splitlines()
+    lines = refit_text(RefitResult.of_json(data, "remodel.json")).splitlines()
     place = lines.index("stiffnesses +-0.9 % in torsion, +-1.5 % in bending at most")
     assert lines[place - 1].startswith("bending, kN/mm      230.0 without fillets")

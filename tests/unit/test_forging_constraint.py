@@ -42,7 +42,7 @@ def plane_of(density_chain: MaterialInterpolation) -> int:
 
 
 def noise(density_chain: MaterialInterpolation, seed: int = 0) -> jax.Array:
-    return jnp.asarray(np.random.default_rng(seed).random(density_chain.design.shape))
+    return jnp.asarray(np.random.default_rng(seed).random(density_chain.design_fraction.shape))
 
 
 @pytest.mark.parametrize("beta", [1.0, 16.0])
@@ -50,7 +50,7 @@ def test_density_never_grows_away_from_the_parting_plane(
     density_chain: MaterialInterpolation, beta: float
 ) -> None:
     density = np.asarray(physical_density(density_chain, noise(density_chain), beta))
-    free = np.asarray(density_chain.design) > 0
+    free = np.asarray(density_chain.design_fraction) > 0
     parting = plane_of(density_chain)
     right, left = slice(parting, None), slice(parting - 1, None, -1) if parting else None
     for side in (right, left):
@@ -84,9 +84,9 @@ def test_quarter_is_the_half(float64: None, mikron: Scene) -> None:
         11,
     )  # 48 mm in cells of 4.36 mm, one cell of padding
     x = noise(quarter, 2)
-    mirrored = jnp.zeros(half.design.shape).at[:22].set(jnp.concatenate([x[:11][::-1], x[:11]]))
+    mirrored = jnp.zeros(half.design_fraction.shape).at[:22].set(jnp.concatenate([x[:11][::-1], x[:11]]))
     both = smooth_density(half, mirrored)
-    inside = np.asarray(quarter.design)[:11] > 0
+    inside = np.asarray(quarter.design_fraction)[:11] > 0
     expected = np.asarray(smooth_density(quarter, x))[:11]
     np.testing.assert_allclose(np.asarray(both)[11:22][inside], expected[inside], rtol=1e-10)
 
@@ -113,7 +113,7 @@ def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> N
     assert not domain.design[middle, row].any()  # the bore of the main journal
     assert through[middle, row].all()
     whole, plain = chain_of(forged(mikron))[1], chain_of(mikron)[1]
-    np.testing.assert_array_equal(whole.design, plain.design)
+    np.testing.assert_array_equal(whole.design_fraction, plain.design_fraction)
     # An outline like a U: its legs hang beside a gap that no die half can reach around.
     points = [(-40, -30), (40, -30), (40, 110), (30, 110), (30, 78), (-30, 78), (-30, 110), (-40, 110)]
     envelope = OutlineEnvelope(shape="outline", points_mm=tuple((float(a), float(b)) for a, b in points))
@@ -122,9 +122,10 @@ def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> N
     legs = domain.grid.y_mm[:-1] > 80
     web = domain.design[:, :, slice(*domain.web_layers)]
     assert web[:, legs].sum() > 0
-    assert float(density_chain.design[:, legs].sum()) == 0.0
+    assert float(density_chain.design_fraction[:, legs].sum()) == 0.0
     np.testing.assert_array_equal(
-        np.asarray(density_chain.design)[:, domain.grid.y_mm[1:] < 78], web[:, domain.grid.y_mm[1:] < 78]
+        np.asarray(density_chain.design_fraction)[:, domain.grid.y_mm[1:] < 78],
+        web[:, domain.grid.y_mm[1:] < 78],
     )
 
 

@@ -101,18 +101,21 @@ def test_only_void_beyond_the_design_space_erodes(float64: None, mikron: Scene) 
     density_chain = build_chain(scene, domain)
     assert density_chain.boundary_correction is not None
     assert isinstance(density_chain.density_filter, ConeFilter)
-    free, within = np.asarray(density_chain.design) > 0, np.asarray(density_chain.boundary_correction)
+    free, within = (
+        np.asarray(density_chain.design_fraction) > 0,
+        np.asarray(density_chain.boundary_correction),
+    )
     assert 0 < within[free].min() < 0.6 < within[free].max() < 1 + 1e-12
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
     below = (np.hypot(x[:, None], y) < 18) & (np.hypot(x[:, None], y) > 15)  # the main journal
     assert np.all(within[below][:, 0] > within[below][:, -1])
-    full = jnp.ones(density_chain.design.shape)
+    full = jnp.ones(density_chain.design_fraction.shape)
     made, thin = (np.asarray(of(density_chain, full, 16.0)) for of in (physical_density, eroded_density))
     assert made[free].min() > 0.999
     assert 0.2 < thin[free].mean() < 0.9
     beyond = density_chain.density_filter.kernel.shape[2] - 1
     solid = np.ones((*free.shape[:2], free.shape[2] + beyond))
-    solid[:, :, beyond // 2 : -(beyond // 2)] -= density_chain.design
+    solid[:, :, beyond // 2 : -(beyond // 2)] -= density_chain.design_fraction
     reach = np.asarray(density_chain.density_filter.kernel.shape) // 2
     inner = np.asarray(boundary_correction(density_chain.density_filter, solid))[
         : -reach[0], reach[1] : -reach[1]
@@ -132,8 +135,8 @@ def test_gaps_are_members_of_the_void(float64: None, mikron: Scene) -> None:
     """The dilated design of a field is what the eroded one leaves of its void."""
     scene = mikron.with_optimise(min_member_mm=10.0, min_gap_mm=10.0)
     density_chain = build_chain(scene, build_domain(scene, 4.5))
-    x = jnp.asarray(np.random.default_rng(4).random(density_chain.design.shape))
-    free = np.asarray(density_chain.design) > 0
+    x = jnp.asarray(np.random.default_rng(4).random(density_chain.design_fraction.shape))
+    free = np.asarray(density_chain.design_fraction) > 0
     alike = replace(density_chain, boundary_correction=None)
     thick, thin = dilated_density(density_chain, x, 8.0), eroded_density(alike, 1 - x, 8.0)
     np.testing.assert_allclose(np.asarray(thick)[free], 1 - np.asarray(thin)[free], atol=1e-12)

@@ -40,7 +40,7 @@ def chain_of(scene: Scene, extent: Any = "half", **settings: Any) -> tuple[Domai
 
 def noise(density_chain: MaterialInterpolation, seed: int = 0) -> jax.Array:
     """Blobs of solid and void a few cells wide, without any symmetry."""
-    coarse = np.random.default_rng(seed).random(density_chain.design.shape)
+    coarse = np.random.default_rng(seed).random(density_chain.design_fraction.shape)
     smooth = ndimage.gaussian_filter(coarse, 1.5)
     return jnp.asarray(np.clip(0.5 + 6 * (smooth - np.median(smooth)), 0, 1))
 
@@ -56,7 +56,7 @@ def made(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> Materi
 
 @pytest.mark.slow
 def test_a_full_design_stays_full(made: MaterialInterpolation) -> None:
-    free = np.asarray(made.design) > 0
+    free = np.asarray(made.design_fraction) > 0
     np.testing.assert_allclose(
         np.asarray(jax.jit(smooth_density)(made, jnp.ones(free.shape)))[free], 1.0, atol=1e-12
     )
@@ -65,8 +65,8 @@ def test_a_full_design_stays_full(made: MaterialInterpolation) -> None:
 def test_nothing_made_has_a_closed_hollow(made: MaterialInterpolation) -> None:
     """Every void joins the outside, face to face."""
     for seed in range(3):
-        solid = np.pad(solid_of(made, seed) | (np.asarray(made.design) == 0), 1)
-        bores = np.pad(np.asarray(made.design) == 0, 1)  # and what the padding of the grid leaves
+        solid = np.pad(solid_of(made, seed) | (np.asarray(made.design_fraction) == 0), 1)
+        bores = np.pad(np.asarray(made.design_fraction) == 0, 1)  # and what the padding of the grid leaves
         labels, _ = ndimage.label(~solid | bores)
         assert set(np.unique(labels[~solid])) <= {labels[0, 0, 0], *np.unique(labels[bores])}
 
@@ -74,7 +74,7 @@ def test_nothing_made_has_a_closed_hollow(made: MaterialInterpolation) -> None:
 def test_gradients(made: MaterialInterpolation) -> None:
     """Any weighting of the density, on fields without symmetry."""
     rng = np.random.default_rng(3)
-    x = 0.2 + 0.6 * jnp.asarray(rng.random(made.design.shape))
+    x = 0.2 + 0.6 * jnp.asarray(rng.random(made.design_fraction.shape))
     weights, direction = (jnp.asarray(rng.standard_normal(x.shape)) for _ in range(2))
 
     @jax.jit
@@ -98,7 +98,7 @@ def test_layers_of_a_drafted_die_shrink_outward(float64: None, mikron: Scene, pa
     dz = float(np.diff(domain.grid.z_mm)[domain.web_layers[0]])
     steps = [dx, dy, dz]
     along = steps.pop(die.axis)
-    free = np.moveaxis(np.asarray(density_chain.design) > 0, die.axis, 0)
+    free = np.moveaxis(np.asarray(density_chain.design_fraction) > 0, die.axis, 0)
     ignored = ~free if die.kept is None else ~free | np.moveaxis(np.asarray(die.kept) > 0, die.axis, 0)
     for seed in range(2):
         solid = np.moveaxis(solid_of(density_chain, seed), die.axis, 0) | ~free
@@ -133,9 +133,9 @@ def test_a_prism_becomes_a_wedge(float64: None) -> None:
 
 def test_no_die_sinks_a_pocket_behind_a_journal(float64: None, mikron: Scene) -> None:
     domain, density_chain = chain_of(mikron, process="forged", parting="web_faces")
-    density = np.asarray(smooth_density(density_chain, jnp.zeros(density_chain.design.shape)))
+    density = np.asarray(smooth_density(density_chain, jnp.zeros(density_chain.design_fraction.shape)))
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
-    free = np.asarray(density_chain.design) > 0
+    free = np.asarray(density_chain.design_fraction) > 0
     middle = density.shape[2] // 2
     for centre, layers in ((0.0, slice(0, middle)), (48.0, slice(middle, None))):
         radius = np.hypot(x[:, None], y[None, :] - centre)
@@ -156,7 +156,7 @@ def test_a_mould_leaves_one_piece_on_each_line(float64: None, mikron: Scene, par
     _, density_chain = chain_of(mikron, process="cast", parting=parting)
     solid, free = (
         lines_of(solid_of(density_chain, 1), axis),
-        lines_of(np.asarray(density_chain.design) > 0, axis),
+        lines_of(np.asarray(density_chain.design_fraction) > 0, axis),
     )
     between = np.logical_or.accumulate(solid, 1) & np.logical_or.accumulate(solid[:, ::-1], 1)[:, ::-1]
     assert not np.any(between & free & ~solid)
@@ -193,7 +193,7 @@ def reached_by_a_mill(solid: Cells, scene: Scene, domain: Domain, radius_mm: flo
 @pytest.mark.parametrize("radius_mm", [1.0, 6.5, 13.0])
 def test_a_mill_reaches_every_void(float64: None, mikron: Scene, radius_mm: float) -> None:
     domain, density_chain = chain_of(mikron, process="milled", tool_radius_mm=radius_mm)
-    free = np.asarray(density_chain.design) > 0
+    free = np.asarray(density_chain.design_fraction) > 0
     for level in (0.3, 0.5, 0.7):
         solid = solid_of(density_chain, 2, level) & free
         reached = reached_by_a_mill(solid, mikron, domain, radius_mm)
@@ -208,7 +208,7 @@ def test_the_mill_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scen
     )
     x = noise(quarter, 2)
     n, _ = parting_of(build_domain(mikron, CELL_MM, extent="half"))
-    mirrored = jnp.zeros(half.design.shape).at[: 2 * n].set(jnp.concatenate([x[:n][::-1], x[:n]]))
-    inside = np.asarray(quarter.design)[:n] > 0
+    mirrored = jnp.zeros(half.design_fraction.shape).at[: 2 * n].set(jnp.concatenate([x[:n][::-1], x[:n]]))
+    inside = np.asarray(quarter.design_fraction)[:n] > 0
     both, one = (np.asarray(jax.jit(smooth_density)(*of)) for of in ((half, mirrored), (quarter, x)))
     np.testing.assert_allclose(both[n : 2 * n][inside], one[:n][inside], rtol=1e-9, atol=1e-9)

@@ -11,9 +11,9 @@ from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.html import html
 from cranktopo.report.markdown_page import markdown_text
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.tasks.refit.page import remodel_page, remodel_section
+from cranktopo.tasks.refit.page import refit_page, refit_section
 from cranktopo.tasks.refit.result import RefitResult
-from cranktopo.tasks.refit.text import remodel_text
+from cranktopo.tasks.refit.text import refit_text
 from tests.unit.remodel_cases import WHOLE, body_of, known_scene
 
 
@@ -61,8 +61,8 @@ def data() -> RefitResult:
 def test_the_page_holds_what_the_command_prints(data: RefitResult, mikron: Scene) -> None:
     scene = known_scene(mikron, WHOLE)
     body = ShownBody("re-modelled", mesh_of(body_of(scene, 3.0)), scene.web_z_mm, scene.pitch_mm / 2)
-    page = remodel_page(data, (body, body), {"python": "3.11"}, "2026-01-01")
-    text, printed = markdown_text(page, "pictures"), remodel_text(data)
+    page = refit_page(data, (body, body), {"python": "3.11"}, "2026-01-01")
+    text, printed = markdown_text(page, "pictures"), refit_text(data)
     for number in ("93.6", "95.6", "0.32", "4.70", "0.618", "178.8", "179.0", "183.6", "87.94", "1037"):
         assert number in text
         assert number in printed
@@ -73,7 +73,7 @@ def test_the_page_holds_what_the_command_prints(data: RefitResult, mikron: Scene
 
 def test_without_evaluation_and_without_rest(data: RefitResult) -> None:
     bare = data.model_copy(update={"stiffness": None, "not_represented": []})
-    (_, shape), (_, trials) = remodel_section(bare).tables
+    (_, shape), (_, trials) = refit_section(bare).tables
     assert [row["what"] for row in shape.rows] == ["overlap (IoU)", "surface distance", "mass of the web"]
     assert len(trials.rows) == 2
-    assert "represents the whole body" in remodel_text(bare)
+    assert "represents the whole body" in refit_text(bare)

@@ -42,7 +42,7 @@ def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessme
 
 def assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
     """Return the design space all solid: no design is stiffer."""
-    return assess(problem, scene, domain, np.asarray(problem.density_chain.design > 0, float))
+    return assess(problem, scene, domain, np.asarray(problem.density_chain.design_fraction > 0, float))
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:

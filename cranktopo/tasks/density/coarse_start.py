@@ -73,7 +73,7 @@ def first_state(
     while not state.done:
         state = loop.step(coarse, state)
         progress(coarse, state)
-    x = interpolated(state.x, np.asarray(coarse.density_chain.design), there, domain)
+    x = interpolated(state.x, np.asarray(coarse.density_chain.design_fraction), there, domain)
     told = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
     beta = max(schedule.projection_first, schedule.projection_last / 2**_SOFTER)
     start = replace(loop.init(problem), x=x, evaluated=x, beta=beta)

@@ -85,9 +85,9 @@ def _of_cells(problem: DensityProblem, limit: ResponseConstraint) -> tuple[Respo
         return limit.response.value(Design(solid, solid, nothing, nothing, nothing))
 
     value_and_gradient = jax.jit(jax.value_and_grad(reached))
-    _, gradient = value_and_gradient(np.zeros(density_chain.design.shape), density_chain)
+    _, gradient = value_and_gradient(np.zeros(density_chain.design_fraction.shape), density_chain)
     density = np.where((np.asarray(gradient) > 0) == (limit.sense == ">="), 1.0, 0.0)
-    share = float(density[np.asarray(density_chain.design) > 0].mean())
+    share = float(density[np.asarray(density_chain.design_fraction) > 0].mean())
     what = {0.0: "the journals alone have", 1.0: "the whole envelope has"}.get(
         share, "the best share of the envelope has"
     )

@@ -2,7 +2,7 @@
 
 A plate of design variables has its largest filtered density in its middle. While that is below the threshold
 of the eroded design, the plate is not there, has no stiffness, and an optimiser does not make it: the least
-member is the width that the made design has when the eroded one is about to vanish. Rods and balls vanish
+member is the width that the nominal design has when the eroded one is about to vanish. Rods and balls vanish
 earlier, so that a plate decides. Gaps are the same with void and the dilated design.
 
 Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011; X. Qian, O. Sigmund, CMAME
@@ -23,10 +23,10 @@ _LARGEST_THRESHOLD = 0.75
 
 
 def least_width(eroded: float) -> float:
-    """Return the minimum width of a member of the made design, over the filter radius.
+    """Return the minimum width of a member of the nominal design, over the filter radius.
 
     Args:
-        eroded: threshold of the eroded design, from that of the made one up to below 1.
+        eroded: threshold of the eroded design, from that of the nominal one up to below 1.
     """
     from scipy.optimize import brentq
 

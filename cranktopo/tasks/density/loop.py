@@ -47,7 +47,7 @@ class WebDensities:
 
 def init(problem: DensityProblem) -> State:
     """Return the uniform start design."""
-    x = np.full(problem.density_chain.design.shape, problem.start)
+    x = np.full(problem.density_chain.design_fraction.shape, problem.start)
     cases, *nodes = problem.model.forces.shape
     displacements = np.zeros((cases if problem.density_chain.projection == PLAIN else 2 * cases, *nodes))
     return State(x=x, evaluated=x, displacements=displacements, beta=problem.schedule.projection_first)
@@ -103,7 +103,7 @@ class _Solved(NamedTuple):
 
 
 def _solved(problem: DensityProblem, state: State) -> _Solved:
-    """Return the state's design under its loads; also the robust one where it is another."""
+    """Return the state's design under its loads; also the eroded and dilated one where it is another."""
     density_chain, x, beta = problem.density_chain, jnp.asarray(state.x), jnp.asarray(state.beta)
     moduli, solid, volume, grey = _nominal(density_chain, x, beta)
     cases = len(problem.model.cases)
@@ -151,7 +151,7 @@ def design_of(density_chain: MaterialInterpolation, x: Array, beta: float) -> We
 def _densities(
     density_chain: MaterialInterpolation, x: jax.Array, beta: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    return smooth_density(density_chain, x) * (density_chain.design > 0), physical_density(
+    return smooth_density(density_chain, x) * (density_chain.design_fraction > 0), physical_density(
         density_chain, x, beta
     )
 

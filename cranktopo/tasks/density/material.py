@@ -32,8 +32,8 @@ class MaterialInterpolation:
     """Constant data of the density-to-modulus chain.
 
     Attributes:
-        fixed: solid fraction that is not designable (nx, ny, nz).
-        design: designable fraction of the cells of the web's layers (nx, ny, nw).
+        passive_fraction: solid fraction that is not designable (nx, ny, nz).
+        design_fraction: designable fraction of the cells of the web's layers (nx, ny, nw).
         web_layers: range of z layers that holds the web.
         density_filter: from design variables to a smooth density.
         process: from a smooth density to the nearest one that can be made; None where anything can.
@@ -42,8 +42,8 @@ class MaterialInterpolation:
             design space (nx, ny, nw); None where walls do not erode it.
     """
 
-    fixed: jax.Array
-    design: jax.Array
+    passive_fraction: jax.Array
+    design_fraction: jax.Array
     web_layers: tuple[int, int]
     density_filter: Block
     process: Block | None = None
@@ -54,7 +54,7 @@ class MaterialInterpolation:
     @property
     def total(self) -> jax.Array:
         """Designable volume in cells."""
-        return jnp.sum(self.design)
+        return jnp.sum(self.design_fraction)
 
 
 def build_interpolation(
@@ -72,8 +72,8 @@ def build_interpolation(
     free = jnp.asarray(domain.design[:, :, first:last] if design is None else design)
     kernel = jnp.asarray(cone_kernel(web_cell_mm(domain), filter_radius_mm))
     return MaterialInterpolation(
-        fixed=jnp.asarray(domain.fixed),
-        design=free,
+        passive_fraction=jnp.asarray(domain.fixed),
+        design_fraction=free,
         web_layers=(first, last),
         density_filter=cone_filter(free, kernel, domain.mirrored_x),
     )
@@ -111,7 +111,7 @@ def dilated_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax
 def _projected(
     data: MaterialInterpolation, smooth: jax.Array, beta: float | jax.Array, threshold: float
 ) -> jax.Array:
-    return projected(smooth, beta, threshold) * (data.design > 0)
+    return projected(smooth, beta, threshold) * (data.design_fraction > 0)
 
 
 def relative_moduli(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
@@ -119,18 +119,20 @@ def relative_moduli(data: MaterialInterpolation, density: jax.Array) -> jax.Arra
 
     Source: M. P. Bendsoe, O. Sigmund, Topology Optimization, 2003; O. Sigmund, SMO 33, 2007.
     """
-    web = data.design * (CONTRAST + density**data.penalty * (1.0 - CONTRAST))
-    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(web)
+    web = data.design_fraction * (CONTRAST + density**data.penalty * (1.0 - CONTRAST))
+    return data.passive_fraction.at[:, :, data.web_layers[0] : data.web_layers[1]].add(web)
 
 
 def solid_fraction(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Return the solid fraction (nx, ny, nz) of all cells, which carries the mass."""
-    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(data.design * density)
+    return data.passive_fraction.at[:, :, data.web_layers[0] : data.web_layers[1]].add(
+        data.design_fraction * density
+    )
 
 
 def volume_fraction(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Share of the designable volume that is solid."""
-    return jnp.sum(data.design * density) / data.total
+    return jnp.sum(data.design_fraction * density) / data.total
 
 
 def greyness(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
@@ -138,11 +140,11 @@ def greyness(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
 
     Source: O. Sigmund, Morphology-based black and white filters, SMO 33, 2007.
     """
-    return jnp.sum(data.design * 4.0 * density * (1.0 - density)) / data.total
+    return jnp.sum(data.design_fraction * 4.0 * density * (1.0 - density)) / data.total
 
 
 jax.tree_util.register_dataclass(
     MaterialInterpolation,
-    data_fields=["fixed", "design", "density_filter", "process", "boundary_correction"],
+    data_fields=["passive_fraction", "design_fraction", "density_filter", "process", "boundary_correction"],
     meta_fields=["web_layers", "projection", "penalty"],
 )

@@ -47,7 +47,7 @@ def compile_optimality_criteria(problem: DensityProblem) -> None:
     number = jnp.asarray(0.5)
     x, cells = (
         jax.ShapeDtypeStruct(shape, number.dtype)
-        for shape in (problem.density_chain.design.shape, problem.model.lattice.cells)
+        for shape in (problem.density_chain.design_fraction.shape, problem.model.lattice.cells)
     )
     by_solid = cells if problem.model.spinning else None
     _update.lower(problem.density_chain, x, number, cells, number, number, by_solid).compile()
@@ -81,7 +81,7 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, 
     move = jnp.asarray(largest_move(problem.schedule, state.beta))
     margins = _margins(problem, state, values[rest], epigraph)
     taken = mma_step(x, gradient, values[rest] + margins, by_x[rest], memory, move, bounds, epigraph)
-    new = jnp.where(problem.density_chain.design > 0, taken.x, x)
+    new = jnp.where(problem.density_chain.design_fraction > 0, taken.x, x)
     goals = len(optimisation.goals)
     reached = tuple(float(r.value(design)) for r in optimisation.responses)
     kept = {name: np.asarray(value) for name, value in taken.asymptotes._asdict().items()}

@@ -93,7 +93,7 @@ def relative_compliance(index: int, name: str, weight: float = 1.0) -> Response:
 def volume(density_chain: MaterialInterpolation) -> Response:
     """Share of the design space that is solid."""
     first, last = density_chain.web_layers
-    fixed, total = jnp.sum(density_chain.fixed[:, :, first:last]), density_chain.total
+    fixed, total = jnp.sum(density_chain.passive_fraction[:, :, first:last]), density_chain.total
 
     def value(design: Design) -> jax.Array:
         return (jnp.sum(design.solid[:, :, first:last]) - fixed) / total

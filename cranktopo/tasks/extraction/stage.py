@@ -110,9 +110,10 @@ def _design(run: RunStore, scene: Scene, domain: Domain, iteration: int | None) 
     else:
         number, (x, beta) = iteration, load_iteration(run.path, iteration)
     density_chain = build_chain(scene, domain)
-    if x.shape != density_chain.design.shape:
+    cells = density_chain.design_fraction.shape
+    if x.shape != cells:
         raise CranktopoError(
-            f"run '{run.path}': its density has {x.shape} cells, its design {density_chain.design.shape}.",
+            f"run '{run.path}': its density has {x.shape} cells, its design {cells}.",
             hint="The run was made by another version: optimise again.",
         )
     return number, design_of(density_chain, x, beta)

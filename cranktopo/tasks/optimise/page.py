@@ -29,7 +29,7 @@ from cranktopo.tasks.optimise.result import CaseMetrics, OriginalWeb, RunMetrics
 from cranktopo.tasks.optimise.run_record import RunRecord
 from cranktopo.tasks.optimise.verdict import facts, headline
 from cranktopo.tasks.plan.section import effects_section
-from cranktopo.tasks.refit.page import remodel_section
+from cranktopo.tasks.refit.page import refit_section
 
 _NAMES = ("original web", "optimised")
 _THROW = replace(MASS, key="mass_of_throw")
@@ -59,7 +59,7 @@ def run_page(record: RunRecord) -> Page:
             loads_section(record.loads, [case.load for case in metrics.load_cases.values()]),
             stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
             accuracy_section(metrics, record.accuracy, record.folder),
-            *([remodel_section(record.refit)] if record.refit else []),
+            *([refit_section(record.refit)] if record.refit else []),
             effects_section(metrics.effects),
             _provenance(record),
             versions_section(manifest["versions"], metrics.files),

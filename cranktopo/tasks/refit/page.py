@@ -15,7 +15,7 @@ from cranktopo.tasks.refit.text import fit_lines, fit_trials_table, rest_table, 
 _KINDS = {"torsion": "Torsional stiffness", "bending": "Bending stiffness"}
 
 
-def remodel_page(
+def refit_page(
     data: RefitResult, bodies: tuple[ShownBody, ...], versions: Mapping[str, str | None], written: str
 ) -> Page:
     """Return the report of a re-model.
@@ -29,13 +29,13 @@ def remodel_page(
         subtitle=f"Fitted to the body of run {data.run}, {written}",
         headline=f"The parametric web overlaps the body by {100 * data.iou.web:.1f} % (IoU).",
         facts=_facts(data),
-        sections=(remodel_section(data), _limits(data), versions_section(versions, data.files)),
+        sections=(refit_section(data), _limits(data), versions_section(versions, data.files)),
         scene3d=Scene3D(bodies),
         picture=gallery_picture(bodies),
     )
 
 
-def remodel_section(data: RefitResult) -> Section:
+def refit_section(data: RefitResult) -> Section:
     """Return the shape error, stiffnesses, what was tried and what is left over."""
     tables: list[tuple[str, ResultTable]] = [
         ("Web against body", pairs([*shape_rows(data), *stiffness_rows(data.stiffness)])),

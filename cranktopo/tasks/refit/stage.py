@@ -32,7 +32,7 @@ from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.fit import FittedWeb, fit_web
-from cranktopo.tasks.refit.page import remodel_page
+from cranktopo.tasks.refit.page import refit_page
 from cranktopo.tasks.refit.result import (
     FittedParameter,
     Overlaps,
@@ -76,7 +76,7 @@ def remodel_run(
     near = shape_error(without(fitted.scene, "fillets"), surface)
     with interruptible() as check, unfinished_folder(folder.parent) as unfinished:
         half_throw = as_stored(surface_of(fitted.scene, "half"))
-        files = write_remodel(fitted, near, half_throw, surface, unfinished, info, run.started())
+        files = write_refit(fitted, near, half_throw, surface, unfinished, info, run.started())
         check()
         stiffness = _evaluated(target, fitted.scene, info) if evaluated else None
         result = _result(run.name, fitted, near, limits, stiffness, files, time.perf_counter() - began)
@@ -87,7 +87,7 @@ def remodel_run(
     return result.model_copy(update={"folder": str(folder)})
 
 
-def write_remodel(
+def write_refit(
     fitted: FittedWeb,
     near: ShapeError,
     half_throw: SurfaceMesh,
@@ -132,7 +132,7 @@ def _write_page(
         ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2)
         for name, mesh in (("re-modelled", half_throw), ("body of the run", surface))
     )
-    page = remodel_page(result, bodies, versions(), timestamp()[:10])
+    page = refit_page(result, bodies, versions(), timestamp()[:10])
     write_report(page, folder / result.files["report"])
 
 

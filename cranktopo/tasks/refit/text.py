@@ -27,7 +27,7 @@ _REST: tuple[Column[UnrepresentedRegion], ...] = (
 )
 
 
-def remodel_text(data: RefitResult) -> str:
+def refit_text(data: RefitResult) -> str:
     """Return the content of remodel.json for a terminal."""
     rows = [*shape_rows(data), *stiffness_rows(data.stiffness)]
     lines = [
