@@ -184,16 +184,14 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         Ahead(lambda: _compiled(problem)).begin()
         end = Ahead(lambda: _ready_for_the_end(job))
         shown = _checked(job.progress, check, end)
+        kept = _kept(run, shown)
         state = (_saved_state(job) if resume else None) or _first_state(job, shown)
-        state = iterate(problem, state, _kept(run, shown))
+        state = iterate(problem, state, kept)
         case = _evaluated_goal(job, check)
         state, failure = enforce_limits_by_fea(
-            case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, _kept(run, shown))
+            case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, kept)
         )
-        cells = end.result()
-        from cranktopo.tasks.optimise.finalise import finalise_run
-
-        return finalise_run(run, job.prepared, problem, state, job.began, job.clock, case, failure, cells)
+        return _finalised(job, state, case, failure, end.result())
 
 
 def _first_state(job: _Job, progress: Progress) -> State:
@@ -211,6 +209,15 @@ def _saved_state(job: _Job) -> State | None:
 def _evaluated_goal(job: _Job, check: Callable[[], None]) -> EvaluatedGoal | None:
     work = Work(job.info, KeptWork(job.run.path / EVALUATIONS), check)
     return evaluated_goal(job.scene, job.prepared, job.problem, work)
+
+
+def _finalised(
+    job: _Job, state: State, case: EvaluatedGoal | None, failure: str, cells: Cells | None
+) -> OptimisedRun:
+    from cranktopo.tasks.optimise.finalise import finalise_run
+
+    times = job.began, job.clock
+    return finalise_run(job.run, job.prepared, job.problem, state, *times, case, failure, cells)
 
 
 def _compiled(problem: DensityProblem) -> None:
