@@ -109,13 +109,12 @@ def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume:
         bare = _without_goal(scene)
         webs, reason, lost = _steps(run, bare, settings, info, check)
         result = _result(run, bare, webs, reason, settings, lost)
-        bodies = tuple(web.body() for web in webs)
-        _write_page(run, result, bodies)
+        _write_page(run, result, webs)
         if settings.shape:
             check()
-            result, bodies = _handed_over(run, scene, webs, result, bodies, settings, info)
+            result = _handed_over(run, scene, webs, result, settings, info)
         result = result.model_copy(update={"bound": _bound(bare, result, info)})
-        _write_page(run, result, bodies)
+        _write_page(run, result, webs)
         write_json(run.path / RESULT_FILES[LOOP], result.as_json())
         write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(result.steps)) + "\n")
         save_steps_plot(run.path / LOOP_FILES["plot"], result)
@@ -128,11 +127,10 @@ def _handed_over(
     scene: Scene,
     webs: Sequence[StepWeb],
     result: LoopResult,
-    bodies: tuple[ShownBody, ...],
     settings: Settings,
     info: Info,
-) -> tuple[LoopResult, tuple[ShownBody, ...]]:
-    """Optimise the shape of the best web; return the result with it, and the bodies of the page."""
+) -> LoopResult:
+    """Optimise the shape of the best web; return the result with it."""
     best = None if result.best_step is None else webs[result.best_step]
     info(f"shape: begins with {f'the web of step {best.step.number}' if best else 'the original web'}")
     start = None if best is None else best.scene
@@ -141,11 +139,10 @@ def _handed_over(
     if found.row is not None:
         row = StepRow.of(found.row, webs[0].step, SHAPE)
         result = result.model_copy(update={"steps": [*result.steps, row]})
-        bodies = (*bodies, _shaped_body(run.path / SHAPE))
     line = shape_line(result)
     info(line)
     run.log(line)
-    return result, bodies
+    return result
 
 
 def _bound(scene: Scene, result: LoopResult, info: Info) -> Json | None:
@@ -187,7 +184,7 @@ def _steps(
         check()
         if left > 1:
             so_far = _result(run, scene, webs, f"step {number} of {settings.steps} done", settings)
-            _write_page(run, so_far, tuple(web.body() for web in webs))
+            _write_page(run, so_far, webs)
     return webs, f"all {settings.steps} steps done", ""
 
 
@@ -208,8 +205,11 @@ def _result(
     )
 
 
-def _write_page(run: RunStore, result: LoopResult, bodies: tuple[ShownBody, ...]) -> None:
-    write_report(iterate_page(result, run.manifest(), bodies), run.path / REPORT)
+def _write_page(run: RunStore, result: LoopResult, webs: Sequence[StepWeb]) -> None:
+    bodies = [web.body() for web in webs]
+    if len(result.steps) > len(bodies):
+        bodies.append(_shaped_body(run.path / SHAPE))
+    write_report(iterate_page(result, run.manifest(), tuple(bodies)), run.path / REPORT)
 
 
 def _shaped_body(folder: Path) -> ShownBody:
