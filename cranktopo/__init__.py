@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.doctor.stage import check_machine
     from cranktopo.tasks.evaluate.sensitivities import Sensitivities, evaluate_sensitivities
     from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
-    from cranktopo.tasks.extraction.run import extract_surface
+    from cranktopo.tasks.extraction.stage import extract_surface
     from cranktopo.tasks.fatigue.stage import assess_fatigue
     from cranktopo.tasks.fea.evaluation import Evaluation
     from cranktopo.tasks.fea.stage import MeshRequest, evaluate_target, evaluate_targets
@@ -55,10 +55,10 @@ if TYPE_CHECKING:
     from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
     from cranktopo.tasks.iterate.settings import loop_settings
     from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
-    from cranktopo.tasks.optimise.run_report import report_run
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation, with_cells_for
     from cranktopo.tasks.refit.fit import FittedWeb, fit_web
     from cranktopo.tasks.refit.stage import remodel_run
+    from cranktopo.tasks.report.stage import report_run
     from cranktopo.tasks.run_list.stage import clean_runs, summarise_runs
     from cranktopo.tasks.shaft.stage import evaluate_shaft
     from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
@@ -121,8 +121,8 @@ _HOMES = {
     "optimise_design": "tasks.optimise.stage",
     "resume_optimisation": "tasks.optimise.stage",
     "with_cells_for": "tasks.optimise.stage",
-    "report_run": "tasks.optimise.run_report",
-    "extract_surface": "tasks.extraction.run",
+    "report_run": "tasks.report.stage",
+    "extract_surface": "tasks.extraction.stage",
     "remodel_run": "tasks.refit.stage",
     "loop_scene": "tasks.iterate.loop",
     "loop_settings": "tasks.iterate.settings",

@@ -12,7 +12,7 @@ import pytest
 def plain_runs() -> Iterator[None]:
     """Inside, runs of this process draw no picture and write no page: those of another test show both."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cranktopo.tasks.optimise.files.save_run_picture", lambda *_: None)
-        patch.setattr("cranktopo.tasks.optimise.finishing.run_page", lambda *_: None)
-        patch.setattr("cranktopo.tasks.optimise.finishing.write_report", lambda *_: None)
+        patch.setattr("cranktopo.tasks.optimise.finalise.save_run_picture", lambda *_: None)
+        patch.setattr("cranktopo.tasks.optimise.finalise.run_page", lambda *_: None)
+        patch.setattr("cranktopo.tasks.optimise.finalise.write_report", lambda *_: None)
         yield

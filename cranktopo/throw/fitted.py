@@ -201,7 +201,7 @@ class FittedFeature(ABC):
         at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
         return functools.reduce(np.maximum, self.faces_mm(named, ends, at, web_z_mm))
 
-    def pulled_back(
+    def vjp(
         self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array
     ) -> tuple[Array, Array]:
         """Derivative of sum(weight * field_mm) by the values and by the ends, by central differences."""

@@ -27,8 +27,8 @@ from cranktopo.tasks.density.assess import assess, assess_original
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.continuation import largest_move
 from cranktopo.tasks.density.problem import DensityProblem
-from cranktopo.tasks.density.proposals import pulled_back
-from cranktopo.tasks.density.responses import Design, slopes
+from cranktopo.tasks.density.proposals import vjp
+from cranktopo.tasks.density.responses import Design, gradients
 from cranktopo.tasks.density.stage import Prepared, iterate, prepare
 from cranktopo.tasks.density.state import Proposal, State
 
@@ -75,9 +75,9 @@ def own_loop(problem: DensityProblem) -> State:
 
 def functions(problem: DensityProblem, state: State, design: Design) -> tuple[np.ndarray, np.ndarray]:
     """Scaled goal and limits and their derivatives by the designable variables."""
-    values, *fields = slopes(problem.model, problem.statement.functions, design, {})
-    by_x = pulled_back(problem.chain, jnp.asarray(state.x), jnp.asarray(state.beta), *fields)
-    free = np.asarray(problem.chain.design) > 0
+    values, *fields = gradients(problem.model, problem.optimisation.functions, design, {})
+    by_x = vjp(problem.density_chain, jnp.asarray(state.x), jnp.asarray(state.beta), *fields)
+    free = np.asarray(problem.density_chain.design_fraction) > 0
     return np.asarray(values), np.asarray(by_x)[:, free]
 
 
@@ -85,9 +85,9 @@ def with_mmapy(problem: DensityProblem) -> State:
     """The loop with mmapy's step."""
     from mmapy import mmasub
 
-    free = np.asarray(problem.chain.design) > 0
+    free = np.asarray(problem.density_chain.design_fraction) > 0
 
-    def propose(problem: DensityProblem, state: State, design: Design, robust: Design) -> Proposal:
+    def propose(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
         values, by_x = functions(problem, state, design)
         x = state.x[free][:, None]
         move = largest_move(problem.schedule, state.beta)
@@ -110,10 +110,10 @@ def with_ccsaq(problem: DensityProblem) -> State:
     """nlopt's CCSAQ, restarted at each steepness of the projection."""
     import nlopt
 
-    free = np.asarray(problem.chain.design) > 0
+    free = np.asarray(problem.density_chain.design_fraction) > 0
     found: dict[str, Any] = {"state": loop.init(problem)}
 
-    def keep(problem: DensityProblem, state: State, design: Design, robust: Design) -> Proposal:
+    def keep(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
         found["values"], found["slopes"] = functions(problem, state, design)
         return Proposal(state.x, float(found["values"][0]), broken=float(found["values"][1:].max()))
 
@@ -144,7 +144,7 @@ def with_ccsaq(problem: DensityProblem) -> State:
         solver.set_lower_bounds(0.0)
         solver.set_upper_bounds(1.0)
         solver.set_min_objective(goal)
-        solver.add_inequality_mconstraint(limits, np.full(len(problem.statement.limits), 1e-4))
+        solver.add_inequality_mconstraint(limits, np.full(len(problem.optimisation.limits), 1e-4))
         solver.set_maxeval(_LAST_STEPS if beta == problem.schedule.projection_last else _RESTARTED_STEPS)
         solver.set_ftol_rel(1e-4)
         x, beta = solver.optimize(x), 2 * beta

@@ -45,12 +45,12 @@ def row(engine: str, process: str, cell_mm: float) -> list[str]:
     scene = load_scene(engine).with_optimise(resolution_mm=cell_mm, **PROCESSES[process])
     with tempfile.TemporaryDirectory() as folder:
         run = optimise_design(scene, Path(folder) / "run")
-        surface, cases = run.metrics["surface"], run.metrics["load_cases"]
+        surface, cases = run.metrics.as_json()["surface"], run.metrics.load_cases
         body = evaluate_target(str(run.folder))
     walls = surface.get("walls") or {}
     stiffness = [
-        cases["torsion"]["stiffness_Nm_per_rad"],
-        cases["bending"]["stiffness_N_per_mm"],
+        cases["torsion"].stiffness,
+        cases["bending"].stiffness,
         body.torsion_Nm_per_rad,
         body.bending_N_per_mm,
     ]

@@ -140,8 +140,8 @@ def stream_GB_s() -> float:
 def optimisation(grid: str, load_cases: int, iterations: int) -> tuple[Row, jax.Array, ThrowModel]:
     """Medians of an optimisation of the cantilever, its last moduli, and its model."""
     nx, ny, nz = (int(n) for n in grid.split("x"))
-    model, chain = cantilever((nx, ny, nz), load_cases)
-    rows, x = optimise(model, chain, iterations)
+    model, density_chain = cantilever((nx, ny, nz), load_cases)
+    rows, x = optimise(model, density_chain, iterations)
     later = rows[1:]
     figures = {
         "iteration_s": statistics.median(r.seconds for r in later),
@@ -149,7 +149,7 @@ def optimisation(grid: str, load_cases: int, iterations: int) -> tuple[Row, jax.
         "cg": statistics.median(r.cg for r in later),
         "compliance": rows[-1].compliance,
     }
-    return figures, moduli(chain, x), model
+    return figures, moduli(density_chain, x), model
 
 
 def ideal_ns(model: ThrowModel, item_bytes: int, bandwidth_GB_s: float) -> float:

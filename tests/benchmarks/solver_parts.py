@@ -25,10 +25,10 @@ from cranktopo.numerics.grid.multigrid import (
     level_smoother,
     smoothing_steps,
 )
-from cranktopo.numerics.grid.smoothing import Smoothing
+from cranktopo.numerics.grid.smoothing import SmootherState
 from cranktopo.numerics.grid.transfer import add_prolonged, restrict
 from cranktopo.numerics.precision import CompileClock, double_precision
-from cranktopo.tasks.density.material import Interpolation
+from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.optimality_criteria import update
 from cranktopo.tasks.density.response import compliance_gradients, compliances
@@ -63,11 +63,14 @@ def main() -> None:
     nx, ny, nz = (int(n) for n in (sys.argv[1] if len(sys.argv) > 1 else GRID).split("x"))
     clock = CompileClock()
     with double_precision():
-        model, chain = cantilever((nx, ny, nz))
-        rows, x = optimise(model, chain, ITERATIONS)
+        model, density_chain = cantilever((nx, ny, nz))
+        rows, x = optimise(model, density_chain, ITERATIONS)
         compile_s, whole_s = clock.compile_s, statistics.median(row.seconds for row in rows[1:])
         cycles = statistics.median(row.cg for row in rows[1:])
-        parts = [*_of_the_solve(model, moduli(chain, x), cycles), *_of_the_design(model, chain, x)]
+        parts = [
+            *_of_the_solve(model, moduli(density_chain, x), cycles),
+            *_of_the_design(model, density_chain, x),
+        ]
         bandwidth_GB_s = stream_GB_s()
     rest_s = whole_s - sum(part.seconds * part.count for part in parts)
     print("| part | ms of one | per iteration | ms | % | of bandwidth % |\n|" + "---|" * 6)
@@ -104,8 +107,8 @@ def _smoothing(hierarchy: Hierarchy, model: ThrowModel, level: int, cycles: floa
     zero = jnp.zeros((1, *sizes.shape), sizes.dtype)
 
     @jax.jit
-    def steps(field: jax.Array) -> Smoothing:
-        return smoother.after(Smoothing(field, field, field), IN_A_ROW)
+    def steps(field: jax.Array) -> SmootherState:
+        return smoother.after(SmootherState(field, field, field), IN_A_ROW)
 
     seconds = median_s(lambda: steps(zero)) / IN_A_ROW
     count = 2 * smoothing_steps(METHODS[0].degree, level, hierarchy.steps[0][0].size)
@@ -114,12 +117,14 @@ def _smoothing(hierarchy: Hierarchy, model: ThrowModel, level: int, cycles: floa
     return Part(name, seconds, count * cycles, moved)
 
 
-def _of_the_design(model: ThrowModel, chain: Interpolation, x: jax.Array) -> Iterator[Part]:
+def _of_the_design(model: ThrowModel, density_chain: MaterialInterpolation, x: jax.Array) -> Iterator[Part]:
     slope = jax.jit(lambda u: (compliances(model, u), compliance_gradients(model, u)))
     yield Part("compliance and its gradient", median_s(lambda: slope(model.forces)), 1)
-    limits = jnp.asarray(BETA), -moduli(chain, x), jnp.asarray(VOLUME_FRACTION), jnp.asarray(MOVE)
+    limits = jnp.asarray(BETA), -moduli(density_chain, x), jnp.asarray(VOLUME_FRACTION), jnp.asarray(MOVE)
     step = jax.jit(update)
-    yield Part("filter, projection and step of the design", median_s(lambda: step(chain, x, *limits)), 1)
+    yield Part(
+        "filter, projection and step of the design", median_s(lambda: step(density_chain, x, *limits)), 1
+    )
 
 
 def _in_a_row_s(step: Callable[[jax.Array], jax.Array], start: jax.Array) -> float:

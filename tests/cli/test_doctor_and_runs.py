@@ -14,6 +14,7 @@ from cranktopo.app.main import main
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.lock import locked
 from cranktopo.tasks.doctor import stage as checks
+from tests.run_metrics import run_metrics
 
 
 def doctor(capsys: pytest.CaptureFixture[str], code: int) -> dict[str, dict[str, Any]]:
@@ -101,13 +102,10 @@ def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, RunStore]
             command=["cranktopo", "optimise"],
         )
         made[state].set_status(state)
-    made["done"].write_metrics(
-        {
-            "status": "converged",
-            "mass_kg": {"throw": 1.25},
-            "original_web": {"gain_of_stiffness_per_mass_percent": {"torsion": 12.34, "bending": -1.0}},
-        }
-    )
+    metrics = run_metrics(mass_kg={"throw": 1.25, "web": 0.4})
+    gain = {"gain_of_stiffness_per_mass_percent": {"torsion": 12.34, "bending": -1.0}}
+    original = metrics.original_web.model_copy(update=gain)
+    made["done"].write_metrics(metrics.model_copy(update={"original_web": original}).as_json())
     return made
 
 

@@ -23,13 +23,13 @@ from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bound.result import NoBound
+from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
 from cranktopo.tasks.density.responses import Response
 from cranktopo.tasks.density.state import Record, State
-from cranktopo.tasks.density.statement import Requirement
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
-from cranktopo.tasks.optimise import evaluated_limits
-from cranktopo.tasks.optimise.evaluated_limits import CheckedLimit
-from cranktopo.tasks.optimise.goal_by_evaluation import met_by_evaluation
+from cranktopo.tasks.optimise import evaluated_goal
+from cranktopo.tasks.optimise.evaluated_goal import CheckedLimit, enforce_limits_by_fea
+from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.text import run_summary
 from cranktopo.tasks.optimise.verdict import headline
 
@@ -82,7 +82,7 @@ def bounds() -> Iterator[list[dict[str, float]]]:
         return NoBound(none="not proven")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cranktopo.tasks.optimise.judgement.bounds_for_result", beside)
+        patch.setattr("cranktopo.tasks.optimise.finalise.bounds_for_result", beside)
         yield asked
 
 
@@ -93,7 +93,7 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> Short:
     out = folder / "run"
     evaluator = Evaluator(88.2, out, folder / "killed")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(evaluated_limits, "evaluate", evaluator)
+        patch.setattr(evaluated_goal, "evaluate", evaluator)
         code = main(["optimise", "opposed-piston", *OPTIONS, "--out", str(out)])
     return code, out, json.loads((out / "metrics.json").read_text(encoding="utf-8")), evaluator
 
@@ -123,7 +123,7 @@ def test_the_bound_stands_beside_what_the_goal_reached(short: Short, bounds: lis
 def test_page_and_summary_show_both(short: Short) -> None:
     _, run, metrics, _ = short
     assert "original web without fillets" in (run / "report.html").read_text(encoding="utf-8")
-    text = run_summary(metrics, run)
+    text = run_summary(RunMetrics.of_json(metrics, "run"), run)
     assert f"by the evaluation {metrics['goal']['evaluation']['reached_percent']:.1f} %" in text
     assert "evaluated: the extracted surface" in text
 
@@ -134,7 +134,7 @@ def test_a_run_killed_in_an_evaluation_ends_the_same(short: Short) -> None:
     out, calls = evaluator.copy, len(evaluator.names)
     assert json.loads((out / "manifest.json").read_text(encoding="utf-8"))["status"] == "running"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(evaluated_limits, "evaluate", evaluator)
+        patch.setattr(evaluated_goal, "evaluate", evaluator)
         assert main(["optimise", "--resume", str(out)]) == 0
     assert evaluator.names[calls:] == evaluator.names[:calls]
     assert (out / "web.stl").read_bytes() == (whole / "web.stl").read_bytes()
@@ -158,7 +158,7 @@ def test_limits_that_could_not_be_judged_are_said_first(
         return evaluation(target, TORSION_NM_PER_RAD)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(evaluated_limits, "evaluate", failing)
+        patch.setattr(evaluated_goal, "evaluate", failing)
         assert main(["optimise", "--resume", str(run)]) == 6
     out, err = capsys.readouterr()
     first = out.splitlines()[0]
@@ -168,7 +168,7 @@ def test_limits_that_could_not_be_judged_are_said_first(
     metrics = json.loads((run / "metrics.json").read_text(encoding="utf-8"))
     (limit,) = metrics["goal"]["limits"]
     assert (metrics["status"], limit["holds"]) == ("converged", None)
-    assert headline(metrics).startswith("Not judged: torsion >= ")
+    assert headline(RunMetrics.of_json(metrics, "run")).startswith("Not judged: torsion >= ")
 
 
 GOAL = Goal("minimise", "mass", (Limit("torsion", ">=", 90.0, percent=True),))
@@ -191,12 +191,12 @@ class Invented:
         return {"mass": 1.4, "torsion": self.percent}
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
-        in_cells = Requirement(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
+        in_cells = ResponseConstraint(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
         (outcome,) = goal_outcome(self.goal, self.reached(state), self.original()).limits
         return (CheckedLimit(in_cells, in_cells.bound, outcome),)
 
 
-TORSION = Response("torsion", "N m/rad", lambda design: design.works[0])
+TORSION = Response("torsion", "N m/rad", lambda design: design.compliances[0])
 DONE = State(
     *(np.zeros(1),) * 3,
     beta=16.0,
@@ -211,7 +211,7 @@ def ended(percent: float) -> State:
         return replace(state, status="converged", reason="settled")
 
     case: Any = Invented(percent)
-    found, failure = met_by_evaluation(case, DONE, lambda _: None, settled)
+    found, failure = enforce_limits_by_fea(case, DONE, lambda _: None, settled)
     assert not failure
     return found
 
@@ -241,13 +241,13 @@ def test_a_search_that_fails_later_says_that_its_limits_were_moved() -> None:
         return replace(state, status="stopped", reason="iterations spent")
 
     case: Any = Invented(89.0)
-    found, _ = met_by_evaluation(case, DONE, lambda _: None, stopped)
+    found, _ = enforce_limits_by_fea(case, DONE, lambda _: None, stopped)
     assert found.reason == "iterations spent (limits in the cells as the evaluation moved them)"
 
 
 def test_a_design_that_cannot_be_evaluated_is_kept() -> None:
     case: Any = Invented(0.0)
-    found, failure = met_by_evaluation(case, DONE, lambda _: None, lambda state: state)
+    found, failure = enforce_limits_by_fea(case, DONE, lambda _: None, lambda state: state)
     assert (found.status, found.reason) == ("converged", "settled; its limits are not judged")
     assert failure == "mesh: no valid mesh."
 

@@ -29,8 +29,9 @@ from cranktopo.engine.plan.beam import throw_compliance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.runs.directories import create_run
 from cranktopo.runs.manifest import settings_hash
-from cranktopo.tasks.iterate import loop, step_solids
-from cranktopo.tasks.iterate.step_solids import write_solids
+from cranktopo.tasks.iterate import one_step, step_solids
+from cranktopo.tasks.iterate.result import LoopResult
+from cranktopo.tasks.iterate.step_solids import Solids, read_solids, write_solids
 from cranktopo.tasks.iterate.text import best_line
 from cranktopo.throw.hull import ObroundWeb
 
@@ -74,11 +75,11 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         )
 
     monkeypatch.setattr(step_solids, "coarse_facet_mm", lambda scene: 6.0)
-    monkeypatch.setattr(loop, "write_solids", solids_once)
-    monkeypatch.setattr(loop, "optimised_surface", optimised)
-    monkeypatch.setattr(loop, "fit_web", fit)
-    monkeypatch.setattr(loop, "shape_error", lambda *_: SimpleNamespace(web_iou=0.95))
-    monkeypatch.setattr(loop, "evaluate", evaluate)
+    monkeypatch.setattr(one_step, "write_solids", solids_once)
+    monkeypatch.setattr(one_step, "optimised_surface", optimised)
+    monkeypatch.setattr(one_step, "fit_web", fit)
+    monkeypatch.setattr(one_step, "shape_error", lambda *_: SimpleNamespace(web_iou=0.95))
+    monkeypatch.setattr(one_step, "evaluate", evaluate)
     return calls
 
 
@@ -86,15 +87,16 @@ SOLIDS: dict[str, dict[str, bytes]] = {}
 """Solids of a web as the bytes of their files, by the web."""
 
 
-def solids_once(scene: Scene, folder: Path, started: datetime) -> None:
+def solids_once(scene: Scene, folder: Path, started: datetime) -> Solids:
     """The solids of a step, written again where an earlier loop has built the same web."""
     web = scene.web.model_dump_json()
     if web in SOLIDS:
         for name, data in SOLIDS[web].items():
             (folder / name).write_bytes(data)
-    else:
-        write_solids(scene, folder, started)
-        SOLIDS[web] = {n: (folder / n).read_bytes() for n in ("web.step", "web.stl", step_solids.WEB)}
+        return read_solids(folder)
+    found = write_solids(scene, folder, started)
+    SOLIDS[web] = {n: (folder / n).read_bytes() for n in ("web.step", "web.stl", step_solids.WEB)}
+    return found
 
 
 def _obround(width: float) -> ObroundWeb:
@@ -163,7 +165,7 @@ def page_holds(data: dict[str, Any], text: str) -> None:
     shown = data["best_step"] or len(names) - 1
     assert [number for number, option in enumerate(options) if "selected" in option] == [shown]
     if data["best_step"] is None:
-        assert best_line(data)[1:] in text
+        assert best_line(LoopResult.of_json(data, "a loop"))[1:] in text
     else:
         assert f"Step {shown} is the best: " in text
     for row in data["steps"]:
@@ -178,20 +180,20 @@ def test_interrupted_loop_goes_on_where_it_was(
     whole: Whole, quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     out = tmp_path / "loop"
-    finished = loop.evaluate
+    finished = one_step.evaluate
 
     def interrupted(target: Any, size: float | None) -> Any:
         if target.name.endswith("step-2"):
             raise KeyboardInterrupt
         return finished(target, size)
 
-    monkeypatch.setattr(loop, "evaluate", interrupted)
+    monkeypatch.setattr(one_step, "evaluate", interrupted)
     capsys.readouterr()
     assert main([*ARGUMENTS, "--out", str(out)]) == 130
     assert f"cranktopo iterate --resume {out}" in capsys.readouterr().err
     assert json.loads((out / "manifest.json").read_text())["status"] == "interrupted"
     assert not (out / "step-02" / "step.json").exists()
-    monkeypatch.setattr(loop, "evaluate", finished)
+    monkeypatch.setattr(one_step, "evaluate", finished)
     before = (out / "step-01" / "step.json").read_bytes()
     assert "step 1 of 3 done" in (out / "report.html").read_text(encoding="utf-8")
     done = len(quick)
@@ -208,22 +210,22 @@ def test_interrupted_loop_goes_on_where_it_was(
 def test_a_lost_step_keeps_the_earlier_ones_and_says_which_is_best(
     quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    out, finished = tmp_path / "loop", loop.evaluate
+    out, finished = tmp_path / "loop", one_step.evaluate
 
     def failing(target: Any, size: float | None) -> Any:
         if target.name.endswith("step-2"):
             raise CranktopoError("mesh: no tetrahedra were made.")
         return finished(target, size)
 
-    monkeypatch.setattr(loop, "evaluate", failing)
+    monkeypatch.setattr(one_step, "evaluate", failing)
     assert main([*ARGUMENTS, "--out", str(out)]) == 5
     printed = capsys.readouterr().out
     assert "ended: step 2 was lost, the steps before it stand: mesh: no tetrahedra" in printed
     data = json.loads((out / "iterate.json").read_text())
     assert [one["number"] for one in data["steps"]] == [0, 1]
     assert data["lost_step"].startswith("step 2 was lost")
-    assert best_line(data) in printed
-    monkeypatch.setattr(loop, "evaluate", finished)
+    assert best_line(LoopResult.of_json(data, "a loop")) in printed
+    monkeypatch.setattr(one_step, "evaluate", finished)
     assert main(["iterate", "--resume", str(out)]) == 0
     assert json.loads((out / "iterate.json").read_text())["lost_step"] is None
 
@@ -238,7 +240,7 @@ def test_manufacturing_limits_hold_in_every_step(
         seen.append(limits)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(loop, "fit_web", fit)
+    monkeypatch.setattr(one_step, "fit_web", fit)
     given = ["--min-wall-mm", "4", "--min-radius-mm", "7", "--draft-deg", "5", "--cell-mm", "2"]
     assert main(["iterate", "--steps", "1", "--resolution-mm", "4.5", *given, "--out", str(out)]) == 130
     assert main(["iterate", "--resume", str(out)]) == 130

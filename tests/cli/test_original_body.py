@@ -16,14 +16,14 @@ from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
 from cranktopo.design.loading import input_files, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
-from cranktopo.tasks.density.notices import baseline_notice
+from cranktopo.tasks.density.stage import baseline_notice
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.importing.original import check_original
-from cranktopo.tasks.iterate.step_solids import HALF, read_web, write_original
-from cranktopo.tasks.optimise import evaluated_limits
-from cranktopo.tasks.optimise.evaluated_limits import EvaluatedGoal
+from cranktopo.tasks.iterate.step_solids import HALF, read_solids, write_original
+from cranktopo.tasks.optimise import evaluated_goal
+from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 
@@ -70,7 +70,7 @@ def test_the_first_step_of_a_loop_is_the_body(
     wider = mikron_with(2.5, width_mm=56.0)
     path = body_of(wider)
     write_original(path, naming(mikron, path), tmp_path)
-    assert read_web(tmp_path).volume_mm3 == pytest.approx(web_volume_mm3(wider), rel=1e-3)
+    assert read_solids(tmp_path).web.volume_mm3 == pytest.approx(web_volume_mm3(wider), rel=1e-3)
     half = read_stl(tmp_path / f"{HALF}.stl").vertices_mm
     assert (half[:, 2].min(), half[:, 2].max()) == (0.0, mikron.pitch_mm / 2)
 
@@ -89,7 +89,7 @@ def test_a_goal_is_measured_against_the_body_without_its_fillets(
         fine = Stiffness({"free": 100e3}, {"pinned": 70e3}, 1234, 4.0, 1.0, 2.0)
         return Evaluation(target.name, 1.5, 0.6, 5000, 50, fine, "free", "pinned", 0.3, 0.4, 3.0)
 
-    monkeypatch.setattr(evaluated_limits, "evaluate", evaluated)
+    monkeypatch.setattr(evaluated_goal, "evaluate", evaluated)
     unused: Any = None
     case = EvaluatedGoal(unused, naming(mikron, body_of(filleted)), unused, unused, Work())
     assert case.original()["torsion"] == 100e3

@@ -16,8 +16,8 @@ from cranktopo.tasks.accuracy import stage as accuracy
 from cranktopo.tasks.fatigue import stage as fatigue
 from cranktopo.tasks.fea import stage as evaluating
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
-from cranktopo.tasks.iterate import loop
-from cranktopo.tasks.optimise.stage import OptimisedRun
+from cranktopo.tasks.iterate import one_step
+from cranktopo.tasks.optimise.result import OptimisedRun
 from cranktopo.tasks.refit import stage as remodelling
 from tests.plain_runs import plain_runs
 
@@ -66,11 +66,11 @@ def run(mikron: Scene, tmp_path_factory: pytest.TempPathFactory) -> OptimisedRun
 
 
 def test_a_run_from_its_start_to_its_files(run: OptimisedRun, tmp_path: Path) -> None:
-    assert run.metrics == json.loads((run.folder / "metrics.json").read_text())
-    assert run.metrics["status"] == "stopped"
+    assert run.metrics.as_json() == json.loads((run.folder / "metrics.json").read_text())
+    assert run.metrics.status == "stopped"
     with plain_runs():
         again = cranktopo.resume_optimisation(str(run.folder), max_iterations=4)
-    assert again.metrics["iterations"] == 4
+    assert again.metrics.iterations == 4
     assert cranktopo.report_run(str(run.folder), tmp_path / "run.md").is_file()
     found, path = cranktopo.extract_surface(str(run.folder), 3, tmp_path / "three.3mf", "3mf")
     assert (found.iteration, path.stat().st_size > 1000) == (3, True)
@@ -159,7 +159,7 @@ def test_loop_starts_and_continues(mikron: Scene, tmp_path: Path, monkeypatch: p
         seen.append((scene.name, folder.name))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(loop, "write_solids", interrupted)
+    monkeypatch.setattr(one_step, "write_solids", interrupted)
     with pytest.raises(cranktopo.CranktopoError, match="finished steps are kept"):
         cranktopo.start_loop(mikron, cranktopo.loop_settings(mikron, 3), tmp_path / "loop")
     with pytest.raises(cranktopo.CranktopoError, match="finished steps are kept"):

@@ -14,6 +14,7 @@ import trimesh
 from matplotlib.image import imread
 
 from cranktopo.app.main import main
+from cranktopo.bodies.solid.files import surface_of
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.schema import Scene
@@ -21,9 +22,9 @@ from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.runs.directories import create_run
 from cranktopo.tasks.refit import stage as remodel
 from cranktopo.tasks.refit.fit import FittedWeb
-from cranktopo.tasks.refit.select import Trial
+from cranktopo.tasks.refit.select import FitTrial
 from cranktopo.tasks.refit.shape_error import shape_error
-from cranktopo.tasks.refit.stage import write_remodel
+from cranktopo.tasks.refit.stage import write_refit
 from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 
@@ -35,9 +36,10 @@ def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     """The scene reads back the same, STEP and STL hold its volume, the drawing shows something everywhere."""
     scene = known_scene(mikron, WHOLE)
     body = mesh_of(body_of(known_scene(mikron, PLAIN), 1.0))
-    trials = (Trial("outline", 7, 80.0, 0.0, True),)
+    trials = (FitTrial("outline", 7, 80.0, 0.0, True),)
     fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
-    files = write_remodel(fitted, shape_error(scene, body), body, tmp_path, lambda _: None)
+    near, half_throw = shape_error(scene, body), surface_of(scene, "half")
+    files = write_refit(fitted, near, half_throw, body, tmp_path, lambda _: None)
     assert load_scene(str(tmp_path / files["design"])) == scene
     volume = half_throw_volume_mm3(scene)
     assert step_volume_mm3(tmp_path / files["step"]) == pytest.approx(volume, rel=1e-6)
@@ -180,14 +182,16 @@ def test_an_interrupted_remodel_leaves_nothing(
     before = sorted(tmp_path.rglob("*"))
     seen: list[list[str]] = []
 
-    def interrupted(fitted: object, near: object, surface: object, folder: Path, *_: object) -> None:
+    def interrupted(
+        fitted: object, near: object, half: object, surface: object, folder: Path, *_: object
+    ) -> None:
         (folder / "half_throw.step").touch()
         seen.append([path.name for path in run.iterdir() if path.is_dir()])
         raise KeyboardInterrupt
 
-    for name in ("read_half_throw", "fit_web", "shape_error", "without"):
+    for name in ("read_half_throw", "fit_web", "shape_error", "without", "surface_of", "as_stored"):
         monkeypatch.setattr(remodel, name, lambda *_: SimpleNamespace(scene=mikron))
-    monkeypatch.setattr(remodel, "write_remodel", interrupted)
+    monkeypatch.setattr(remodel, "write_refit", interrupted)
     assert main(["remodel", str(run)]) == 130
     assert "interrupted" in capsys.readouterr().err
     assert len(seen[0]) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -168,10 +169,10 @@ def test_a_run_without_a_remodel_gets_one_first(
 ) -> None:
     run, lines = run_of("optimise", tmp_path / "run", web), list[str]()
 
-    def made(reference: str, **_: Any) -> dict[str, Any]:
+    def made(reference: str, **_: Any) -> SimpleNamespace:
         assert reference == str(run.path)
         remodel_of(run, run.path / "remodel", web)
-        return {"folder": str(run.path / "remodel"), "files": {"design": "fitted.toml"}}
+        return SimpleNamespace(folder=str(run.path / "remodel"), files={"design": "fitted.toml"})
 
     def stop(*asked: Any) -> Any:
         raise AskedError(asked[-1].layout)

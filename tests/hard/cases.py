@@ -102,10 +102,10 @@ class Throw:
 
     @property
     def moduli(self) -> Array:
-        chain = build_interpolation(self.domain, 1.0)
-        shape = chain.design.shape
+        density_chain = build_interpolation(self.domain, 1.0)
+        shape = density_chain.design_fraction.shape
         density = jnp.asarray(fields.blobs(0.6, (shape[0], shape[1], shape[2])), float)
-        return np.asarray(relative_moduli(chain, density))
+        return np.asarray(relative_moduli(density_chain, density))
 
     def model(self) -> ThrowModel:
         return build_model(self.scene, self.domain, THROW_LOADS)

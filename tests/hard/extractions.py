@@ -117,8 +117,7 @@ def envelope_file(engine: str, number: int, folder: Path) -> Path:
     place = folder / f"{engine}-{number}"
     place.mkdir()
     scene = drawn_web(engine, number) if number < DRAWN_WEBS else fitted_web(engine, number - DRAWN_WEBS)
-    write_solids(scene, place)
-    return write_envelope(place)
+    return write_envelope(write_solids(scene, place).web, place)
 
 
 def fitted_web(engine: str, number: int) -> Scene:

@@ -16,7 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.grid.lattice import Lattice
 from cranktopo.tasks.bound.lower_bound import BoundModel
 from cranktopo.tasks.bound.webs import AdmissibleDensities
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import CONTRAST, physical_density
 from cranktopo.tasks.density.model import ThrowModel, case_forces
 from cranktopo.tasks.density.response import compliances, solve
@@ -89,9 +89,9 @@ def simp_density(scene: Scene, model: BoundModel, penalty: float, **settings: fl
 
 def pressed(scene: Scene, model: BoundModel, seed: int) -> Array:
     """A random field as the scene's process makes it (nx, ny, nw)."""
-    chain = build_chain(scene, model.domain)
+    density_chain = build_chain(scene, model.domain)
     x = jnp.asarray(random_blobs(model, seed))
-    return np.asarray(jax.jit(physical_density)(chain, x, 8.0))
+    return np.asarray(jax.jit(physical_density)(density_chain, x, 8.0))
 
 
 def own_body(model: BoundModel) -> Array:

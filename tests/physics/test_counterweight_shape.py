@@ -78,7 +78,7 @@ def test_cells_follow_the_counterweight(free: Scene) -> None:
     in_sector = (np.hypot(x, y) < 62.0) & (np.arctan2(x, -y) < math.radians(60.0))
     np.testing.assert_array_equal(inside[beyond] > 0, np.repeat(in_sector[beyond][:, None], len(axes[2]), 1))
     weight = np.random.default_rng(3).normal(size=inside.shape) * (np.abs(inside) < 6.0)
-    slopes = web.pulled_back(values, which, weight)
+    slopes = web.vjp(values, which, weight)
     for k in (2, -2, -1):
         step = 1e-5 * np.eye(len(values))[k]
         change = [(weight * web.inside_mm(values + s * step)[0]).sum() for s in (1, -1)]
@@ -124,7 +124,7 @@ def test_cells_follow_the_fillet(filleted: Scene, filleted_web: tuple[Layout, np
     clear = np.abs(inside[:, :, 0]) > 0.1  # the outline of the cells is made of chords
     np.testing.assert_array_equal((inside[:, :, 0] > 0)[clear], here[clear])
     weight = np.random.default_rng(4).normal(size=inside.shape) * (np.abs(inside) < 3.0) * (which == FILLET)
-    slopes = web.pulled_back(values, which, weight)
+    slopes = web.vjp(values, which, weight)
     rule = rules_at(filleted, web, values)
     assert rule.violated == ()
     place = rule.names.index(FITS)

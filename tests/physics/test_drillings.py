@@ -22,7 +22,7 @@ from cranktopo.design.symmetry import envelope_asymmetry, mirror_image, web_asym
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.tasks.importing.placement import misfits
-from cranktopo.tasks.refit.drilling_rules import drilling_rules
+from cranktopo.tasks.refit.constraints import drilling_rules
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.drilling import channels, drilling_asymmetry
 from cranktopo.throw.drilling_outlet import ring_points

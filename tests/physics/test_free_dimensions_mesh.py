@@ -9,7 +9,7 @@ import pytest
 
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.dimensions import rounded, scene_at
+from cranktopo.tasks.refit.dimensions import rounded_dimensions, scene_at
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshModel
@@ -117,7 +117,7 @@ def test_a_mesh_there_and_a_mesh_here_tell_the_same_change(case: Case) -> None:
 def test_slopes_of_the_rules_are_those_of_differences(case: Case) -> None:
     web = ParametricWeb(case.layout, case.scene, ManufacturingLimits(), (np.zeros(0),) * 3)
     values, step = case.values + 0.01, 1e-4
-    slopes = web.slopes(values)
+    slopes = web.gradients(values)
     for i in range(len(values)):
         change = step * np.eye(len(values))[i]
         measured = (web.constraints(values + change) - web.constraints(values - change)) / (2 * step)
@@ -150,6 +150,6 @@ def test_bounds_and_rounding_stay_in_the_ranges(case: Case) -> None:
     assert web.bounds[1][depth] == pytest.approx(24 - 3)
     outside = case.values.copy()
     outside[case.sizes] = [1.9999, 5.0001, 3.337, 20.126, 24.0, 19.004]
-    assert rounded(case.scene, case.layout, outside)[case.sizes] == pytest.approx(
+    assert rounded_dimensions(case.scene, case.layout, outside)[case.sizes] == pytest.approx(
         [2.0, 5.0, 3.34, 20.13, 24.0, 19.0]
     )

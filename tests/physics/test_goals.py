@@ -24,11 +24,11 @@ from cranktopo.tasks.density.build import build_problem, with_limits
 from cranktopo.tasks.density.feasibility import check_limits
 from cranktopo.tasks.density.material import eroded_density
 from cranktopo.tasks.density.model import pin_weights
+from cranktopo.tasks.density.optimisation_problem import OptimisationProblem, ResponseConstraint
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.responses import Design, Response, quantities
 from cranktopo.tasks.density.stage import iterate
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
-from cranktopo.tasks.density.statement import Requirement, Statement
 from tests.physics.throw_cases import BENDING, TORSION
 
 CELL_MM, FILTER_MM = 10.0, 14.0
@@ -93,7 +93,7 @@ def test_limits_hold_for_the_web_as_made(mikron: Scene, domain: Domain) -> None:
     share = shares(problem, scene, domain, state)
     assert min(share["torsion"], share["bending"]) == pytest.approx(1.0, abs=0.02)
     assert share["mass"] < 1.15  # members of 12 mm on cells of 9.6 mm cost mass
-    eroded = eroded_density(problem.chain, jnp.asarray(state.evaluated), state.last.beta)
+    eroded = eroded_density(problem.density_chain, jnp.asarray(state.evaluated), state.last.beta)
     thin: Assessment = assess(problem, scene, domain, np.asarray(eroded))
     own = assess_original(problem.model, scene, domain).quantities
     assert thin.quantities["torsion"] < 0.95 * own["torsion"]
@@ -112,9 +112,9 @@ def test_other_goals_and_limits(mikron: Scene, domain: Domain, goal: dict[str, A
     state = ended(problem)
     assert state.status == "converged", state.reason
     share = shares(problem, scene, domain, state)
-    for limit in problem.statement.limits:
+    for limit in problem.optimisation.limits:
         assert limit.broken(share[limit.response.name] * limit.original) < 5e-3, limit
-    (bound,) = (limit for limit in problem.statement.limits if limit.response.name == active)
+    (bound,) = (limit for limit in problem.optimisation.limits if limit.response.name == active)
     assert share[active] == pytest.approx(bound.bound / bound.original, abs=5e-3)
 
 
@@ -165,12 +165,12 @@ def test_limits_beyond_the_envelope_are_named_before_the_first_iteration(
 
 
 def test_a_range_in_two_units_is_checked_once_the_original_is_known(mikron: Scene, domain: Domain) -> None:
-    torsion = Response("torsion", "N m/rad", lambda design: design.works[0])
+    torsion = Response("torsion", "N m/rad", lambda design: design.compliances[0])
     limits = (
-        Requirement(torsion, ">=", 120e3, original=100e3, percent=True),
-        Requirement(torsion, "<=", 110e3),
+        ResponseConstraint(torsion, ">=", 120e3, original=100e3, percent=True),
+        ResponseConstraint(torsion, "<=", 110e3),
     )
-    problem: Any = SimpleNamespace(statement=Statement((), limits))
+    problem: Any = SimpleNamespace(optimisation=OptimisationProblem((), limits))
     text = refusal(problem, mikron, domain, ExitCode.INVALID_INPUT)
     assert "goal.limits.torsion = '>= 120 %, <= 110000 N m/rad': contradictory" in text
     assert "the original web has 100000 N m/rad" in text
@@ -198,7 +198,7 @@ def test_a_run_goes_on_bit_for_bit(mikron: Scene, domain: Domain) -> None:
     scene = asked(mikron, {"minimise": "mass"}, max_iterations=9, **LENGTHS)
     problem = stated(scene, domain)
     spot = Response("spot", "mm", lambda design: -design.displacements[0, 1, 2, 3, 4], True)
-    problem = with_limits(problem, Requirement(spot, "<=", 0.01))
+    problem = with_limits(problem, ResponseConstraint(spot, "<=", 0.01))
     state = loop.init(problem)
     for _ in range(4):
         state = loop.step(problem, state)
@@ -224,7 +224,9 @@ def test_a_load_case_a_response_and_a_limit_of_ones_own(mikron: Scene, domain: D
     sway = quantities(problem.model, scene.material.density_kg_m3)["side_displacement"]
     own = Response("shift", "mm", shift, reads_displacements=True)
     original = assess_original(problem.model, scene, domain).quantities["side_displacement"]
-    limited = with_limits(problem, Requirement(sway, "<=", 1.1 * original), Requirement(own, "<=", 0.5))
+    limited = with_limits(
+        problem, ResponseConstraint(sway, "<=", 1.1 * original), ResponseConstraint(own, "<=", 0.5)
+    )
     state = iterate(limited, loop.init(limited))
     # End of those lines.
     assert state.status == "converged", state.reason

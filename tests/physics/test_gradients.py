@@ -14,9 +14,9 @@ import pytest
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.projection import Projection
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import (
-    Interpolation,
+    MaterialInterpolation,
     build_interpolation,
     dilated_density,
     eroded_density,
@@ -27,7 +27,7 @@ from cranktopo.tasks.density.material import (
 )
 from cranktopo.tasks.density.model import ThrowModel, build_model, case_forces
 from cranktopo.tasks.density.optimality_criteria import design_gradients
-from cranktopo.tasks.density.proposals import pulled_back
+from cranktopo.tasks.density.proposals import vjp
 from cranktopo.tasks.density.response import (
     compliance_gradients,
     compliance_gradients_by_solid,
@@ -57,19 +57,22 @@ RESPONSES: dict[str, Response] = {
 
 
 @pytest.fixture
-def setting(float64: None, mikron: Scene) -> tuple[ThrowModel, Interpolation, jax.Array]:
+def setting(float64: None, mikron: Scene) -> tuple[ThrowModel, MaterialInterpolation, jax.Array]:
     domain = build_domain(mikron, CELL_MM)
     model = build_model(mikron, domain, (BENDING, TORSION, TANGENTIAL))
-    chain = build_interpolation(domain, FILTER_MM)
-    return model, chain, some_design(chain)
+    density_chain = build_interpolation(domain, FILTER_MM)
+    return model, density_chain, some_design(density_chain)
 
 
-def some_design(chain: Interpolation) -> jax.Array:
-    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, chain.design.shape))
+def some_design(density_chain: MaterialInterpolation) -> jax.Array:
+    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, density_chain.design_fraction.shape))
 
 
-def some_direction(chain: Interpolation) -> jax.Array:
-    return jnp.asarray(np.random.default_rng(2).standard_normal(chain.design.shape)) * chain.design
+def some_direction(density_chain: MaterialInterpolation) -> jax.Array:
+    return (
+        jnp.asarray(np.random.default_rng(2).standard_normal(density_chain.design_fraction.shape))
+        * density_chain.design_fraction
+    )
 
 
 def slope(value: Callable[[jax.Array], Any], x: jax.Array, direction: jax.Array, step: float = 1e-3) -> Any:
@@ -79,16 +82,16 @@ def slope(value: Callable[[jax.Array], Any], x: jax.Array, direction: jax.Array,
 
 
 @pytest.mark.slow
-def test_responses_by_density(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
+def test_responses_by_density(setting: tuple[ThrowModel, MaterialInterpolation, jax.Array]) -> None:
     """All of the same displacements, each with an adjoint solve of its own."""
-    model, chain, x = setting
+    model, density_chain, x = setting
 
     def values(x: jax.Array) -> jax.Array:
-        moduli = relative_moduli(chain, physical_density(chain, x, 2.0))
+        moduli = relative_moduli(density_chain, physical_density(density_chain, x, 2.0))
         u = displacements(model, moduli, TIGHT)
         return jnp.stack([response(model, u) for response in RESPONSES.values()])
 
-    direction = some_direction(chain)
+    direction = some_direction(density_chain)
     _, pulled = jax.vjp(values, x)
     expected = slope(values, x, direction)
     for name, row, wanted in zip(RESPONSES, jnp.eye(len(RESPONSES)), expected, strict=True):
@@ -97,18 +100,18 @@ def test_responses_by_density(setting: tuple[ThrowModel, Interpolation, jax.Arra
 
 
 @pytest.mark.slow
-def test_largest_single_cell_derivative(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
-    model, chain, x = setting
+def test_largest_single_cell_derivative(setting: tuple[ThrowModel, MaterialInterpolation, jax.Array]) -> None:
+    model, density_chain, x = setting
 
     def moduli(x: jax.Array) -> jax.Array:
-        return relative_moduli(chain, physical_density(chain, x, 2.0))
+        return relative_moduli(density_chain, physical_density(density_chain, x, 2.0))
 
     def work(x: jax.Array) -> float:
         return float(compliances(model, solve(model, moduli(x), tolerance=TIGHT).displacements)[1])
 
     u = solve(model, moduli(x), tolerance=TIGHT).displacements
     by_moduli = compliance_gradients(model, u)[1]
-    by_x, _ = design_gradients(chain, x, jnp.asarray(2.0), by_moduli)
+    by_x, _ = design_gradients(density_chain, x, jnp.asarray(2.0), by_moduli)
     cell = np.unravel_index(int(jnp.argmax(jnp.abs(by_x))), x.shape)
     expected = slope(work, x, jnp.zeros_like(x).at[cell].set(1.0), step=1e-2)
     assert float(by_x[cell]) == pytest.approx(expected, rel=1e-5)
@@ -118,18 +121,21 @@ def test_compliance_of_a_forged_web(float64: None, mikron: Scene) -> None:
     """Through filter, die, projection and penalty."""
     scene = forged(mikron, filter_radius_mm=FILTER_MM)
     domain = build_domain(scene, CELL_MM)
-    model, chain = build_model(scene, domain, (BENDING, TORSION, TANGENTIAL)), build_chain(scene, domain)
-    assert chain.process is not None
-    x, direction = 0.3 + 0.5 * some_design(chain), some_direction(chain)
+    model, density_chain = (
+        build_model(scene, domain, (BENDING, TORSION, TANGENTIAL)),
+        build_chain(scene, domain),
+    )
+    assert density_chain.process is not None
+    x, direction = 0.3 + 0.5 * some_design(density_chain), some_direction(density_chain)
 
     def moduli(x: jax.Array) -> jax.Array:
-        return relative_moduli(chain, physical_density(chain, x, 2.0))
+        return relative_moduli(density_chain, physical_density(density_chain, x, 2.0))
 
     def work(x: jax.Array) -> float:
         return float(compliances(model, solve(model, moduli(x), tolerance=TIGHT).displacements)[1])
 
     u = solve(model, moduli(x), tolerance=TIGHT).displacements
-    by_x, _ = design_gradients(chain, x, jnp.asarray(2.0), compliance_gradients(model, u)[1])
+    by_x, _ = design_gradients(density_chain, x, jnp.asarray(2.0), compliance_gradients(model, u)[1])
     assert float(jnp.sum(by_x * direction)) == pytest.approx(slope(work, x, direction), rel=1e-5)
 
 
@@ -138,44 +144,48 @@ def test_compliance_under_the_body_force(float64: None, mikron: Scene) -> None:
     """The density changes stiffness and centrifugal load alike."""
     domain = build_domain(mikron, CELL_MM)
     model = build_model(mikron, domain, (CENTRIFUGAL, TORSION, BENDING))
-    chain = build_interpolation(domain, FILTER_MM)
-    x, direction = some_design(chain), some_direction(chain)
+    density_chain = build_interpolation(domain, FILTER_MM)
+    x, direction = some_design(density_chain), some_direction(density_chain)
 
     def parts(x: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-        density = physical_density(chain, x, 2.0)
-        moduli, solid = relative_moduli(chain, density), solid_fraction(chain, density)
+        density = physical_density(density_chain, x, 2.0)
+        moduli, solid = relative_moduli(density_chain, density), solid_fraction(density_chain, density)
         forces = case_forces(model, solid)
         u = solve(model, moduli, forces=forces, tolerance=TIGHT).displacements
         return u, solid, compliances(model, u, forces)[0]
 
     u, solid, _ = parts(x)
     by_moduli, by_solid = compliance_gradients(model, u)[0], compliance_gradients_by_solid(model, u, solid)[0]
-    by_x, _ = design_gradients(chain, x, jnp.asarray(2.0), by_moduli, by_solid)
+    by_x, _ = design_gradients(density_chain, x, jnp.asarray(2.0), by_moduli, by_solid)
     expected = slope(lambda x: parts(x)[2], x, direction)
     assert float(jnp.sum(by_x * direction)) == pytest.approx(expected, rel=1e-5)
-    without_mass, _ = design_gradients(chain, x, jnp.asarray(2.0), by_moduli)
+    without_mass, _ = design_gradients(density_chain, x, jnp.asarray(2.0), by_moduli)
     assert float(jnp.sum(without_mass * direction)) != pytest.approx(expected, rel=1e-2)
 
 
-def test_volume_derivative(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
-    _, chain, x = setting
-    _, by_x = design_gradients(chain, x, jnp.asarray(4.0), jnp.zeros(chain.fixed.shape))
+def test_volume_derivative(setting: tuple[ThrowModel, MaterialInterpolation, jax.Array]) -> None:
+    _, density_chain, x = setting
+    _, by_x = design_gradients(
+        density_chain, x, jnp.asarray(4.0), jnp.zeros(density_chain.passive_fraction.shape)
+    )
     cell, step = (3, 9, 1), 1e-5
 
     def volume(x: jax.Array) -> float:
-        return float(volume_fraction(chain, physical_density(chain, x, 4.0)))
+        return float(volume_fraction(density_chain, physical_density(density_chain, x, 4.0)))
 
     expected = (volume(x.at[cell].add(step)) - volume(x.at[cell].add(-step))) / (2 * step)
     assert float(by_x[cell]) == pytest.approx(expected, rel=1e-6)
 
 
-def test_mass_and_unbalance(setting: tuple[ThrowModel, Interpolation, jax.Array]) -> None:
-    model, chain, x = setting
+def test_mass_and_unbalance(setting: tuple[ThrowModel, MaterialInterpolation, jax.Array]) -> None:
+    model, density_chain, x = setting
     direction = jnp.asarray(np.random.default_rng(4).standard_normal(x.shape))
     for response in (throw_mass_kg, throw_unbalance_kg_mm):
 
         def value(x: jax.Array, response: Any = response) -> jax.Array:
-            return response(model, solid_fraction(chain, physical_density(chain, x, 2.0)), 7850.0)
+            return response(
+                model, solid_fraction(density_chain, physical_density(density_chain, x, 2.0)), 7850.0
+            )
 
         step = 1e-5
         expected = float(value(x + step * direction) - value(x - step * direction)) / (2 * step)
@@ -200,22 +210,24 @@ def test_three_fields(float64: None, mikron: Scene) -> None:
     """Stiffness of the eroded design under the body force of the dilated one, and its volume."""
     domain = build_domain(mikron, CELL_MM)
     model = build_model(mikron, domain, (CENTRIFUGAL, TORSION, BENDING))
-    chain = replace(build_interpolation(domain, FILTER_MM), projection=Projection(0.5, 0.7, 0.35))
-    x, direction, beta = some_design(chain), some_direction(chain), jnp.asarray(2.0)
+    density_chain = replace(build_interpolation(domain, FILTER_MM), projection=Projection(0.5, 0.7, 0.35))
+    x, direction, beta = some_design(density_chain), some_direction(density_chain), jnp.asarray(2.0)
 
     def parts(x: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-        moduli = relative_moduli(chain, eroded_density(chain, x, 2.0))
-        solid = solid_fraction(chain, dilated_density(chain, x, 2.0))
+        moduli = relative_moduli(density_chain, eroded_density(density_chain, x, 2.0))
+        solid = solid_fraction(density_chain, dilated_density(density_chain, x, 2.0))
         forces = case_forces(model, solid)
         u = solve(model, moduli, forces=forces, tolerance=TIGHT).displacements
         return u, solid, compliances(model, u, forces)[0]
 
     u, solid, _ = parts(x)
     by_moduli, by_solid = compliance_gradients(model, u)[0], compliance_gradients_by_solid(model, u, solid)[0]
-    by_x, volume_by_x = design_gradients(chain, x, beta, by_moduli, by_solid)
-    by_asymptotes = pulled_back(chain, x, beta, by_moduli[None], by_solid[None])[0]
+    by_x, volume_by_x = design_gradients(density_chain, x, beta, by_moduli, by_solid)
+    by_asymptotes = vjp(density_chain, x, beta, by_moduli[None], by_solid[None])[0]
     expected = slope(lambda x: parts(x)[2], x, direction)
     for found in (by_x, by_asymptotes):
         assert float(jnp.sum(found * direction)) == pytest.approx(expected, rel=1e-5)
-    expected = slope(lambda x: volume_fraction(chain, dilated_density(chain, x, 2.0)), x, direction)
+    expected = slope(
+        lambda x: volume_fraction(density_chain, dilated_density(density_chain, x, 2.0)), x, direction
+    )
     assert float(jnp.sum(volume_by_x * direction)) == pytest.approx(expected, rel=1e-6)

@@ -19,7 +19,7 @@ from cranktopo.numerics.grid.lattice import Lattice, layer_blocks
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import apply_stiffness, strain_energy_densities, strain_energy_density
 from cranktopo.numerics.grid.partition import WHOLE
-from cranktopo.numerics.grid.smoothing import Smoother, Smoothing, Steps
+from cranktopo.numerics.grid.smoothing import JacobiScaling, Smoother, SmootherState
 from cranktopo.numerics.grid.transfer import add_prolonged, restrict
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.precision import Precision
@@ -57,23 +57,23 @@ def _smoother(cells: tuple[int, int, int], operator: str, precision: Precision) 
     _, _, *nodes = field.shape
     rng = np.random.default_rng(2)
     held = [jnp.asarray(rng.integers(0, 2, (2, 3, n)), precision) for n in (nodes[0], nodes[2])]
-    steps = Steps(jnp.asarray(rng.random((3, *nodes)), precision), *held)
+    steps = JacobiScaling(jnp.asarray(rng.random((3, *nodes)), precision), *held)
     if operator == "stiffness":
         return Smoother(operator, apply_stiffness, (blocks, moduli), steps, WHOLE)
     stencil = _stencil((nodes[0], nodes[1], nodes[2]), precision)
     return Smoother(operator, apply_stencil, (stencil / 27,), steps, WHOLE)
 
 
-def _smoothed(smoother: Smoother, count: int) -> Smoothing:
+def _smoothed(smoother: Smoother, count: int) -> SmootherState:
     """Corrections before and after something else has changed the field, all traced anew."""
     rng = np.random.default_rng(3)
-    residual, change = rng.standard_normal((2, 2, *smoother.steps.sizes.shape))
+    residual, change = rng.standard_normal((2, 2, *smoother.scaling.sizes.shape))
 
-    def smooth(residual: jax.Array, change: jax.Array) -> Smoothing:
+    def smooth(residual: jax.Array, change: jax.Array) -> SmootherState:
         before = smoother.before(smoother.start(residual), count)
-        return smoother.after(Smoothing(change, before.field + change, before.residual), count)
+        return smoother.after(SmootherState(change, before.field + change, before.residual), count)
 
-    precision = smoother.steps.sizes.dtype
+    precision = smoother.scaling.sizes.dtype
     return jax.jit(smooth)(jnp.asarray(residual, precision), jnp.asarray(change, precision))
 
 
@@ -179,7 +179,7 @@ def test_threads_do_not_change_a_digit(operator: str, float64: None, monkeypatch
     results = []
     for threads in (1, 2, 5):
         monkeypatch.setattr(processor, "usable_cores", lambda count=threads: count)
-        product = _fresh(smoother.apply, *smoother.arrays, smoother.start(smoother.steps.sizes).field)
+        product = _fresh(smoother.apply, *smoother.arrays, smoother.start(smoother.scaling.sizes).field)
         results.append([np.asarray(field) for field in (product, *_smoothed(smoother, 3))])
     for other in results[1:]:
         assert all(np.array_equal(one, two) for one, two in zip(results[0], other, strict=True))

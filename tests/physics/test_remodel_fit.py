@@ -22,7 +22,7 @@ from cranktopo.tasks.refit.fit import fit_problem, fit_web, scene_with_web
 from cranktopo.tasks.refit.initial_guess import outline_guess
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.residual_regions import residual_regions
-from cranktopo.tasks.refit.search import Fit, search
+from cranktopo.tasks.refit.search import Fit, minimise_misfit
 from cranktopo.tasks.refit.select import Candidate, fit_from, model_fill
 from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm
 from cranktopo.tasks.refit.voxel_fill import voxel_fill
@@ -70,7 +70,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
     values = values_of(WHOLE) + np.random.default_rng(3).normal(0, 0.7, len(WHOLE.names))
     fit = Fit(fit_problem(body, mikron, COARSE, 2.0), WHOLE)
     _, gradient = fit.misfit(values, 3.0)
-    slopes = np.asarray(fit.web.slopes(values))
+    slopes = np.asarray(fit.web.gradients(values))
     step = 1e-5
     for i, name in enumerate(WHOLE.names):
         ahead, back = values.copy(), values.copy()
@@ -91,7 +91,7 @@ def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifol
     problem = fit_problem(body, mikron, limits, 1.25)
     guesses = (part.guess(problem.target, mikron, limits) for part in PARTS[:3])
     start = [outline_guess(problem, 7), *(guess for guess in guesses if guess is not None)]
-    found, error = search(Fit(problem, MORE), np.concatenate(start), (2.5, 0.7))
+    found, error = minimise_misfit(Fit(problem, MORE), np.concatenate(start), (2.5, 0.7))
     assert error < 2e-3
     for name, true, value in zip(MORE.names, values_of(MORE), found, strict=True):
         if not name.endswith(("crown", "draft", "bevel-pin.y")):
@@ -231,7 +231,7 @@ def test_limits_are_kept_after_rounding(mikron: Scene, body: Manifold) -> None:
     problem = fit_problem(body, mikron, limits, 2.0)
     fit = Fit(problem, MORE)
     assert fit.web.constraints(true).max() > 0.1
-    values, error = search(fit, true, (4.0, 2.0))
+    values, error = minimise_misfit(fit, true, (4.0, 2.0))
     assert np.isfinite(error)
     web = scene_with_web(mikron, web_of(MORE, values, mikron)).web
     assert web.outline == "profile"

@@ -13,27 +13,27 @@ from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.tasks.density.material import (
-    Interpolation,
+    MaterialInterpolation,
     build_interpolation,
     physical_density,
     relative_moduli,
     solid_fraction,
 )
 from cranktopo.tasks.density.model import ThrowModel, build_model, case_forces
-from cranktopo.tasks.density.proposals import pulled_back
+from cranktopo.tasks.density.optimisation_problem import Objective, ResponseConstraint
+from cranktopo.tasks.density.proposals import vjp
 from cranktopo.tasks.density.response import compliances, solve
 from cranktopo.tasks.density.responses import (
     Design,
     Response,
+    gradients,
     loads_of,
     quantities,
     relative_compliance,
-    slopes,
     values_of,
     volume,
     weighted_compliance,
 )
-from cranktopo.tasks.density.statement import Goal, Requirement
 from cranktopo.tasks.density.stress_response import middle_strain, stress_norm, von_mises_MPa
 from tests.physics.throw_cases import BENDING, CENTRIFUGAL, TORSION
 
@@ -46,7 +46,7 @@ pytestmark = pytest.mark.usefixtures("float64")
 
 
 @pytest.fixture(scope="module")
-def setting(mikron: Scene) -> tuple[ThrowModel, Interpolation]:
+def setting(mikron: Scene) -> tuple[ThrowModel, MaterialInterpolation]:
     from cranktopo.numerics.precision import double_precision
 
     with double_precision():
@@ -55,24 +55,24 @@ def setting(mikron: Scene) -> tuple[ThrowModel, Interpolation]:
         return model, build_interpolation(domain, FILTER_MM)
 
 
-def lopsided(chain: Interpolation) -> jax.Array:
-    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, chain.design.shape))
+def lopsided(density_chain: MaterialInterpolation) -> jax.Array:
+    return jnp.asarray(np.random.default_rng(1).uniform(0.2, 0.8, density_chain.design_fraction.shape))
 
 
-def solved(model: ThrowModel, chain: Interpolation, x: jax.Array) -> Design:
-    density = physical_density(chain, x, BETA)
-    moduli, solid = relative_moduli(chain, density), solid_fraction(chain, density)
+def solved(model: ThrowModel, density_chain: MaterialInterpolation, x: jax.Array) -> Design:
+    density = physical_density(density_chain, x, BETA)
+    moduli, solid = relative_moduli(density_chain, density), solid_fraction(density_chain, density)
     forces = case_forces(model, solid)
     u = solve(model, moduli, forces=forces, tolerance=TIGHT).displacements
     return Design(moduli, solid, compliances(model, u, forces), jnp.asarray([2.0, 3.0, 0.1, 4.0]), u)
 
 
-def responses(model: ThrowModel, chain: Interpolation) -> dict[str, Response]:
+def responses(model: ThrowModel, density_chain: MaterialInterpolation) -> dict[str, Response]:
     more = (
         weighted_compliance((1.0, 2.0, 0.5, 0.0)),
         relative_compliance(3, "leaning", 2.0),
-        volume(chain),
-        stress_norm(model, chain.web_layers),
+        volume(density_chain),
+        stress_norm(model, density_chain.web_layers),
         Response("far corner", "mm", lambda design: design.displacements[1, 0, 2, 9, 5], True),
     )
     return quantities(model, DENSITY) | {response.name: response for response in more}
@@ -99,23 +99,25 @@ NAMES = (
 )
 
 
-def test_every_quantity_of_the_model_is_checked(setting: tuple[ThrowModel, Interpolation]) -> None:
+def test_every_quantity_of_the_model_is_checked(setting: tuple[ThrowModel, MaterialInterpolation]) -> None:
     assert sorted(responses(*setting)) == sorted(NAMES)
 
 
-def test_derivatives_against_central_differences(setting: tuple[ThrowModel, Interpolation]) -> None:
+def test_derivatives_against_central_differences(setting: tuple[ThrowModel, MaterialInterpolation]) -> None:
     """Of every response, and of goals and limits that scale them, through filter, projection and penalty."""
-    model, chain = setting
-    known, x = responses(model, chain), lopsided(chain)
+    model, density_chain = setting
+    known, x = responses(model, density_chain), lopsided(density_chain)
     functions = {name: response.value for name, response in known.items()} | {
-        "maximise": Goal(known["torsion"], "maximise", 1e4).scaled,
-        "at least": Requirement(known["bending"], ">=", 1e5).scaled,
-        "at most": Requirement(known["pin_displacement"], "<=", 0.01).scaled,
-        "about zero": Requirement(known["unbalance"], "<=", 0.0, original=40.0).scaled,
+        "maximise": Objective(known["torsion"], "maximise", 1e4).scaled,
+        "at least": ResponseConstraint(known["bending"], ">=", 1e5).scaled,
+        "at most": ResponseConstraint(known["pin_displacement"], "<=", 0.01).scaled,
+        "about zero": ResponseConstraint(known["unbalance"], "<=", 0.0, original=40.0).scaled,
     }
-    direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * (chain.design > 0)
-    expected = differences(model, chain, tuple(functions.values()), x, direction)
-    design = solved(model, chain, x)
+    direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * (
+        density_chain.design_fraction > 0
+    )
+    expected = differences(model, density_chain, tuple(functions.values()), x, direction)
+    design = solved(model, density_chain, x)
     adjoints = {
         index: solve(
             model, design.moduli, forces=loads_of(functions[name], design), tolerance=TIGHT
@@ -124,8 +126,8 @@ def test_derivatives_against_central_differences(setting: tuple[ThrowModel, Inte
         if name in known and known[name].reads_displacements
     }
     assert len(adjoints) == 2
-    _, *fields = slopes(model, tuple(functions.values()), design, adjoints)
-    by_x = pulled_back(chain, x, jnp.asarray(BETA), *fields)
+    _, *fields = gradients(model, tuple(functions.values()), design, adjoints)
+    by_x = vjp(density_chain, x, jnp.asarray(BETA), *fields)
     found = np.asarray(jnp.sum(by_x * direction, axis=(1, 2, 3)))
     for name, value, wanted in zip(functions, found, expected, strict=True):
         assert value == pytest.approx(wanted, rel=1e-5), name
@@ -133,7 +135,7 @@ def test_derivatives_against_central_differences(setting: tuple[ThrowModel, Inte
 
 def differences(
     model: ThrowModel,
-    chain: Interpolation,
+    density_chain: MaterialInterpolation,
     functions: tuple[Callable[[Design], jax.Array], ...],
     x: jax.Array,
     direction: jax.Array,
@@ -141,16 +143,16 @@ def differences(
 ) -> np.ndarray:
     """Fourth-order central differences of functions along a direction."""
     f = [
-        np.asarray(values_of(functions, solved(model, chain, x + k * step * direction)))
+        np.asarray(values_of(functions, solved(model, density_chain, x + k * step * direction)))
         for k in (-2, -1, 1, 2)
     ]
     return np.asarray((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * step))
 
 
 @pytest.mark.slow
-def test_jit_and_grad_work_around_a_response(setting: tuple[ThrowModel, Interpolation]) -> None:
-    model, chain = setting
-    design, known = solved(model, chain, lopsided(chain)), responses(model, chain)
+def test_jit_and_grad_work_around_a_response(setting: tuple[ThrowModel, MaterialInterpolation]) -> None:
+    model, density_chain = setting
+    design, known = solved(model, density_chain, lopsided(density_chain)), responses(model, density_chain)
     together = jax.jit(lambda design: {n: jax.value_and_grad(r.value)(design) for n, r in known.items()})
     for name, (value, by) in together(design).items():
         assert float(value) == pytest.approx(float(known[name].value(design)), rel=1e-12), name
@@ -179,7 +181,7 @@ def test_inertia_of_the_original_web(mikron: Scene) -> None:
     assert found == pytest.approx(expected, rel=1e-3)
 
 
-def test_stress_of_a_uniform_strain(setting: tuple[ThrowModel, Interpolation]) -> None:
+def test_stress_of_a_uniform_strain(setting: tuple[ThrowModel, MaterialInterpolation]) -> None:
     """Uniaxial stress in a linear displacement field: von Mises is that stress."""
     model, _ = setting
     lattice, poisson, stress = model.lattice, model.lattice.poisson, 120.0

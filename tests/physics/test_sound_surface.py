@@ -12,7 +12,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import design_of
 from cranktopo.tasks.extraction.checked_surface import checked_surface
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field

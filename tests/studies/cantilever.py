@@ -16,7 +16,7 @@ from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.filters.density_filter import cone_filter, cone_kernel
 from cranktopo.numerics.grid.boundary_conditions import CaseSupports, build_supports
 from cranktopo.numerics.grid.lattice import Cells, Lattice
-from cranktopo.tasks.density.material import Interpolation, physical_density, relative_moduli
+from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, relative_moduli
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.optimality_criteria import update
 from cranktopo.tasks.density.response import compliance_gradients, compliances, solve
@@ -44,7 +44,7 @@ class Iteration:
     compliance: float
 
 
-def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, Interpolation]:
+def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, MaterialInterpolation]:
     """Model and density chain; call inside `double_precision()`.
 
     Args:
@@ -62,22 +62,26 @@ def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, Interpola
     model = ThrowModel(lattice, halvings(cells), supports, jnp.asarray(forces), loads, 1.0, 1.0)
     design = jnp.ones(lattice.cells)
     kernel = jnp.asarray(cone_kernel((1.0, 1.0, 1.0), FILTER_CELLS))
-    return model, Interpolation(
+    return model, MaterialInterpolation(
         jnp.zeros(lattice.cells), design, (0, length), cone_filter(design, kernel, False)
     )
 
 
-def optimise(model: ThrowModel, chain: Interpolation, iterations: int) -> tuple[list[Iteration], jax.Array]:
+def optimise(
+    model: ThrowModel, density_chain: MaterialInterpolation, iterations: int
+) -> tuple[list[Iteration], jax.Array]:
     """So many design iterations from the uniform start, the first one with compilation, and the design."""
-    x = jnp.asarray(np.full(chain.design.shape, VOLUME_FRACTION))
+    x = jnp.asarray(np.full(density_chain.design_fraction.shape, VOLUME_FRACTION))
     guess, rows = jnp.zeros_like(model.forces), []
     for _ in range(iterations):
         began = time.perf_counter()
-        solution = solve(model, moduli(chain, x), guess=guess, tolerance=TOLERANCE)
+        solution = solve(model, moduli(density_chain, x), guess=guess, tolerance=TOLERANCE)
         guess = solution.displacements
         work = float(jnp.sum(compliances(model, guess)))
         slope = jnp.sum(compliance_gradients(model, guess), axis=0)
-        x = _update(chain, x, jnp.asarray(BETA), slope, jnp.asarray(VOLUME_FRACTION), jnp.asarray(MOVE))
+        x = _update(
+            density_chain, x, jnp.asarray(BETA), slope, jnp.asarray(VOLUME_FRACTION), jnp.asarray(MOVE)
+        )
         jax.block_until_ready(x)
         rows.append(Iteration(time.perf_counter() - began, solution.iterations, work))
     return rows, x
@@ -89,15 +93,15 @@ def halvings(cells: Cells) -> int:
 
 
 @jax.jit
-def physical(chain: Interpolation, x: jax.Array) -> jax.Array:
+def physical(density_chain: MaterialInterpolation, x: jax.Array) -> jax.Array:
     """Filtered density of the design variables."""
-    return physical_density(chain, x, BETA)
+    return physical_density(density_chain, x, BETA)
 
 
 @jax.jit
-def moduli(chain: Interpolation, x: jax.Array) -> jax.Array:
+def moduli(density_chain: MaterialInterpolation, x: jax.Array) -> jax.Array:
     """Relative moduli of the design variables."""
-    return relative_moduli(chain, physical(chain, x))
+    return relative_moduli(density_chain, physical(density_chain, x))
 
 
 _update = jax.jit(update)

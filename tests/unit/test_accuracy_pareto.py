@@ -27,7 +27,8 @@ from cranktopo.tasks.fea.error_target import LEVELS, ErrorTarget, evaluate_to, f
 from cranktopo.tasks.fea.level import BENDING, EVALUATION, OPTIMISER, TORSION, Level, PlannedLevel, StudyName
 from cranktopo.tasks.fea.stored_studies import StoredStudy, key_of, load_study, store_study
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.optimise.accuracy_section import accuracy_section
+from cranktopo.tasks.optimise.page import accuracy_section
+from tests.run_metrics import run_metrics
 
 MACHINE = Machine("a processor", 2, 0.1)
 
@@ -131,13 +132,9 @@ def test_json_and_pages(front: ParetoFront) -> None:
 
 
 def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
-    metrics = {
-        "grid": {"cell_mm": 1.5},
-        "load_cases": {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}},
-        "solver": {"final_relative_residual": 1e-9, "cg_iterations": {"mean": 8.0, "max": 12}},
-        "surface": {},
-        "seconds": {"total": 12.0},
-    }
+    cases = {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}}
+    others = {"compliance_N_mm": 1.0, "support": "free", "load": {}}
+    metrics = run_metrics(load_cases={name: {**case, **others} for name, case in cases.items()})
     plain, full = (accuracy_section(metrics, studies, "one") for studies in (None, front.as_json()))
     assert {"what": "error estimate, torsion", "value": "1.3 %"} in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == [

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ from cranktopo.tasks.density.coarse_start import coarse_scene, first_state, inte
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.stage import Prepared, iterate, prepare
 from cranktopo.tasks.density.state import CoarseStart, Record, State, Status, from_checkpoint, to_checkpoint
-from cranktopo.tasks.fea.verdict_sentence import ended
+from tests.run_metrics import run_metrics
 
 ROW = Record(1, 1.0, 1.0, (2.0, 3.0), 0.3, 0.5, 0.2, 9, 1.0)
 
@@ -97,16 +96,16 @@ def test_a_whole_optimisation_is_handed_on(mikron: Scene, monkeypatch: pytest.Mo
     assert state.coarse_start is not None
     assert (state.coarse_start.iterations, state.beta, state.history) == (4, 4.0, ())
     assert state.coarse_start.cell_mm == pytest.approx(4.5, rel=0.05)
-    assert state.x.shape == problem.chain.design.shape
+    assert state.x.shape == problem.density_chain.design_fraction.shape
     assert state.initial_N_mm == (2.0, 3.0)
     assert back.coarse_start == state.coarse_start
 
 
 def test_summary_tells_both() -> None:
-    metrics: dict[str, Any] = {"status": "converged", "iterations": 13}
-    assert ended(metrics) == "converged after 13 iterations"
-    metrics |= {"coarse_start": asdict(CoarseStart(2.0, 12, 3.0))}
-    assert ended(metrics) == "converged after 13 iterations, and 12 before on cells of 2 mm"
+    metrics = run_metrics(status="converged", iterations=13)
+    assert metrics.ended == "converged after 13 iterations"
+    metrics = run_metrics(coarse_start=CoarseStart(2.0, 12, 3.0))
+    assert metrics.ended == "converged after 13 iterations, and 12 before on cells of 2 mm"
 
 
 @pytest.mark.slow

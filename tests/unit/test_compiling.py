@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.grid.compiling import compile_multigrid
 from cranktopo.numerics.grid.conjugate_gradients import System, multigrid_cg
+from cranktopo.numerics.grid.equilibrium import compile_multigrid
 from cranktopo.numerics.grid.multigrid import build_hierarchy, build_tables
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.precision import CompileClock
@@ -32,7 +32,7 @@ EVENT = "/jax/core/compile/backend_compile_duration"
 MEMORY = """
 import json
 import jax.numpy as jnp
-from cranktopo.numerics.grid import compiling
+from cranktopo.numerics.grid import equilibrium as compiling
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.multigrid import build_tables
 from cranktopo.numerics.precision import double_precision
@@ -83,7 +83,7 @@ def test_the_step_compiles_nothing_more(mikron: Scene, float64: None) -> None:
     names: list[str] = []
     with compiled(names):
         loop.step(problem, loop.init(problem))
-    assert "jit(_made)" in names
+    assert "jit(_nominal)" in names
     assert "jit(update)" not in names
 
 

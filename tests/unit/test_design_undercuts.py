@@ -8,7 +8,7 @@ from manifold3d import Manifold
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.tasks.compare.page import undercut_fact
 from cranktopo.tasks.compare.stage import design_undercuts
-from cranktopo.tasks.extraction.undercut_table import DesignUndercuts, undercut_table
+from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from tests.unit.surface_cases import scene_with
 
 WEB = Manifold.cube((60, 90, 19)).translate((-30, -25, 20))

@@ -14,7 +14,7 @@ from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmet
 from cranktopo.bodies.cells.grid import plan_grid
 from cranktopo.bodies.cells.resolution import finest_resolution_mm, thinnest_wall_mm
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.density.connectivity import is_connected
+from cranktopo.tasks.optimise.metrics import is_connected
 
 
 def changed(scene: Scene, **tables: object) -> Scene:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from cranktopo.tasks.fea.table import estimate_line
+from cranktopo.tasks.iterate.result import StepRow
 from cranktopo.tasks.iterate.text import steps_estimate
-from cranktopo.tasks.refit.text import remodel_text
+from cranktopo.tasks.refit.result import RefitResult
+from cranktopo.tasks.refit.text import refit_text
 
 
 def test_the_largest_of_each() -> None:
@@ -20,7 +22,10 @@ def test_steps() -> None:
         {"torsion_error_percent": 0.3, "bending_error_percent": 1.2},
         {"torsion_error_percent": 0.8, "bending_error_percent": 0.7},
     ]
-    assert steps_estimate(steps) == "stiffnesses +-0.8 % in torsion, +-1.2 % in bending at most"
+    assert (
+        steps_estimate([StepRow.model_construct(None, **step) for step in steps])
+        == "stiffnesses +-0.8 % in torsion, +-1.2 % in bending at most"
+    )
 
 
 def evaluation(torsion_percent: float, bending_percent: float) -> dict[str, Any]:
@@ -34,6 +39,11 @@ def evaluation(torsion_percent: float, bending_percent: float) -> dict[str, Any]
 
 def test_remodel_says_it_below_both_stiffnesses() -> None:
     data = {
+        "run": "run",
+        "design": "demo",
+        "web": {},
+        "parameters": [],
+        "seconds": {},
         "trials": [],
         "rules": {"least_gain_percent": 0.2},
         "overlap_by_start": [0.8],
@@ -50,6 +60,6 @@ def test_remodel_says_it_below_both_stiffnesses() -> None:
         "folder": "out",
         "files": dict.fromkeys(("report", "design", "step", "stl", "drawing", "drawing_svg", "json"), "file"),
     }
-    lines = remodel_text(data).splitlines()
+    lines = refit_text(RefitResult.of_json(data, "remodel.json")).splitlines()
     place = lines.index("stiffnesses +-0.9 % in torsion, +-1.5 % in bending at most")
     assert lines[place - 1].startswith("bending, kN/mm      230.0 without fillets")

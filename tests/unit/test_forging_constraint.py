@@ -15,41 +15,43 @@ from cranktopo.bodies.undercuts import undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
-from cranktopo.numerics.filters.forging import SHARPNESS, Die, without_undercuts
+from cranktopo.numerics.filters.forging import SHARPNESS, ForgingConstraint, without_undercuts
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of
-from cranktopo.tasks.density.material import Interpolation, physical_density, smooth_density
+from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density
 from cranktopo.throw.geometry import OutlineEnvelope
 from tests.physics.throw_cases import forged
 from tests.unit.surface_cases import scene_with
 
 
-def chain_of(scene: Scene, **grid: Any) -> tuple[Domain, Interpolation]:
+def chain_of(scene: Scene, **grid: Any) -> tuple[Domain, MaterialInterpolation]:
     domain = build_domain(scene, 4.5, **grid)
     return domain, build_chain(scene, domain)
 
 
 @pytest.fixture(params=["quarter", "half"])
-def chain(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> Interpolation:
+def density_chain(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> MaterialInterpolation:
     return chain_of(forged(mikron), extent=request.param)[1]
 
 
-def plane_of(chain: Interpolation) -> int:
-    assert isinstance(chain.process, Die)
-    assert len(set(chain.process.parting)) == 1
-    return chain.process.parting[0]
+def plane_of(density_chain: MaterialInterpolation) -> int:
+    assert isinstance(density_chain.process, ForgingConstraint)
+    assert len(set(density_chain.process.parting)) == 1
+    return density_chain.process.parting[0]
 
 
-def noise(chain: Interpolation, seed: int = 0) -> jax.Array:
-    return jnp.asarray(np.random.default_rng(seed).random(chain.design.shape))
+def noise(density_chain: MaterialInterpolation, seed: int = 0) -> jax.Array:
+    return jnp.asarray(np.random.default_rng(seed).random(density_chain.design_fraction.shape))
 
 
 @pytest.mark.parametrize("beta", [1.0, 16.0])
-def test_density_never_grows_away_from_the_parting_plane(chain: Interpolation, beta: float) -> None:
-    density = np.asarray(physical_density(chain, noise(chain), beta))
-    free = np.asarray(chain.design) > 0
-    parting = plane_of(chain)
+def test_density_never_grows_away_from_the_parting_plane(
+    density_chain: MaterialInterpolation, beta: float
+) -> None:
+    density = np.asarray(physical_density(density_chain, noise(density_chain), beta))
+    free = np.asarray(density_chain.design_fraction) > 0
+    parting = plane_of(density_chain)
     right, left = slice(parting, None), slice(parting - 1, None, -1) if parting else None
     for side in (right, left):
         if side is None:
@@ -82,20 +84,20 @@ def test_quarter_is_the_half(float64: None, mikron: Scene) -> None:
         11,
     )  # 48 mm in cells of 4.36 mm, one cell of padding
     x = noise(quarter, 2)
-    mirrored = jnp.zeros(half.design.shape).at[:22].set(jnp.concatenate([x[:11][::-1], x[:11]]))
+    mirrored = jnp.zeros(half.design_fraction.shape).at[:22].set(jnp.concatenate([x[:11][::-1], x[:11]]))
     both = smooth_density(half, mirrored)
-    inside = np.asarray(quarter.design)[:11] > 0
+    inside = np.asarray(quarter.design_fraction)[:11] > 0
     expected = np.asarray(smooth_density(quarter, x))[:11]
     np.testing.assert_allclose(np.asarray(both)[11:22][inside], expected[inside], rtol=1e-10)
 
 
-def test_derivatives_on_both_sides(chain: Interpolation) -> None:
+def test_derivatives_on_both_sides(density_chain: MaterialInterpolation) -> None:
     """Any weighting of the density, in the quarter and in the half with its two sides."""
-    x, direction = 0.2 + 0.6 * noise(chain, 1), noise(chain, 3) - 0.5
-    weights = noise(chain, 5)
+    x, direction = 0.2 + 0.6 * noise(density_chain, 1), noise(density_chain, 3) - 0.5
+    weights = noise(density_chain, 5)
 
     def value(x: jax.Array) -> jax.Array:
-        return jnp.sum(weights * physical_density(chain, x, 4.0))
+        return jnp.sum(weights * physical_density(density_chain, x, 4.0))
 
     step = 1e-4
     f = [float(value(x + k * step * direction)) for k in (-2, -1, 1, 2)]
@@ -111,18 +113,19 @@ def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> N
     assert not domain.design[middle, row].any()  # the bore of the main journal
     assert through[middle, row].all()
     whole, plain = chain_of(forged(mikron))[1], chain_of(mikron)[1]
-    np.testing.assert_array_equal(whole.design, plain.design)
+    np.testing.assert_array_equal(whole.design_fraction, plain.design_fraction)
     # An outline like a U: its legs hang beside a gap that no die half can reach around.
     points = [(-40, -30), (40, -30), (40, 110), (30, 110), (30, 78), (-30, 78), (-30, 110), (-40, 110)]
     envelope = OutlineEnvelope(shape="outline", points_mm=tuple((float(a), float(b)) for a, b in points))
     horned = mikron.model_copy(update={"envelope": envelope})
-    domain, chain = chain_of(forged(horned))
+    domain, density_chain = chain_of(forged(horned))
     legs = domain.grid.y_mm[:-1] > 80
     web = domain.design[:, :, slice(*domain.web_layers)]
     assert web[:, legs].sum() > 0
-    assert float(chain.design[:, legs].sum()) == 0.0
+    assert float(density_chain.design_fraction[:, legs].sum()) == 0.0
     np.testing.assert_array_equal(
-        np.asarray(chain.design)[:, domain.grid.y_mm[1:] < 78], web[:, domain.grid.y_mm[1:] < 78]
+        np.asarray(density_chain.design_fraction)[:, domain.grid.y_mm[1:] < 78],
+        web[:, domain.grid.y_mm[1:] < 78],
     )
 
 

@@ -20,7 +20,7 @@ from cranktopo.numerics.filters.forging import reachable
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of, unreachable_share
-from cranktopo.tasks.density.notices import notices
+from cranktopo.tasks.density.stage import notices
 
 LOW, HIGH, HALF = -30.0, 78.0, 32.0
 Z = (19.0, 40.0)

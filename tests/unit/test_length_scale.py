@@ -14,9 +14,14 @@ from scipy.optimize import brentq
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.density_filter import ConeFilter, cone_filter, cone_kernel, share_within
+from cranktopo.numerics.filters.density_filter import (
+    ConeFilter,
+    boundary_correction,
+    cone_filter,
+    cone_kernel,
+)
 from cranktopo.numerics.filters.projection import Projection
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.length_scale import (
     check_lengths,
     eroded_threshold,
@@ -25,7 +30,7 @@ from cranktopo.tasks.density.length_scale import (
     projection_for,
 )
 from cranktopo.tasks.density.material import dilated_density, eroded_density, physical_density
-from cranktopo.tasks.density.notices import notices
+from cranktopo.tasks.density.stage import notices
 
 Array = np.ndarray
 STEP = 1 / 24  # of the filter radius
@@ -68,7 +73,7 @@ def along_a_wall(cells: float) -> tuple[Array, Array]:
     n = kernel.shape[0]
     plain = cone_filter(jnp.ones((2 * n, n, n)), kernel, False)
     plate = np.clip(cells - np.arange(2 * n), 0.0, 1.0)[:, None, None] * np.ones((2 * n, n, n))
-    fields = plain(jnp.asarray(plate)), share_within(plain, np.zeros((2 * n, n, 2 * n - 1)))
+    fields = plain(jnp.asarray(plate)), boundary_correction(plain, np.zeros((2 * n, n, 2 * n - 1)))
     filtered, within = (np.asarray(field)[:n, n // 2, n // 2] for field in fields)
     return filtered, within
 
@@ -93,25 +98,30 @@ def test_a_wall_thins_no_member_that_lies_along_it(float64: None, eroded: float)
 def test_only_void_beyond_the_design_space_erodes(float64: None, mikron: Scene) -> None:
     scene = mikron.with_optimise(min_member_mm=10.0)
     domain = build_domain(scene, 4.5)
-    chain = build_chain(scene, domain)
-    assert chain.within is not None
-    assert isinstance(chain.density_filter, ConeFilter)
-    free, within = np.asarray(chain.design) > 0, np.asarray(chain.within)
+    density_chain = build_chain(scene, domain)
+    assert density_chain.boundary_correction is not None
+    assert isinstance(density_chain.density_filter, ConeFilter)
+    free, within = (
+        np.asarray(density_chain.design_fraction) > 0,
+        np.asarray(density_chain.boundary_correction),
+    )
     assert 0 < within[free].min() < 0.6 < within[free].max() < 1 + 1e-12
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
     below = (np.hypot(x[:, None], y) < 18) & (np.hypot(x[:, None], y) > 15)  # the main journal
     assert np.all(within[below][:, 0] > within[below][:, -1])
-    full = jnp.ones(chain.design.shape)
-    made, thin = (np.asarray(of(chain, full, 16.0)) for of in (physical_density, eroded_density))
+    full = jnp.ones(density_chain.design_fraction.shape)
+    made, thin = (np.asarray(of(density_chain, full, 16.0)) for of in (physical_density, eroded_density))
     assert made[free].min() > 0.999
     assert 0.2 < thin[free].mean() < 0.9
-    beyond = chain.density_filter.kernel.shape[2] - 1
+    beyond = density_chain.density_filter.kernel.shape[2] - 1
     solid = np.ones((*free.shape[:2], free.shape[2] + beyond))
-    solid[:, :, beyond // 2 : -(beyond // 2)] -= chain.design
-    reach = np.asarray(chain.density_filter.kernel.shape) // 2
-    inner = np.asarray(share_within(chain.density_filter, solid))[: -reach[0], reach[1] : -reach[1]]
+    solid[:, :, beyond // 2 : -(beyond // 2)] -= density_chain.design_fraction
+    reach = np.asarray(density_chain.density_filter.kernel.shape) // 2
+    inner = np.asarray(boundary_correction(density_chain.density_filter, solid))[
+        : -reach[0], reach[1] : -reach[1]
+    ]
     np.testing.assert_allclose(inner[free[: -reach[0], reach[1] : -reach[1]]], 1.0, rtol=1e-12)
-    assert build_chain(mikron.with_optimise(min_gap_mm=10.0), domain).within is None
+    assert build_chain(mikron.with_optimise(min_gap_mm=10.0), domain).boundary_correction is None
 
 
 def test_threshold_is_the_inverse_of_the_width() -> None:
@@ -124,11 +134,11 @@ def test_threshold_is_the_inverse_of_the_width() -> None:
 def test_gaps_are_members_of_the_void(float64: None, mikron: Scene) -> None:
     """The dilated design of a field is what the eroded one leaves of its void."""
     scene = mikron.with_optimise(min_member_mm=10.0, min_gap_mm=10.0)
-    chain = build_chain(scene, build_domain(scene, 4.5))
-    x = jnp.asarray(np.random.default_rng(4).random(chain.design.shape))
-    free = np.asarray(chain.design) > 0
-    alike = replace(chain, within=None)
-    thick, thin = dilated_density(chain, x, 8.0), eroded_density(alike, 1 - x, 8.0)
+    density_chain = build_chain(scene, build_domain(scene, 4.5))
+    x = jnp.asarray(np.random.default_rng(4).random(density_chain.design_fraction.shape))
+    free = np.asarray(density_chain.design_fraction) > 0
+    alike = replace(density_chain, boundary_correction=None)
+    thick, thin = dilated_density(density_chain, x, 8.0), eroded_density(alike, 1 - x, 8.0)
     np.testing.assert_allclose(np.asarray(thick)[free], 1 - np.asarray(thin)[free], atol=1e-12)
 
 
@@ -136,7 +146,7 @@ def test_each_length_has_its_own_threshold(mikron: Scene) -> None:
     member, gap = (
         projection_for(mikron.with_optimise(**{key: 8.0}), 10.0) for key in ("min_member_mm", "min_gap_mm")
     )
-    assert (member.made, member.dilated, gap.made, gap.eroded) == (0.5, 0.5, 0.5, 0.5)
+    assert (member.nominal, member.dilated, gap.nominal, gap.eroded) == (0.5, 0.5, 0.5, 0.5)
     assert member.eroded == 1 - gap.dilated == eroded_threshold(0.8)
     assert projection_for(mikron, 10.0) == Projection()
 

@@ -12,6 +12,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.tasks.iterate import shape_step
+from cranktopo.tasks.iterate.result import LoopResult, StepRow
 from cranktopo.tasks.iterate.settings import loop_settings
 from cranktopo.tasks.iterate.shape_step import ShapeStep
 from cranktopo.tasks.iterate.step import LoopStep
@@ -47,7 +48,19 @@ def step(mass: float, torsion: float, bending: float) -> LoopStep:
         for name, share in (("mass", mass), ("torsion", torsion), ("bending", bending))
     )
     kg, Nm_per_rad, N_per_mm = values
-    return LoopStep(2, kg, kg / 3, Nm_per_rad, N_per_mm, 0.4, 0.6, 12.0, 95.0, 10.0, 1.0)
+    return LoopStep(
+        number=2,
+        throw_kg=kg,
+        web_kg=kg / 3,
+        torsion_Nm_per_rad=Nm_per_rad,
+        bending_N_per_mm=N_per_mm,
+        torsion_error_percent=0.4,
+        bending_error_percent=0.6,
+        transition_mm=12.0,
+        overlap_percent=95.0,
+        removed_percent=10.0,
+        seconds=1.0,
+    )
 
 
 def ended(run: RunStore, scene: Scene, best: LoopStep | None, begun: Scene | None = None) -> ShapeStep:
@@ -80,9 +93,9 @@ def test_the_better_web_has_clearly_more_and_keeps_the_limits(
 ) -> None:
     stand_in.percent = {"torsion": 118.0, "bending": 102.0}
     found = ended(loop_run(tmp_path / "loop", mikron), mikron, best)
-    assert found.better is better
-    assert found.step_percent == pytest.approx(100 * best.torsion_per_kg / 1000)
-    assert found.not_judged == ("fatigue_safety",)
+    assert found.outcome.better_than_best_step is better
+    assert found.outcome.best_step_percent == pytest.approx(100 * best.torsion_per_kg / 1000)
+    assert tuple(found.outcome.not_judged_of_steps) == ("fatigue_safety",)
     assert found.row is not None
     assert (found.row.number, found.row.throw_kg, found.row.transition_mm) == (4, 1.6, 12.0)
     assert found.row.torsion_Nm_per_rad == pytest.approx(1.18 * 1600)
@@ -95,8 +108,8 @@ def test_a_lighter_web_is_better_where_mass_is_the_goal(
     stand_in.percent = {"mass": 88.0}
     for number, (mass, better) in enumerate([(95, True), (87, False)]):
         found = ended(loop_run(tmp_path / str(number), scene), scene, step(mass, 110, 101))
-        assert found.better is better
-        assert found.step_percent == pytest.approx(mass)
+        assert found.outcome.better_than_best_step is better
+        assert found.outcome.best_step_percent == pytest.approx(mass)
 
 
 def test_missed_limits_and_failures_do_not_lose_the_loop(
@@ -104,13 +117,17 @@ def test_missed_limits_and_failures_do_not_lose_the_loop(
 ) -> None:
     stand_in.percent = {"bending": 99.0}
     missed = ended(loop_run(tmp_path / "missed", mikron), mikron, step(96, 110, 101))
-    assert (missed.row, missed.reason, missed.better) == (None, "as it was told", False)
+    assert (missed.row, missed.outcome.reason, missed.outcome.better_than_best_step) == (
+        None,
+        "as it was told",
+        False,
+    )
     stand_in.error = CranktopoError("no web of this family keeps the limits.")
     run = loop_run(tmp_path / "failed", mikron)
     failed = ended(run, mikron, step(96, 110, 101))
-    assert (failed.row, failed.better) == (None, False)
-    assert "keeps the limits" in failed.reason
-    assert failed.goal.as_json() == {"maximise": "torsion_per_mass"}
+    assert (failed.row, failed.outcome.better_than_best_step) == (None, False)
+    assert "keeps the limits" in failed.outcome.reason
+    assert failed.outcome.goal == {"maximise": "torsion_per_mass"}
     stand_in.error, stand_in.percent = None, {}
     assert ended(run, mikron, None).row is not None, "a failed one is tried again"
     assert stand_in.asked[-1] == run.path / "shape"
@@ -133,13 +150,16 @@ def test_an_interrupted_one_is_continued_and_a_done_one_is_read(
 def test_a_web_thinner_than_a_step_may_be_is_said_to_be_so() -> None:
     shape = {
         "found": True,
+        "reason": "",
         "goal": {"minimise": "mass", "reached_percent": 88.0},
         "better_than_best_step": True,
         "best_step_percent": 95.0,
         "not_judged_of_steps": [],
     }
-    data = {"best_step": 2, "least_transition_mm": 7.6, "shape": shape}
-    thin, thick = ({**data, "steps": [{"transition_mm": mm}]} for mm in (5.3, 7.6))
+    data = {"design": "demo", "stop_reason": "", "best_step": 2, "least_transition_mm": 7.6}
+    webs = (step(95, 110, 101).model_copy(update={"transition_mm": mm}) for mm in (5.3, 7.6))
+    rows = (StepRow.of(web, web, "shape").as_json() for web in webs)
+    thin, thick = (LoopResult.of_json({**data, "shape": shape, "steps": [row]}, "a loop") for row in rows)
     assert shape_line(thin) == (
         "shape: least mass 88.0 % of the original web, every limit holds, 5.3 mm beside a journal "
         "where a step keeps 7.6 mm; better than step 2 with 95.0 %"

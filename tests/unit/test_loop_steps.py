@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.iterate import step_solids
 from cranktopo.tasks.iterate.step import LoopStep, best_step, verdict
-from cranktopo.tasks.iterate.step_solids import read_web, write_envelope, write_solids
-from cranktopo.tasks.iterate.transition import transition_mm
+from cranktopo.tasks.iterate.step_solids import read_solids, transition_mm, write_envelope, write_solids
 from cranktopo.throw.geometry import StlEnvelope
 from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
@@ -49,7 +47,19 @@ def test_thickness_beside_the_journals(void: Manifold, thickness: float) -> None
 
 
 def step(number: int, mass: float, torsion: float, bending: float, transition: float = 12.0) -> LoopStep:
-    return LoopStep(number, mass, mass / 3, torsion, bending, 0.4, 0.6, transition, 95.0, 10.0, 1.0)
+    return LoopStep(
+        number=number,
+        throw_kg=mass,
+        web_kg=mass / 3,
+        torsion_Nm_per_rad=torsion,
+        bending_N_per_mm=bending,
+        torsion_error_percent=0.4,
+        bending_error_percent=0.6,
+        transition_mm=transition,
+        overlap_percent=95.0,
+        removed_percent=10.0,
+        seconds=1.0,
+    )
 
 
 ORIGINAL = step(0, 1.6, 1600.0, 230.0)
@@ -60,7 +70,7 @@ def test_verdicts() -> None:
     assert verdict([ORIGINAL, heavy], 7.0) == "better"
     assert verdict([ORIGINAL, heavy, better], 7.0) == "better"
     assert verdict([ORIGINAL, heavy, better, step(3, 1.4, 1540.0, 231.0)], 7.0) == "no gain"
-    assert verdict([ORIGINAL, heavy, replace(better, transition_mm=6.9)], 7.0) == "too thin"
+    assert verdict([ORIGINAL, heavy, better.model_copy(update={"transition_mm": 6.9})], 7.0) == "too thin"
 
 
 def test_best_is_no_heavier_and_no_softer() -> None:
@@ -94,8 +104,7 @@ def test_a_lopsided_mesh_said_to_be_symmetric_is_refused(tmp_path: Path, mikron:
 
 def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mikron: Scene) -> None:
     """Bevels, slots and holes: what is simplified after it was mirrored is not."""
-    write_solids(known_scene(mikron, WHOLE), tmp_path)
-    path = write_envelope(tmp_path)
+    path = write_envelope(write_solids(known_scene(mikron, WHOLE), tmp_path).web, tmp_path)
     assert trimesh.load_mesh(path).is_watertight
     assert mirror_difference(envelope_from_file(path)) < 1e-9
 
@@ -103,11 +112,11 @@ def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mi
 def test_an_envelope_with_a_crack_is_simplified_otherwise(
     tmp_path: Path, mikron: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write_solids(known_scene(mikron, WHOLE), tmp_path)
-    usual = write_envelope(tmp_path).rename(tmp_path / "usual.stl")
+    web = write_solids(known_scene(mikron, WHOLE), tmp_path).web
+    usual = write_envelope(web, tmp_path).rename(tmp_path / "usual.stl")
     faults = ["touches itself", ""]
     monkeypatch.setattr(step_solids, "manifold_fault", lambda mesh: faults.pop(0))
-    path = write_envelope(tmp_path)
+    path = write_envelope(web, tmp_path)
     assert not faults
     assert path.read_bytes() != usual.read_bytes()
     assert trimesh.load_mesh(path).is_watertight
@@ -117,8 +126,7 @@ def test_an_envelope_with_a_crack_is_simplified_otherwise(
 
 def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene) -> None:
     """Volume of the envelope on the grid against the closed form of the web."""
-    write_solids(mikron, tmp_path)
-    path = write_envelope(tmp_path)
+    path = write_envelope(write_solids(mikron, tmp_path).web, tmp_path)
     mesh = trimesh.load_mesh(path)
     assert mesh.is_watertight
     assert mirror_difference(envelope_from_file(path)) < 1e-9
@@ -129,4 +137,4 @@ def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene)
     assert float((domain.design * domain.volume_mm3).sum()) / domain.share / 2 == pytest.approx(
         exact, rel=4e-3
     )
-    assert transition_mm(read_web(tmp_path), mikron) == pytest.approx(19.0, abs=1e-4)
+    assert transition_mm(read_solids(tmp_path).web, mikron) == pytest.approx(19.0, abs=1e-4)

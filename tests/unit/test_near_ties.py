@@ -112,7 +112,19 @@ def test_stations_and_features_stay(problem: FitProblem, monkeypatch: pytest.Mon
 
 
 def step(number: int, torsion: float, mass: float = 1.5, transition: float = 12.0) -> LoopStep:
-    return LoopStep(number, mass, mass / 3, torsion, 240.0, 0.4, 0.6, transition, 95.0, 10.0, 1.0)
+    return LoopStep(
+        number=number,
+        throw_kg=mass,
+        web_kg=mass / 3,
+        torsion_Nm_per_rad=torsion,
+        bending_N_per_mm=240.0,
+        torsion_error_percent=0.4,
+        bending_error_percent=0.6,
+        transition_mm=transition,
+        overlap_percent=95.0,
+        removed_percent=10.0,
+        seconds=1.0,
+    )
 
 
 def test_the_loop_ends_at_the_same_step_and_calls_the_same_best() -> None:

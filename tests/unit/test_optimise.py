@@ -18,7 +18,7 @@ from cranktopo.numerics.precision import double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
 from cranktopo.tasks.density.material import (
     CONTRAST,
-    Interpolation,
+    MaterialInterpolation,
     build_interpolation,
     greyness,
     physical_density,
@@ -30,12 +30,12 @@ from cranktopo.tasks.density.state import Record, State, from_checkpoint, to_che
 
 
 @pytest.fixture
-def chain(float64: None, mikron: Scene) -> Interpolation:
+def density_chain(float64: None, mikron: Scene) -> MaterialInterpolation:
     return build_interpolation(build_domain(mikron, 4.0), 8.0)
 
 
-def random_design(chain: Interpolation, seed: int = 0) -> jnp.ndarray:
-    return jnp.asarray(np.random.default_rng(seed).random(chain.design.shape))
+def random_design(density_chain: MaterialInterpolation, seed: int = 0) -> jnp.ndarray:
+    return jnp.asarray(np.random.default_rng(seed).random(density_chain.design_fraction.shape))
 
 
 def test_cone_weights() -> None:
@@ -68,14 +68,14 @@ def test_derivative_of_sums_over_neighbours(float64: None, mirrored: bool) -> No
     assert np.vdot(by_values, change) == pytest.approx(np.vdot(worth, sums), rel=1e-12)
 
 
-def test_filter_keeps_constants_and_bounds(chain: Interpolation) -> None:
-    inside = np.asarray(chain.design) > 0
-    constant = chain.density_filter(jnp.full(chain.design.shape, 0.37))
+def test_filter_keeps_constants_and_bounds(density_chain: MaterialInterpolation) -> None:
+    inside = np.asarray(density_chain.design_fraction) > 0
+    constant = density_chain.density_filter(jnp.full(density_chain.design_fraction.shape, 0.37))
     np.testing.assert_allclose(np.asarray(constant)[inside], 0.37, rtol=1e-12)
-    smooth = np.asarray(chain.density_filter(random_design(chain)))[inside]
+    smooth = np.asarray(density_chain.density_filter(random_design(density_chain)))[inside]
     assert smooth.min() >= 0.0
     assert smooth.max() <= 1.0
-    assert smooth.std() < 0.5 * np.asarray(random_design(chain))[inside].std()
+    assert smooth.std() < 0.5 * np.asarray(random_design(density_chain))[inside].std()
 
 
 def test_filter_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scene) -> None:
@@ -83,11 +83,11 @@ def test_filter_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scene)
     quarter = build_interpolation(build_domain(mikron, 4.0), 8.0)
     half = build_interpolation(build_domain(mikron, 4.0, extent="half"), 8.0)
     x = np.asarray(random_design(quarter))
-    mirrored = np.zeros(half.design.shape)
+    mirrored = np.zeros(half.design_fraction.shape)
     n = x.shape[0]
     mirrored[:n], mirrored[n : 2 * n] = x[::-1], x
     result = np.asarray(half.density_filter(jnp.asarray(mirrored)))[n : 2 * n]
-    inside = np.asarray(quarter.design) > 0
+    inside = np.asarray(quarter.design_fraction) > 0
     np.testing.assert_allclose(
         result[inside], np.asarray(quarter.density_filter(jnp.asarray(x)))[inside], rtol=1e-12
     )
@@ -116,27 +116,33 @@ def test_projected_void_has_powers_and_slopes(float64: None) -> None:
         np.testing.assert_allclose(steep, expected, rtol=1e-6)
 
 
-def test_moduli_of_full_and_empty_designs(chain: Interpolation) -> None:
-    first, last = chain.web_layers
-    full = relative_moduli(chain, jnp.ones(chain.design.shape))
-    empty = relative_moduli(chain, jnp.zeros(chain.design.shape))
-    np.testing.assert_allclose(full[:, :, first:last], chain.design, rtol=1e-12)
-    np.testing.assert_allclose(empty[:, :, first:last], CONTRAST * chain.design, rtol=1e-12)
-    assert float(volume_fraction(chain, jnp.ones(chain.design.shape))) == pytest.approx(1.0)
-    assert float(greyness(chain, jnp.full(chain.design.shape, 0.5))) == pytest.approx(1.0)
+def test_moduli_of_full_and_empty_designs(density_chain: MaterialInterpolation) -> None:
+    first, last = density_chain.web_layers
+    full = relative_moduli(density_chain, jnp.ones(density_chain.design_fraction.shape))
+    empty = relative_moduli(density_chain, jnp.zeros(density_chain.design_fraction.shape))
+    np.testing.assert_allclose(full[:, :, first:last], density_chain.design_fraction, rtol=1e-12)
+    np.testing.assert_allclose(empty[:, :, first:last], CONTRAST * density_chain.design_fraction, rtol=1e-12)
+    assert float(
+        volume_fraction(density_chain, jnp.ones(density_chain.design_fraction.shape))
+    ) == pytest.approx(1.0)
+    assert float(
+        greyness(density_chain, jnp.full(density_chain.design_fraction.shape, 0.5))
+    ) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("beta", [1.0, 16.0])
-def test_update_meets_the_volume_and_moves_towards_stiffness(chain: Interpolation, beta: float) -> None:
-    x = jnp.full(chain.design.shape, 0.4)
-    by_moduli = -jnp.asarray(np.random.default_rng(3).random(chain.fixed.shape))
+def test_update_meets_the_volume_and_moves_towards_stiffness(
+    density_chain: MaterialInterpolation, beta: float
+) -> None:
+    x = jnp.full(density_chain.design_fraction.shape, 0.4)
+    by_moduli = -jnp.asarray(np.random.default_rng(3).random(density_chain.passive_fraction.shape))
     target, move = jnp.asarray(0.4), jnp.asarray(0.2)
-    new = update(chain, x, jnp.asarray(beta), by_moduli, target, move)
-    volume = volume_fraction(chain, physical_density(chain, new, beta))
+    new = update(density_chain, x, jnp.asarray(beta), by_moduli, target, move)
+    volume = volume_fraction(density_chain, physical_density(density_chain, new, beta))
     assert float(volume) == pytest.approx(0.4, abs=1e-6)
     assert float(jnp.abs(new - x).max()) <= 0.2 + 1e-12
-    change = relative_moduli(chain, physical_density(chain, new, beta)) - relative_moduli(
-        chain, physical_density(chain, x, beta)
+    change = relative_moduli(density_chain, physical_density(density_chain, new, beta)) - relative_moduli(
+        density_chain, physical_density(density_chain, x, beta)
     )
     assert float(jnp.sum(by_moduli * change)) < 0.0
 
@@ -200,8 +206,10 @@ def test_without_a_root_the_nearer_end_is_taken() -> None:
         assert float(falling_root(lambda v: -3.0 - v, *ends)) == -1.0
 
 
-def test_uniform_designs_stay_exactly_uniform(chain: Interpolation) -> None:
+def test_uniform_designs_stay_exactly_uniform(density_chain: MaterialInterpolation) -> None:
     """Ties are exact, whatever the order of the sums."""
-    inside = np.asarray(chain.design) > 0
-    filtered = np.asarray(chain.density_filter(jnp.full(chain.design.shape, 0.3)))[inside]
+    inside = np.asarray(density_chain.design_fraction) > 0
+    filtered = np.asarray(density_chain.density_filter(jnp.full(density_chain.design_fraction.shape, 0.3)))[
+        inside
+    ]
     assert np.unique(filtered).tolist() == [0.3]

@@ -13,10 +13,10 @@ from scipy import ndimage
 
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import Die
-from cranktopo.tasks.density.chain import build_chain
+from cranktopo.numerics.filters.forging import ForgingConstraint
+from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import parting_of
-from cranktopo.tasks.density.material import Interpolation, physical_density, smooth_density
+from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density
 from tests.physics.throw_cases import forged
 
 CELL_MM = 6.0
@@ -33,48 +33,48 @@ PROCESSES: dict[str, dict[str, Any]] = {
 Cells = NDArray[np.bool_]
 
 
-def chain_of(scene: Scene, extent: Any = "half", **settings: Any) -> tuple[Domain, Interpolation]:
+def chain_of(scene: Scene, extent: Any = "half", **settings: Any) -> tuple[Domain, MaterialInterpolation]:
     domain = build_domain(scene, CELL_MM, extent=extent)
     return domain, build_chain(forged(scene, filter_radius_mm=6.0, **settings), domain)
 
 
-def noise(chain: Interpolation, seed: int = 0) -> jax.Array:
+def noise(density_chain: MaterialInterpolation, seed: int = 0) -> jax.Array:
     """Blobs of solid and void a few cells wide, without any symmetry."""
-    coarse = np.random.default_rng(seed).random(chain.design.shape)
+    coarse = np.random.default_rng(seed).random(density_chain.design_fraction.shape)
     smooth = ndimage.gaussian_filter(coarse, 1.5)
     return jnp.asarray(np.clip(0.5 + 6 * (smooth - np.median(smooth)), 0, 1))
 
 
-def solid_of(chain: Interpolation, seed: int, level: float = 0.5) -> Cells:
-    return np.asarray(jax.jit(physical_density)(chain, noise(chain, seed), 8.0)) > level
+def solid_of(density_chain: MaterialInterpolation, seed: int, level: float = 0.5) -> Cells:
+    return np.asarray(jax.jit(physical_density)(density_chain, noise(density_chain, seed), 8.0)) > level
 
 
 @pytest.fixture(params=PROCESSES)
-def made(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> Interpolation:
+def made(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> MaterialInterpolation:
     return chain_of(mikron, **PROCESSES[request.param])[1]
 
 
 @pytest.mark.slow
-def test_a_full_design_stays_full(made: Interpolation) -> None:
-    free = np.asarray(made.design) > 0
+def test_a_full_design_stays_full(made: MaterialInterpolation) -> None:
+    free = np.asarray(made.design_fraction) > 0
     np.testing.assert_allclose(
         np.asarray(jax.jit(smooth_density)(made, jnp.ones(free.shape)))[free], 1.0, atol=1e-12
     )
 
 
-def test_nothing_made_has_a_closed_hollow(made: Interpolation) -> None:
+def test_nothing_made_has_a_closed_hollow(made: MaterialInterpolation) -> None:
     """Every void joins the outside, face to face."""
     for seed in range(3):
-        solid = np.pad(solid_of(made, seed) | (np.asarray(made.design) == 0), 1)
-        bores = np.pad(np.asarray(made.design) == 0, 1)  # and what the padding of the grid leaves
+        solid = np.pad(solid_of(made, seed) | (np.asarray(made.design_fraction) == 0), 1)
+        bores = np.pad(np.asarray(made.design_fraction) == 0, 1)  # and what the padding of the grid leaves
         labels, _ = ndimage.label(~solid | bores)
         assert set(np.unique(labels[~solid])) <= {labels[0, 0, 0], *np.unique(labels[bores])}
 
 
-def test_gradients(made: Interpolation) -> None:
+def test_gradients(made: MaterialInterpolation) -> None:
     """Any weighting of the density, on fields without symmetry."""
     rng = np.random.default_rng(3)
-    x = 0.2 + 0.6 * jnp.asarray(rng.random(made.design.shape))
+    x = 0.2 + 0.6 * jnp.asarray(rng.random(made.design_fraction.shape))
     weights, direction = (jnp.asarray(rng.standard_normal(x.shape)) for _ in range(2))
 
     @jax.jit
@@ -91,17 +91,17 @@ def test_gradients(made: Interpolation) -> None:
 def test_layers_of_a_drafted_die_shrink_outward(float64: None, mikron: Scene, parting: str) -> None:
     """Solid m layers out keeps tan(draft) times their distance from the void of the inner layer."""
     draft = 12.0
-    domain, chain = chain_of(mikron, process="forged", parting=parting, draft_deg=draft)
-    die = chain.process
-    assert isinstance(die, Die)
+    domain, density_chain = chain_of(mikron, process="forged", parting=parting, draft_deg=draft)
+    die = density_chain.process
+    assert isinstance(die, ForgingConstraint)
     dx, dy, dz = (float(step[0]) for step in domain.grid.steps_mm)
     dz = float(np.diff(domain.grid.z_mm)[domain.web_layers[0]])
     steps = [dx, dy, dz]
     along = steps.pop(die.axis)
-    free = np.moveaxis(np.asarray(chain.design) > 0, die.axis, 0)
+    free = np.moveaxis(np.asarray(density_chain.design_fraction) > 0, die.axis, 0)
     ignored = ~free if die.kept is None else ~free | np.moveaxis(np.asarray(die.kept) > 0, die.axis, 0)
     for seed in range(2):
-        solid = np.moveaxis(solid_of(chain, seed), die.axis, 0) | ~free
+        solid = np.moveaxis(solid_of(density_chain, seed), die.axis, 0) | ~free
         for side in (slice(die.parting[1], None), slice(die.parting[0] - 1, None, -1)):
             layers, apart = solid[side], ignored[side]
             for inner in range(len(layers)):
@@ -122,7 +122,9 @@ def test_a_prism_becomes_a_wedge(float64: None) -> None:
     bar = np.clip(0.5 + (half_width - np.abs(y)) / 8.0, 0, 1)
     field = jnp.asarray(np.broadcast_to(bar[None, :, None], (48, 60, 5)))
     slope = float(np.tan(np.radians(draft)))
-    made = np.asarray(Die(jnp.ones(field.shape, bool), None, 0, (0, 0), (slope, slope))(field))[:, :, 2]
+    made = np.asarray(ForgingConstraint(jnp.ones(field.shape, bool), None, 0, (0, 0), (slope, slope))(field))[
+        :, :, 2
+    ]
     widths = [np.interp(0.5, row[30:][::-1], y[30:][::-1]) for row in made]
     fitted = np.polyfit(np.arange(6, 48), widths[6:], 1)[0]
     assert -fitted == pytest.approx(slope, rel=0.05)
@@ -130,10 +132,10 @@ def test_a_prism_becomes_a_wedge(float64: None) -> None:
 
 
 def test_no_die_sinks_a_pocket_behind_a_journal(float64: None, mikron: Scene) -> None:
-    domain, chain = chain_of(mikron, process="forged", parting="web_faces")
-    density = np.asarray(smooth_density(chain, jnp.zeros(chain.design.shape)))
+    domain, density_chain = chain_of(mikron, process="forged", parting="web_faces")
+    density = np.asarray(smooth_density(density_chain, jnp.zeros(density_chain.design_fraction.shape)))
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
-    free = np.asarray(chain.design) > 0
+    free = np.asarray(density_chain.design_fraction) > 0
     middle = density.shape[2] // 2
     for centre, layers in ((0.0, slice(0, middle)), (48.0, slice(middle, None))):
         radius = np.hypot(x[:, None], y[None, :] - centre)
@@ -151,8 +153,11 @@ def lines_of(cells: Cells, axis: int) -> Cells:
 @pytest.mark.parametrize(("parting", "axis"), [("lateral", 0), ("web_faces", 2)])
 def test_a_mould_leaves_one_piece_on_each_line(float64: None, mikron: Scene, parting: str, axis: int) -> None:
     """Between two solids of a line there is no void; a die's piece crosses its parting plane as well."""
-    _, chain = chain_of(mikron, process="cast", parting=parting)
-    solid, free = lines_of(solid_of(chain, 1), axis), lines_of(np.asarray(chain.design) > 0, axis)
+    _, density_chain = chain_of(mikron, process="cast", parting=parting)
+    solid, free = (
+        lines_of(solid_of(density_chain, 1), axis),
+        lines_of(np.asarray(density_chain.design_fraction) > 0, axis),
+    )
     between = np.logical_or.accumulate(solid, 1) & np.logical_or.accumulate(solid[:, ::-1], 1)[:, ::-1]
     assert not np.any(between & free & ~solid)
     crossing = [row[len(row) // 2 - 1] or row[len(row) // 2] for row in solid if row.any()]
@@ -187,10 +192,10 @@ def reached_by_a_mill(solid: Cells, scene: Scene, domain: Domain, radius_mm: flo
 
 @pytest.mark.parametrize("radius_mm", [1.0, 6.5, 13.0])
 def test_a_mill_reaches_every_void(float64: None, mikron: Scene, radius_mm: float) -> None:
-    domain, chain = chain_of(mikron, process="milled", tool_radius_mm=radius_mm)
-    free = np.asarray(chain.design) > 0
+    domain, density_chain = chain_of(mikron, process="milled", tool_radius_mm=radius_mm)
+    free = np.asarray(density_chain.design_fraction) > 0
     for level in (0.3, 0.5, 0.7):
-        solid = solid_of(chain, 2, level) & free
+        solid = solid_of(density_chain, 2, level) & free
         reached = reached_by_a_mill(solid, mikron, domain, radius_mm)
         void = free & ~solid
         assert void.sum() > 100
@@ -203,7 +208,7 @@ def test_the_mill_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scen
     )
     x = noise(quarter, 2)
     n, _ = parting_of(build_domain(mikron, CELL_MM, extent="half"))
-    mirrored = jnp.zeros(half.design.shape).at[: 2 * n].set(jnp.concatenate([x[:n][::-1], x[:n]]))
-    inside = np.asarray(quarter.design)[:n] > 0
+    mirrored = jnp.zeros(half.design_fraction.shape).at[: 2 * n].set(jnp.concatenate([x[:n][::-1], x[:n]]))
+    inside = np.asarray(quarter.design_fraction)[:n] > 0
     both, one = (np.asarray(jax.jit(smooth_density)(*of)) for of in ((half, mirrored), (quarter, x)))
     np.testing.assert_allclose(both[n : 2 * n][inside], one[:n][inside], rtol=1e-9, atol=1e-9)

@@ -17,28 +17,36 @@ from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import picture
 from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
-from cranktopo.tasks.extraction.length_text import length_lines
-from cranktopo.tasks.extraction.snapshots import MOST_CELLS, coarsened, evenly_spread
-from cranktopo.tasks.fea.verdict_sentence import run_changes_percent, worse_line
+from cranktopo.tasks.extraction.result import WallMeasures
+from cranktopo.tasks.extraction.text import length_lines
+from cranktopo.tasks.fea.verdict_sentence import worse_line
+from cranktopo.tasks.optimise.result import RunMetrics
+from cranktopo.tasks.optimise.run_record import MOST_CELLS, coarsened, evenly_spread
 from cranktopo.tasks.optimise.verdict import fatigue_fact, headline, run_undercuts_fact
 from tests.packed_scenes import unpacked
+from tests.run_metrics import SURFACE, run_metrics
 
 
 def mesh_of(body: trimesh.Trimesh) -> SurfaceMesh:
     return SurfaceMesh(np.asarray(body.vertices, np.float64), np.asarray(body.faces, np.int64))
 
 
-def metrics(mass: float, torsion: float, bending: float) -> dict[str, Any]:
+def metrics(mass: float, torsion: float, bending: float) -> RunMetrics:
     """What a run holds after changes in percent of a web of 1 kg, 1 N m/rad and 1 N/mm."""
 
     def web(mass: float, torsion: float, bending: float) -> dict[str, Any]:
+        stiffness = {"stiffness_Nm_per_rad": 1e5 * torsion}, {"stiffness_N_per_mm": 2e5 * bending}
         cases = {
-            "torsion": {"stiffness_Nm_per_rad": 1e5 * torsion},
-            "bending": {"stiffness_N_per_mm": 2e5 * bending},
+            name: {**value, "compliance_N_mm": 1.0, "support": "free", "load": {}}
+            for name, value in zip(("torsion", "bending"), stiffness, strict=True)
         }
-        return {"mass_kg": {"throw": 2.0 * mass}, "load_cases": cases}
+        masses = {"throw": 2.0 * mass, "web": mass}
+        return {"mass_kg": masses, "load_cases": cases, "stiffness_per_mass": {}}
 
-    return {**web(*(1 + change / 100 for change in (mass, torsion, bending))), "original_web": web(1, 1, 1)}
+    original = {**web(1, 1, 1), "gain_of_stiffness_per_mass_percent": {}}
+    return run_metrics(
+        **web(*(1 + change / 100 for change in (mass, torsion, bending))), original_web=original
+    )
 
 
 def test_headline_says_first_what_got_worse() -> None:
@@ -57,9 +65,9 @@ def test_headline_says_first_what_got_worse() -> None:
 
 
 def test_terminal_names_what_got_worse() -> None:
-    changes = run_changes_percent(metrics(-45.0, -21.0, 5.0))
+    changes = metrics(-45.0, -21.0, 5.0).changes_percent
     assert worse_line(changes, "the original web") == "worse than the original web: 21.0 % softer in torsion"
-    assert worse_line(run_changes_percent(metrics(-1.0, 1.0, 1.0)), "it") == ""
+    assert worse_line(metrics(-1.0, 1.0, 1.0).changes_percent, "it") == ""
 
 
 @pytest.mark.parametrize(
@@ -79,7 +87,7 @@ def test_terminal_names_what_got_worse() -> None:
     ],
 )
 def test_release(surface: dict[str, Any], value: str, status: str, words: str) -> None:
-    fact = run_undercuts_fact({"surface": surface})
+    fact = run_undercuts_fact(run_metrics(surface=surface if "refusal" in surface else SURFACE | surface))
     assert (fact.value, fact.status) == (value, status)
     assert words in fact.note
 
@@ -175,12 +183,12 @@ def test_markdown_has_the_same_content(tmp_path: Path) -> None:
 
 def test_lengths_are_told_beside_what_was_asked() -> None:
     measured = {"least_draft_deg": None, "least_member_mm": 7.96, "least_gap_mm": None}
-    assert length_lines({"walls": measured}) == []
-    assert length_lines({"walls": measured | {"asked_member_mm": 8.0, "asked_gap_mm": 9.5}}) == [
+    assert length_lines(WallMeasures(**measured)) == []
+    assert length_lines(WallMeasures(**measured, asked_member_mm=8.0, asked_gap_mm=9.5)) == [
         "thinnest member 8.0 mm, 8 mm asked",
         "narrowest gap none, 9.5 mm asked",
     ]
-    assert length_lines({"walls": measured | {"asked_member_mm": 12.0}}) == [
+    assert length_lines(WallMeasures(**measured, asked_member_mm=12.0)) == [
         "thinnest member 8.0 mm, 12 mm asked: NOT KEPT"
     ]
-    assert length_lines({"refusal": "the density is too grey"}) == []
+    assert length_lines(run_metrics(surface={"refusal": "the density is too grey"}).walls) == []

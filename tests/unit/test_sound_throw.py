@@ -16,7 +16,13 @@ from cranktopo.tasks.extraction.cutter import Cutter, build_cutter, fine_field
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
 from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
 from cranktopo.tasks.extraction.isosurface import FineField
-from cranktopo.tasks.extraction.sound_throw import DISTANCE_CELLS, SLIVERS_MM, VOLUME_SHARE, WAYS, Way
+from cranktopo.tasks.extraction.sound_throw import (
+    DISTANCE_CELLS,
+    SLIVERS_MM,
+    VOLUME_SHARE,
+    WAYS,
+    ExtractionMethod,
+)
 from cranktopo.tasks.extraction.surface_checks import check_surface
 from tests.unit.surface_cases import ball, grid_of, obround, scene_with, without
 
@@ -40,7 +46,7 @@ def faults(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     assert not found
 
 
-def take(monkeypatch: pytest.MonkeyPatch, ways: Iterable[Way]) -> None:
+def take(monkeypatch: pytest.MonkeyPatch, ways: Iterable[ExtractionMethod]) -> None:
     monkeypatch.setattr(sound_throw, "WAYS", tuple(ways))
 
 
@@ -60,7 +66,7 @@ def farthest_mm(grid: DensityGrid, surface: WebSurface) -> float:
     ],
 )
 def test_every_way_keeps_volume_and_place(
-    way: Way, grid: DensityGrid, faults: list[str], monkeypatch: pytest.MonkeyPatch
+    way: ExtractionMethod, grid: DensityGrid, faults: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     take(monkeypatch, [way])
     faults += TRIES * ["crack"]
@@ -87,13 +93,17 @@ def test_slivers_go_within_less_before_another_way_is_taken(grid: DensityGrid, f
 
 @pytest.mark.parametrize(
     "wrong",
-    [Way("other volume", shift=0.05), Way("far away", blur=5.0), Way("nothing left", shift=0.49)],
+    [
+        ExtractionMethod("other volume", shift=0.05),
+        ExtractionMethod("far away", blur=5.0),
+        ExtractionMethod("nothing left", shift=0.49),
+    ],
     ids=lambda way: way.name,
 )
 def test_a_way_that_misses_volume_or_place_is_passed_over(
-    wrong: Way, grid: DensityGrid, faults: list[str], monkeypatch: pytest.MonkeyPatch
+    wrong: ExtractionMethod, grid: DensityGrid, faults: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    take(monkeypatch, [wrong, Way("right", shift=1e-3)])
+    take(monkeypatch, [wrong, ExtractionMethod("right", shift=1e-3)])
     faults += TRIES * ["crack"]
     assert extract_half_throw(grid, scene_with()).fallback == "right"
 

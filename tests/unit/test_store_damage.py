@@ -101,7 +101,7 @@ def test_one_damaged_run_does_not_hide_the_others(run: RunStore, capsys: pytest.
     assert main(["runs", "list", "--root", root, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["runs"][0]["result"] == "unreadable"
     assert main(["runs", "show", run.name, "--root", root]) == 3
-    assert "its results are damaged (KeyError" in capsys.readouterr().err
+    assert "its results are damaged" in capsys.readouterr().err
 
 
 def test_a_device_or_pipe_is_never_replaced_by_a_file(tmp_path: Path) -> None:

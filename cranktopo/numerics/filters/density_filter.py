@@ -22,7 +22,7 @@ class ConeFilter:
     """Weighted mean over the designable neighbours; what is outside the design space does not count.
 
     Attributes:
-        design: designable fraction of the cells of the web's layers (nx, ny, nw).
+        design: designable fraction of the cells (nx, ny, nw).
         kernel: cone weights, odd sizes per axis.
         mirrored_x: whether the filter reflects at the first x plane.
         weight: sum of the weights of each cell's designable neighbours, infinite where it has none.
@@ -38,7 +38,7 @@ class ConeFilter:
     spectrum: jax.Array
 
     def __call__(self, x: jax.Array) -> jax.Array:
-        """Filtered densities (nx, ny, nw) of design variables."""
+        """Return the filtered densities (nx, ny, nw) of design variables."""
         mean = _sums(x * self.design, self.spectrum, self.kernel.shape, self.mirrored_x) / self.weight
         # To so many digits, equal neighbours are equal on every machine: what a process makes of ties must
         # not hang on rounding.
@@ -48,7 +48,7 @@ class ConeFilter:
 
 @partial(jax.jit, static_argnames="mirrored_x")
 def cone_filter(design: jax.Array, kernel: jax.Array, mirrored_x: bool) -> ConeFilter:
-    """The filter of a design space; arguments as the attributes of `ConeFilter`."""
+    """Return the filter of a design space; arguments as the attributes of `ConeFilter`."""
     spectrum = _spectrum(kernel, design.shape, mirrored_x)
     weight = _sums(design, spectrum, kernel.shape, mirrored_x)
     counts = weight > _NOTHING * jnp.sum(kernel)
@@ -56,7 +56,7 @@ def cone_filter(design: jax.Array, kernel: jax.Array, mirrored_x: bool) -> ConeF
 
 
 def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array:
-    """Cone-shaped filter weights max(0, radius - distance) on a grid."""
+    """Return the cone-shaped filter weights max(0, radius - distance) on a grid."""
     axes = []
     for step in steps_mm:
         reach = max(0, int(np.ceil(radius_mm / step)) - 1)
@@ -66,7 +66,7 @@ def cone_kernel(steps_mm: tuple[float, float, float], radius_mm: float) -> Array
 
 
 def convolved(values: jax.Array, kernel: jax.Array, mirrored_x: bool) -> jax.Array:
-    """Weighted sums over the neighbours, zero beyond the grid, reflected at a mirror plane.
+    """Return the weighted sums over the neighbours, zero beyond the grid, reflected at a mirror plane.
 
     By Fourier transform: on fine cells the kernel holds thousands of weights. It is its own mirror image.
     """
@@ -75,7 +75,7 @@ def convolved(values: jax.Array, kernel: jax.Array, mirrored_x: bool) -> jax.Arr
 
 @partial(jax.custom_vjp, nondiff_argnums=(2, 3))
 def _sums(values: jax.Array, spectrum: jax.Array, kernel: Shape, mirrored_x: bool) -> jax.Array:
-    """The same with the spectrum of a kernel of some shape."""
+    """Return the same with the spectrum of a kernel of some shape."""
     lengths, before = _lengths(values.shape, kernel, mirrored_x), _reflected(kernel, mirrored_x)
     inner = tuple(slice(first, first + n) for first, n in zip((before, 0, 0), values.shape, strict=True))
     if mirrored_x:
@@ -93,7 +93,7 @@ def _sums_to_differentiate(
 def _sums_back(
     kernel: Shape, mirrored_x: bool, spectrum: jax.Array, by_sums: jax.Array
 ) -> tuple[jax.Array, None]:
-    """What a cell gives to a neighbour it gets from it: the sums are their own transpose."""
+    """Return the transposed sums: what a cell gives to a neighbour it gets from it."""
     return _sums(by_sums, spectrum, kernel, mirrored_x), None
 
 
@@ -101,7 +101,7 @@ _sums.defvjp(_sums_to_differentiate, _sums_back)
 
 
 def _spectrum(kernel: jax.Array, shape: Shape, mirrored_x: bool) -> jax.Array:
-    """Transform of a kernel around the first cell, for values of a shape."""
+    """Return the transform of a kernel around the first cell, for values of a shape."""
     lengths, reach = _lengths(shape, kernel.shape, mirrored_x), [n // 2 for n in kernel.shape]
     after = [(0, length - n) for length, n in zip(lengths, kernel.shape, strict=True)]
     around = jnp.roll(jnp.pad(kernel, after), [-n for n in reach], (0, 1, 2))
@@ -110,7 +110,7 @@ def _spectrum(kernel: jax.Array, shape: Shape, mirrored_x: bool) -> jax.Array:
 
 
 def _lengths(shape: Shape, kernel: Shape, mirrored_x: bool) -> list[int]:
-    """Lengths that transform fast: the zeros between the last value and the first keep both apart."""
+    """Return lengths that transform fast: the zeros between the last value and the first keep both apart."""
     reflected = (_reflected(kernel, mirrored_x), 0, 0)
     return [
         next_fast_len(max(size + before + n // 2, n), real=True)
@@ -119,11 +119,11 @@ def _lengths(shape: Shape, kernel: Shape, mirrored_x: bool) -> list[int]:
 
 
 def _reflected(kernel: Shape, mirrored_x: bool) -> int:
-    """Planes of reflected values before the first along x."""
+    """Return the planes of reflected values before the first along x."""
     return kernel[0] // 2 if mirrored_x else 0
 
 
-def share_within(plain: ConeFilter, solid: Array) -> jax.Array:
+def boundary_correction(cone: ConeFilter, solid: Array) -> jax.Array:
     """Share of a filter's weight around each cell that is designable and not void, (nx, ny, nw).
 
     Times the filtered density it is the mean over void beyond the design space as well.
@@ -134,12 +134,12 @@ def share_within(plain: ConeFilter, solid: Array) -> jax.Array:
 
     Source: A. Clausen, E. Andreassen, On filter boundary conditions in topology optimization, SMO 56, 2017.
     """
-    reach = plain.kernel.shape[2] // 2
+    reach = cone.kernel.shape[2] // 2
     inner = slice(reach, solid.shape[2] - reach)
-    weight = jnp.where(jnp.isinf(plain.weight), 0.0, plain.weight)
-    around = convolved(jnp.asarray(solid), plain.kernel, plain.mirrored_x)[:, :, inner]
-    counted = jnp.sum(plain.kernel) - around
-    some = counted > _NOTHING * jnp.sum(plain.kernel)
+    weight = jnp.where(jnp.isinf(cone.weight), 0.0, cone.weight)
+    around = convolved(jnp.asarray(solid), cone.kernel, cone.mirrored_x)[:, :, inner]
+    counted = jnp.sum(cone.kernel) - around
+    some = counted > _NOTHING * jnp.sum(cone.kernel)
     return jnp.where(some, weight / jnp.where(some, counted, 1.0), 1.0)
 
 

@@ -1,6 +1,6 @@
 """Forging constraint: density that never grows away from the die's parting plane, with draft if wanted.
 
-The die halves leave along +x and -x, or through the web's faces along +z and -z. What lies outward of a void
+The die halves leave along +x and -x, or through the body's faces along +z and -z. What lies outward of a void
 would hold them back, so each cell takes a smooth minimum over the cells between it and the parting plane.
 Sums only grow outward: the result is monotone whatever the sharpness, and stays 1 where all cells are solid.
 
@@ -32,79 +32,82 @@ the same number, or one layer that belongs to both where the parting plane lies 
 
 
 @dataclass(frozen=True)
-class Die:
+class ForgingConstraint:
     """Two die halves that part in a plane.
 
     Attributes:
         free: designable cells (nx, ny, nw); the others are no obstacle.
-        kept: least density, 1 behind a journal; None where there is none.
+        kept: least density, 1 where material must be; None where there is none.
         axis: along which the halves leave, 0 or 2.
-        fall: tan(draft) times the cell's edge along the axis over its edge along each other axis.
+        draft_slope: tan(draft) times the cell's edge along the axis over its edge along each other axis.
     """
 
     free: jax.Array
     kept: jax.Array | None
     axis: int
     parting: Parting
-    fall: tuple[float, float] = NO_DRAFT
+    draft_slope: tuple[float, float] = NO_DRAFT
 
     def __call__(self, smooth: jax.Array) -> jax.Array:
-        """The density that the die releases (nx, ny, nw), nowhere above the given one but where kept."""
+        """Return density that the die releases (nx, ny, nw), nowhere above the given one but where kept."""
         raised = smooth if self.kept is None else jnp.maximum(self.kept, smooth)
         density, free = jnp.moveaxis(raised, self.axis, 0), jnp.moveaxis(self.free, self.axis, 0)
-        found = without_undercuts(density, free, self.parting, self.fall)
+        found = without_undercuts(density, free, self.parting, self.draft_slope)
         found = jnp.moveaxis(found, 0, self.axis)
         return found if self.kept is None else jnp.maximum(self.kept, found)
 
 
 def reachable(open_to_die: NDArray[np.bool_], parting: Parting, axis: int = 0) -> NDArray[np.bool_]:
-    """Cells (nx, ny, nw) with nothing but open cells between them and the parting plane along an axis."""
+    """Return cells (nx, ny, nw) with only open cells between them and the parting plane along an axis."""
     moved, (end, start) = np.moveaxis(open_to_die, axis, 0), parting
     left, right = (np.logical_and.accumulate(half) for half in (moved[:end][::-1], moved[start:]))
     return np.moveaxis(np.concatenate([left[::-1], right[end - start :]]), 0, axis)
 
 
 def without_undercuts(
-    density: jax.Array, free: jax.Array, parting: Parting, fall: tuple[float, float] = NO_DRAFT
+    density: jax.Array, free: jax.Array, parting: Parting, draft_slope: tuple[float, float] = NO_DRAFT
 ) -> jax.Array:
-    """Density that never grows away from the parting plane, along the first axis.
+    """Return the density that never grows away from the parting plane, along the first axis.
 
     Returns:
         (nx, ny, nw) in [0, 1], at most `density` where that is designable.
     """
-    gaps, (end, start) = jnp.where(free, gap(density), 0.0), parting
-    left, right = smallest_so_far(gaps[:end][::-1], fall)[::-1], smallest_so_far(gaps[start:], fall)
+    ks_terms, (end, start) = jnp.where(free, ks_term(density), 0.0), parting
+    left, right = (
+        running_smooth_min(ks_terms[:end][::-1], draft_slope)[::-1],
+        running_smooth_min(ks_terms[start:], draft_slope),
+    )
     return jnp.concatenate([left, right[end - start :]])
 
 
-def smallest_so_far(gaps: jax.Array, fall: tuple[float, float]) -> jax.Array:
+def running_smooth_min(ks_terms: jax.Array, draft_slope: tuple[float, float]) -> jax.Array:
     """Smooth minimum of densities over the layers up to each one, the first axis; with draft the solid of
     each layer lies within the eroded one before it.
     """
-    if not any(fall):
-        return smooth_minimum(jnp.cumsum(gaps, axis=0))
+    if not any(draft_slope):
+        return _smooth_minimum(jnp.cumsum(ks_terms, axis=0))
 
     def layer(before: jax.Array, own: jax.Array) -> tuple[jax.Array, jax.Array]:
-        found = smooth_minimum(own + gap(eroded(before, fall)))
+        found = _smooth_minimum(own + ks_term(eroded(before, draft_slope)))
         return found, found
 
-    return jax.lax.scan(layer, jnp.ones(gaps.shape[1:]), gaps)[1]
+    return jax.lax.scan(layer, jnp.ones(ks_terms.shape[1:]), ks_terms)[1]
 
 
-def gap(density: jax.Array) -> jax.Array:
-    """What a density adds to the sum in a smooth minimum: nothing where it is full."""
+def ks_term(density: jax.Array) -> jax.Array:
+    """Return what a density adds to the sum in a smooth minimum: nothing where it is full."""
     return jnp.exp(-SHARPNESS * density) - jnp.exp(-SHARPNESS)
 
 
-def smooth_minimum(gaps: jax.Array) -> jax.Array:
+def _smooth_minimum(ks_terms: jax.Array) -> jax.Array:
     """Smooth minimum of densities from the sum of their gaps; at most the true one."""
-    return -jnp.log(jnp.minimum(gaps + jnp.exp(-SHARPNESS), 1.0)) / SHARPNESS
+    return -jnp.log(jnp.minimum(ks_terms + jnp.exp(-SHARPNESS), 1.0)) / SHARPNESS
 
 
-def eroded(layer: jax.Array, fall: tuple[float, float]) -> jax.Array:
-    """A layer less its steepest descent over so many cells along each axis; flat beyond its edges."""
+def eroded(layer: jax.Array, draft_slope: tuple[float, float]) -> jax.Array:
+    """Return a layer less its steepest descent over so many cells along each axis; flat beyond its edges."""
     square = jnp.zeros_like(layer)
-    for axis, part in enumerate(fall):
+    for axis, part in enumerate(draft_slope):
         edges = [(1, 1) if axis == other else (0, 0) for other in range(2)]
         padded = jnp.pad(layer, edges, mode="edge")
         before, after = (jax.lax.slice_in_dim(padded, k, k + layer.shape[axis], axis=axis) for k in (0, 2))
@@ -113,4 +116,6 @@ def eroded(layer: jax.Array, fall: tuple[float, float]) -> jax.Array:
     return layer - jnp.where(steep, jnp.sqrt(jnp.where(steep, square, 1.0)), 0.0)
 
 
-jax.tree_util.register_dataclass(Die, data_fields=["free", "kept"], meta_fields=["axis", "parting", "fall"])
+jax.tree_util.register_dataclass(
+    ForgingConstraint, data_fields=["free", "kept"], meta_fields=["axis", "parting", "draft_slope"]
+)

@@ -15,20 +15,20 @@ class Projection:
     """Thresholds of the three designs that one filtered density stands for.
 
     Attributes:
-        made: of the design itself.
-        eroded: of the thinner design that has the stiffness; above `made` where members must not get thin.
-        dilated: of the thicker design whose volume is limited; below `made` where gaps must not get narrow.
+        nominal: of the design itself.
+        eroded: of the thinner design that has the stiffness; above that where members must not get thin.
+        dilated: of the thicker design whose volume is limited; below that where gaps must not get narrow.
 
     Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011.
     """
 
-    made: float = THRESHOLD
+    nominal: float = THRESHOLD
     eroded: float = THRESHOLD
     dilated: float = THRESHOLD
 
 
 def projected(density: jax.Array, beta: float | jax.Array, threshold: float = THRESHOLD) -> jax.Array:
-    """Smoothed Heaviside projection, not below 0; steeper with beta.
+    """Return the smoothed Heaviside projection, not below 0; steeper with beta.
 
     Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011, equation 9.
     """

@@ -23,7 +23,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
-from cranktopo.numerics.filters.forging import NO_DRAFT, gap, smallest_so_far
+from cranktopo.numerics.filters.forging import NO_DRAFT, ks_term, running_smooth_min
 
 Offsets = tuple[tuple[int, int], ...]
 ONE_CELL: Offsets = ((0, 0),)
@@ -37,24 +37,24 @@ class Direction:
         axis: along which it leads.
         inward: +1 or -1, the sign of its motion along the axis.
         section: cells of the tool's cross-section about its centre, along the two other axes.
-        fall: of the draft, as for a die.
+        draft_slope: of the draft, as for a die.
     """
 
     axis: int
     inward: int
     section: Offsets = ONE_CELL
-    fall: tuple[float, float] = NO_DRAFT
+    draft_slope: tuple[float, float] = NO_DRAFT
 
 
 @dataclass(frozen=True)
 class ToolAccess:
-    """What tools, or the halves of a mould, leave of a density.
+    """Access of tools, or of the halves of a mould, to a density.
 
     Attributes:
         free: designable cells (nx, ny, nw).
-        air: 1 where there is nothing to begin with, 0 where a journal stands or in a designable cell;
-            `margin` cells larger than the web at both ends of each axis.
-        margin: cells around the web that tools pass through.
+        air: 1 where there is nothing to begin with, 0 where solid stands or in a designable cell;
+            `margin` cells larger than the body at both ends of each axis.
+        margin: cells around the body that tools pass through.
         mirrored_x: whether the first x plane is a mirror.
     """
 
@@ -65,7 +65,7 @@ class ToolAccess:
     directions: tuple[Direction, ...]
 
     def __call__(self, smooth: jax.Array) -> jax.Array:
-        """The density of what is left (nx, ny, nw), at most 1."""
+        """Return the density of what is left (nx, ny, nw), at most 1."""
         open_ = self.air + self._padded(jnp.where(self.free, 1.0 - smooth, 0.0))
         reached = jnp.stack([_reached(open_, direction) for direction in self.directions])
         inner = tuple(slice(n, n + size) for n, size in zip(self.margin, smooth.shape, strict=True))
@@ -79,36 +79,36 @@ class ToolAccess:
 
 
 def _reached(open_: jax.Array, direction: Direction) -> jax.Array:
-    """How far a direction clears each cell: 0 solid, 1 void."""
+    """Return how far a direction clears each cell: 0 solid, 1 void."""
     moved = jnp.moveaxis(open_, direction.axis, 0)
     moved = moved if direction.inward > 0 else moved[::-1]
-    centres = smallest_so_far(_summed(gap(moved), direction.section), direction.fall)
-    cut = widest(centres, direction.section)
+    centres = running_smooth_min(_summed(ks_term(moved), direction.section), direction.draft_slope)
+    cut = dilate(centres, direction.section)
     return jnp.moveaxis(cut if direction.inward > 0 else cut[::-1], 0, direction.axis)
 
 
-def _summed(gaps: jax.Array, section: Offsets) -> jax.Array:
-    """Sums over the cross-section in each layer; nothing stands beyond the margin."""
+def _summed(ks_terms: jax.Array, section: Offsets) -> jax.Array:
+    """Return the sums over the cross-section in each layer; nothing stands beyond the margin."""
     if section == ONE_CELL:
-        return gaps
-    return sum((_shifted(gaps, offset) for offset in section), jnp.zeros_like(gaps))
+        return ks_terms
+    return sum((_shifted(ks_terms, offset) for offset in section), jnp.zeros_like(ks_terms))
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(1,))
-def widest(values: jax.Array, section: Offsets) -> jax.Array:
-    """Maximum over the cross-section in each layer (first axis); equal ones share the derivative."""
+def dilate(values: jax.Array, section: Offsets) -> jax.Array:
+    """Return maximum over the cross-section in each layer (first axis); equal ones share the derivative."""
     found = values
     for offset in section:
         found = jnp.maximum(found, _shifted(values, offset))
     return found
 
 
-def _widest_kept(values: jax.Array, section: Offsets) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
-    found = widest(values, section)
+def _dilate_forward(values: jax.Array, section: Offsets) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
+    found = dilate(values, section)
     return found, (values, found)
 
 
-def _widest_slopes(
+def _dilate_backward(
     section: Offsets, kept: tuple[jax.Array, jax.Array], by_found: jax.Array
 ) -> tuple[jax.Array]:
     values, found = kept
@@ -119,11 +119,11 @@ def _widest_slopes(
     return (sum(back, jnp.zeros_like(values)),)
 
 
-widest.defvjp(_widest_kept, _widest_slopes)
+dilate.defvjp(_dilate_forward, _dilate_backward)
 
 
 def _shifted(values: jax.Array, offset: tuple[int, int]) -> jax.Array:
-    """Each cell's value at an offset within its layer; 0 beyond the edges."""
+    """Return each cell's value at an offset within its layer; 0 beyond the edges."""
     a, b = offset
     pads = ((0, 0), (max(0, -a), max(0, a)), (max(0, -b), max(0, b)))
     padded = jnp.pad(values, pads)

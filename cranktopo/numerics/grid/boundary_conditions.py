@@ -18,7 +18,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.lattice import Cells, Lattice
 from cranktopo.numerics.grid.partition import WHOLE, Partition
 
-# Rigid motions of a section about its centre on the crank axis.
+# Rigid motions of a section about its centre.
 MOTIONS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
@@ -45,7 +45,7 @@ class CaseSupports:
 
     Attributes:
         fixed_at_x0: components fixed on the plane x = 0 (lateral mirror), empty without the mirror.
-        fixed_at_z_end: components fixed on the last z plane (mid-pin mirror), empty with two sections.
+        fixed_at_z_end: components fixed on the last z plane (a mirror), empty with two sections.
         motions: free motions of the rigid sections; all others are held at zero.
     """
 
@@ -77,16 +77,16 @@ class BoundaryConditions(NamedTuple):
 def build_supports(
     lattice: Lattice, origin_mm: tuple[float, float], levels: int, cases: tuple[CaseSupports, ...]
 ) -> tuple[BoundaryConditions, Array]:
-    """Arrays of the supports, and the nodal forces that carry the loads on section motions.
+    """Return the arrays of the supports, and the nodal forces that carry the loads on section motions.
 
     Args:
-        origin_mm: x and y of the grid's first node relative to the crank axis, mm.
+        origin_mm: x and y of the grid's first node relative to the centre of the sections, mm.
         levels: number of halvings between the finest and the coarsest grid.
 
     Returns:
         BoundaryConditions, and section forces (cases, 3, nodes...).
     """
-    # One size for all supports of a throw, so that another support needs no new compilation.
+    # One size for all supports, so that another support needs no new compilation.
     size = max(len(MOTIONS), *(len(case.motions) for case in cases))
     parts = [_case_arrays(lattice, origin_mm, levels, case, size) for case in cases]
     basis, coarse, springs, loads = (np.stack(items) for items in zip(*parts, strict=True))
@@ -106,7 +106,7 @@ def build_supports(
 def interior_factors(
     supports: BoundaryConditions, nodes: tuple[int, int, int]
 ) -> tuple[jax.Array, jax.Array]:
-    """Factors of `interior_mask` along x (cases, 3, nx + 1) and along z (cases, 3, nz + 1)."""
+    """Return the factors of `interior_mask` along x (cases, 3, nx + 1) and along z (cases, 3, nz + 1)."""
     along_x = jnp.ones((*supports.free_x0.shape, nodes[0])).at[:, :, 0].set(supports.free_x0)
     first, last = supports.partition.at_first_plane(), supports.partition.at_last_plane()
     along_z = jnp.ones((*supports.free_x0.shape, nodes[2])).at[:, :, 0].set(jnp.where(first, 0.0, 1.0))
@@ -115,31 +115,31 @@ def interior_factors(
 
 
 def interior_mask(supports: BoundaryConditions, nodes: tuple[int, int, int], dtype: jnp.dtype) -> jax.Array:
-    """Mask (cases, 3, nodes...): 1 where a component moves on its own, 0 on mirrors and rigid sections."""
+    """Return the mask (cases, 3, nodes...): 1 where a component moves freely, else 0."""
     along_x, along_z = interior_factors(supports, nodes)
     mask = along_x[:, :, :, None, None] * along_z[:, :, None, None, :]
     return jnp.broadcast_to(mask, (*mask.shape[:2], *nodes)).astype(dtype)
 
 
 def section_coordinates(supports: BoundaryConditions, field: jax.Array) -> jax.Array:
-    """Inner products (cases, m) of the section motions with a field's end planes."""
+    """Return the inner products (cases, m) of the section motions with a field's end planes."""
     return coordinates_of_ends(supports, jnp.stack([field[..., 0], field[..., -1]], axis=-1))
 
 
 def coordinates_of_ends(supports: BoundaryConditions, ends: jax.Array) -> jax.Array:
-    """The same from the end planes alone (cases, 3, nodes along x, along y, 2)."""
+    """Return the same from the end planes alone (cases, 3, nodes along x, along y, 2)."""
     coordinates = jnp.einsum("bmpcxy,bcxyp->bm", _basis(supports, ends.dtype), ends)
     return supports.partition.sum_parts(coordinates)
 
 
 def add_section(supports: BoundaryConditions, field: jax.Array, coordinates: jax.Array) -> jax.Array:
-    """The field plus section motions on the end planes."""
+    """Return the field plus section motions on the end planes."""
     ends = jnp.einsum("bmpcxy,bm->bpcxy", _basis(supports, field.dtype), coordinates)
     return field.at[..., 0].add(ends[:, 0]).at[..., -1].add(ends[:, 1])
 
 
 def _basis(supports: BoundaryConditions, dtype: jnp.dtype) -> jax.Array:
-    """Section motions on the end planes of a part: 0 where another part goes on."""
+    """Return the section motions on the end planes of a part: 0 where another part goes on."""
     basis = supports.basis.astype(dtype)
     if supports.partition.parts == 1:
         return basis
@@ -155,7 +155,7 @@ def _free_at_z_end(case: CaseSupports) -> list[float]:
 def _case_arrays(
     lattice: Lattice, origin_mm: tuple[float, float], levels: int, case: CaseSupports, size: int
 ) -> tuple[Array, Array, Array, Array]:
-    """Orthonormal basis, the same on the coarsest grid, springs and loads in its coordinates."""
+    """Return the orthonormal basis, the same on the coarsest grid, springs and loads in its coordinates."""
     fine = _motion_fields(lattice, origin_mm, (1, 1, 1), case)
     coarse = _motion_fields(lattice, origin_mm, lattice.coarsenings(levels)[-1], case)
     count = len(case.motions)
@@ -176,7 +176,7 @@ def _case_arrays(
 def _motion_fields(
     lattice: Lattice, origin_mm: tuple[float, float], factors: Cells, case: CaseSupports
 ) -> Array:
-    """Unit motions (motions, 2, 3, nx + 1, ny + 1) on the end planes of a coarse grid."""
+    """Return the unit motions (motions, 2, 3, nx + 1, ny + 1) on the end planes of a coarse grid."""
     nx, ny = lattice.cells[0] // factors[0], lattice.cells[1] // factors[1]
     x, y = np.meshgrid(
         origin_mm[0] + lattice.dx_mm * factors[0] * np.arange(nx + 1),

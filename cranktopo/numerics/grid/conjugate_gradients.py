@@ -1,7 +1,7 @@
 """Conjugate gradients in float64, all cases at once, preconditioned by the multigrid cycle or by Jacobi.
 
 Fields have shape (cases, 3, nodes...). The relative residual that all cases must reach is `tolerance`. Only
-the preconditioner may be in float32: directions that are rounded find the same few soft motions of a web
+the preconditioner may be in float32: directions that are rounded find the same few soft motions of a body
 again and again, which takes many more cycles on fine grids.
 """
 
@@ -39,7 +39,7 @@ class System(NamedTuple):
     """Equilibrium K(moduli) u = f of every case.
 
     Attributes:
-        blocks: reflection blocks (8, 3, 3, nz) of the layers.
+        blocks: parity blocks (8, 3, 3, nz) of the layers.
         moduli: modulus per cell, float64.
         forces: (cases, 3, nodes...), float64.
     """
@@ -51,7 +51,7 @@ class System(NamedTuple):
 
 
 class CgResult(NamedTuple):
-    """What an iteration arrived at.
+    """Result of an iteration.
 
     Attributes:
         displacements: (cases, 3, nodes...).
@@ -84,7 +84,7 @@ class _CgState(NamedTuple):
 
 
 def stiffness_product(system: System, u: jax.Array) -> jax.Array:
-    """K u with the springs of the rigid sections, as far as admissible displacements feel it.
+    """Return K u with the springs of the rigid sections, as far as admissible displacements feel it.
 
     The reactions are projected out: far larger than a residual, they would drown it in float32.
     """
@@ -95,7 +95,7 @@ def stiffness_product(system: System, u: jax.Array) -> jax.Array:
 
 
 def product_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Product with the stiffness, and its work (cases,) on the admissible displacements that it is of."""
+    """Return the product with the stiffness, and its work (cases,) on its admissible displacements."""
     if system.supports.partition.parts > 1:
         return _by_product(system, u)
     return by_kernel(_by_kernel, _by_product, system, u)
@@ -107,7 +107,7 @@ def _by_product(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """The same, with masks and work of the free nodes where the product is made."""
+    """Return the same, with masks and work of the free nodes where the product is made."""
     supports, nodes = system.supports, (u.shape[2], u.shape[3], u.shape[4])
     factors = interior_factors(supports, nodes)
     free, ends, works = coupled("stiffness", "free_forces", [system.blocks, system.moduli, u, *factors])
@@ -125,7 +125,7 @@ def multigrid_cg(
     tolerance: jax.Array,
     max_iterations: jax.Array,
 ) -> CgResult:
-    """Conjugate gradients with the multigrid cycle.
+    """Solve by conjugate gradients with the multigrid cycle.
 
     Args:
         hierarchy: built from the system's moduli or from similar ones.
@@ -142,7 +142,7 @@ def multigrid_cg(
 
 @jax.jit
 def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterations: jax.Array) -> CgResult:
-    """Conjugate gradients with the inverse diagonal; result as of `multigrid_cg`."""
+    """Solve by conjugate gradients with the inverse diagonal; result as of `multigrid_cg`."""
     diagonal = stiffness_diagonal(system.blocks, system.moduli)
     inverse = jnp.where(diagonal > 0, 1 / jnp.where(diagonal > 0, diagonal, 1.0), 0.0)
 
@@ -167,7 +167,7 @@ class _Iteration:
     max_iterations: jax.Array
 
     def step(self, s: _CgState) -> _CgState:
-        """Along the next direction, as far as the energy falls."""
+        """Move along the next direction, as far as the energy falls."""
         direction, r, slope = jax.lax.cond(s.measure, self._measured, self._conjugate, s)
         # Not a result of the branches: it would be copied.
         u = jnp.where(s.measure, 0.0, s.u)
@@ -193,7 +193,7 @@ class _Iteration:
         )
 
     def _measured(self, s: _CgState) -> tuple[jax.Array, jax.Array, jax.Array]:
-        """From zero along u: the true residual, and u scaled per case to the least energy of its error.
+        """Measure the true residual, and scale u per case to the minimum energy of its error.
 
         It makes the most of the guess at the start and checks the result at the end. Where the recursive
         residual has drifted from the true one, the iteration goes on from there, as long as that still helps.
@@ -220,7 +220,7 @@ def _iterate(
     tolerance: jax.Array,
     max_iterations: jax.Array,
 ) -> CgResult:
-    """From the guess until a measurement tells to stop."""
+    """Iterate from the guess until a measurement tells to stop."""
     free = project(system.supports, system.forces)
     load = jnp.sqrt(system.supports.partition.dot(free, free))
     load = jnp.where(load > 0, load, 1.0)
@@ -250,5 +250,5 @@ def _wide(scalars: jax.Array) -> jax.Array:
 
 
 def _ratio(a: jax.Array, b: jax.Array) -> jax.Array:
-    """a / b, and 0 where there is nothing to divide by: a zero guess, a case that is already solved."""
+    """Return a / b, and 0 where there is nothing to divide by: a zero guess, a case already solved."""
     return jnp.where(b > 0, a / jnp.where(b > 0, b, 1.0), 0.0)

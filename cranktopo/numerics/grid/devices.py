@@ -34,13 +34,13 @@ _NODES: Any = Spec(None, None, None, None, AXIS)
 
 
 def devices_for(cells: tuple[int, ...]) -> int:
-    """How many of the devices that JAX finds a grid is worth: parts are equal, and none too small."""
+    """Return the number of devices that a grid is worth: parts are equal, and none too small."""
     most = min(jax.device_count(), math.prod(cells) // _LEAST_CELLS)
     return max((count for count in range(1, most + 1) if cells[2] % count == 0), default=1)
 
 
 def partition_of(tables: GridTables, parts: int) -> Partition:
-    """Levels are cut as long as the parts have equal layers; the coarsest, a dense matrix, is whole."""
+    """Return the partition: levels are cut while the parts have equal layers, the coarsest is whole."""
     levels = 1
     for coarse in tables.coarse[:-1]:
         if coarse.matrices.shape[2] % parts:
@@ -68,16 +68,16 @@ class SharedSolve:
     parts: int
 
     def result(self) -> CgResult:
-        """What `multigrid_cg` arrives at, on the first device."""
+        """Return what `multigrid_cg` arrives at, on the first device."""
         found: CgResult = jax.device_put(self.program()(*self.arguments()), jax.devices()[0])
         return found._replace(displacements=_joined(found.displacements, self.parts))
 
     def program(self) -> Any:
-        """The compiled function of all devices."""
+        """Return the compiled function of all devices."""
         return _program(self._partition, len(self.tables.coarse), self.precision)
 
     def arguments(self) -> tuple[object, ...]:
-        """What the program is called with, each on its device."""
+        """Return what the program is called with, each on its device."""
         system, partition = self.system, self._partition
         supports = system.supports._replace(partition=partition)
         there = system._replace(supports=supports, forces=_cut(system.forces, self.parts))
@@ -94,7 +94,7 @@ class SharedSolve:
 
 @lru_cache(maxsize=8)
 def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
-    """Hierarchy and iteration as one program of all devices.
+    """Return the hierarchy and iteration as one program of all devices.
 
     Args:
         coarse: number of coarse grids.
@@ -115,7 +115,7 @@ def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
 
 
 def _specs(partition: Partition, coarse: int) -> tuple[object, ...]:
-    """Which axis of every argument of the program is cut."""
+    """Return the axis that is cut of every argument of the program."""
     maps = tuple(
         CoarseMap(_SAME, _SAME, _CELLS if level < partition.levels else _SAME, _SAME)
         for level in range(1, coarse + 1)
@@ -138,14 +138,14 @@ def _mesh(parts: int) -> Mesh:
 
 @partial(jax.jit, static_argnums=1)
 def _cut(field: jax.Array, parts: int) -> jax.Array:
-    """Part after part, each with both its end planes."""
+    """Return a field part after part, each with both its end planes."""
     layers = (field.shape[-1] - 1) // parts
     return jnp.concatenate([field[..., k * layers : (k + 1) * layers + 1] for k in range(parts)], axis=-1)
 
 
 @partial(jax.jit, static_argnums=1)
 def _joined(field: jax.Array, parts: int) -> jax.Array:
-    """A field from its parts."""
+    """Return a field from its parts."""
     planes = field.shape[-1] // parts
     pieces = [field[..., k * planes : (k + 1) * planes - 1] for k in range(parts)]
     return jnp.concatenate([*pieces, field[..., -1:]], axis=-1)

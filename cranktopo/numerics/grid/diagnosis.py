@@ -17,11 +17,11 @@ from cranktopo.numerics.grid.operator import strain_energy_densities
 from cranktopo.numerics.grid.partition import WHOLE
 
 Mask = NDArray[np.bool_]
-Across = Literal["corners", "faces"]
+_Across = Literal["corners", "faces"]
 
 # Cells softer than this share of the stiffest are void, there to keep equations regular: half a percent of
 # density under SIMP. An answer that rests on them has lost seven digits to rounding and means nothing.
-VOID = 1e-7
+VOID_STIFFNESS_RATIO = 1e-7
 
 
 def void_energy_share(system: System, u: jax.Array) -> Array:
@@ -39,9 +39,9 @@ def void_energy_share(system: System, u: jax.Array) -> Array:
 
 @jax.jit
 def void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Strain energy in void cells, twice, and the work of the loads (cases,), N mm over the modulus."""
+    """Return twice the strain energy in void cells, and the work of the loads (cases,), over the modulus."""
     moduli = system.moduli
-    void = (moduli > 0) & (moduli < VOID * jnp.max(moduli))
+    void = (moduli > 0) & (moduli < VOID_STIFFNESS_RATIO * jnp.max(moduli))
 
     def energy() -> jax.Array:
         return jnp.sum(
@@ -52,8 +52,8 @@ def void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.A
     return jax.lax.cond(jnp.any(void), energy, lambda: jnp.zeros_like(work)), work
 
 
-def unsupported_load(system: System, threshold: float, across: Across = "corners") -> tuple[int, str] | None:
-    """The first load case of which some load does not reach a support through the material.
+def unsupported_load(system: System, threshold: float, across: _Across = "corners") -> tuple[int, str] | None:
+    """Return the first load case of which some load does not reach a support through the material.
 
     Args:
         threshold: cells count as material above this share of the largest modulus.
@@ -76,7 +76,7 @@ def unsupported_load(system: System, threshold: float, across: Across = "corners
 
 
 def _unsupported(supports: BoundaryConditions, case: int, forces: Array, labels: NDArray[np.int32]) -> str:
-    """What is wrong with one case's load, or nothing."""
+    """Say what is wrong with one case's load, or nothing."""
     loaded = np.abs(forces).max(axis=0) > 1e-9 * np.abs(forces).max()
     held = _held_planes(supports, case, forces, loaded.shape)
     sections = [_on_plane(loaded.shape, plane) for plane in _moving_planes(supports, case)]
@@ -99,7 +99,7 @@ def _unsupported(supports: BoundaryConditions, case: int, forces: Array, labels:
 
 
 def _touching(cells: Mask) -> Mask:
-    """Nodes that have one of the cells at a corner."""
+    """Return the nodes that have one of the cells at a corner."""
     nodes = np.zeros(tuple(n + 1 for n in cells.shape), bool)
     nx, ny, nz = cells.shape
     for i, j, k in np.ndindex(2, 2, 2):
@@ -108,7 +108,7 @@ def _touching(cells: Mask) -> Mask:
 
 
 def _bodies_at(labels: NDArray[np.int32], nodes: Mask) -> set[int]:
-    """Labels of the bodies that have a cell at one of the nodes."""
+    """Return the labels of the bodies that have a cell at one of the nodes."""
     nx, ny, nz = labels.shape
     found: set[int] = set()
     for i, j, k in np.ndindex(2, 2, 2):
@@ -123,13 +123,13 @@ def _on_plane(shape: tuple[int, ...], plane: int) -> Mask:
 
 
 def _moving_planes(supports: BoundaryConditions, case: int) -> list[int]:
-    """Rigid sections with a free motion: 0 for the first z plane, -1 for the last."""
+    """Return the rigid sections with a free motion: 0 for the first z plane, -1 for the last."""
     basis = np.asarray(supports.basis[case])
     return [plane for plane, side in ((0, 0), (-1, 1)) if np.any(basis[:, side])]
 
 
 def _held_planes(supports: BoundaryConditions, case: int, forces: Array, shape: tuple[int, ...]) -> Mask:
-    """Nodes on mirrors and sections; a section that carries the load itself does not support it."""
+    """Return nodes on mirrors and sections; a section that carries the load itself does not support it."""
     held = np.zeros(shape, bool)
     held[0] = bool(np.any(np.asarray(supports.free_x0[case]) == 0))
     held[:, :, -1] |= bool(np.any(np.asarray(supports.free_z_end[case]) == 0))

@@ -1,4 +1,4 @@
-"""Stiffness of a rectangular hexahedron, plain or with incompatible modes, and its reflection blocks.
+"""Stiffness of a rectangular hexahedron, without or with incompatible modes, and its parity blocks.
 
 Corners are numbered a = 4 i + 2 j + k with i, j, k in {0, 1} along x, y, z; degree of freedom 3 a + c.
 """
@@ -16,7 +16,7 @@ _GAUSS = (-1 / np.sqrt(3), 1 / np.sqrt(3))
 
 
 def elasticity(poisson: float) -> Array:
-    """Isotropic elasticity matrix for unit Young's modulus, shape (6, 6), order xx yy zz yz zx xy.
+    """Return the isotropic elasticity matrix for unit Young's modulus, shape (6, 6), order xx yy zz yz zx xy.
 
     Args:
         poisson: Poisson's ratio, 0 <= poisson < 0.5.
@@ -30,16 +30,16 @@ def elasticity(poisson: float) -> Array:
 
 
 def hexahedron_stiffness(
-    size_mm: tuple[float, float, float], poisson: float, *, plain: bool = False
+    size_mm: tuple[float, float, float], poisson: float, *, incompatible_modes: bool = True
 ) -> Array:
-    """Stiffness of a box-shaped 8-node hexahedron with incompatible modes for E = 1 MPa, N/mm.
+    """Return the stiffness of a box-shaped 8-node hexahedron with incompatible modes for E = 1 MPa, N/mm.
 
     The three quadratic bubble modes per direction remove parasitic shear in bending and are condensed
     out; on a box they pass the patch test without correction.
 
     Args:
         size_mm: edge lengths (x, y, z), mm.
-        plain: leave the bubbles out, to show what they are worth.
+        incompatible_modes: without, the bubbles are left out, to show what they are worth.
 
     Returns:
         Matrix of shape (24, 24), symmetric, with six rigid motions in its null space.
@@ -56,29 +56,32 @@ def hexahedron_stiffness(
         )
         blocks += volume * b.T @ d @ b
     corner, mixed, bubble = blocks[:24, :24], blocks[:24, 24:], blocks[24:, 24:]
-    stiffness = corner if plain else corner - mixed @ np.linalg.solve(bubble, mixed.T)
+    stiffness = corner - mixed @ np.linalg.solve(bubble, mixed.T) if incompatible_modes else corner
     return np.asarray((stiffness + stiffness.T) / 2)
 
 
-def reflection_blocks(stiffness: Array) -> Array:
-    """The eight 3 x 3 blocks of a hexahedron's stiffness in the basis of corner sums and differences.
+def parity_blocks(stiffness: Array) -> Array:
+    """Return the eight 3 x 3 blocks of a hexahedron's stiffness in the basis of corner sums and differences.
 
     A box of isotropic material commutes with its three reflections, so the Walsh-Hadamard transform over
-    its corners leaves one 3 x 3 block per parity class. Wave w = (wx, wy, wz) in {0, 1}^3 is a difference
-    (1) or sum (0) per axis; component c of class p belongs to wave p xor e_c.
+    its corners leaves one 3 x 3 block per parity class. Sum w = (wx, wy, wz) in {0, 1}^3 is a difference
+    (1) or sum (0) per axis; component c of class p belongs to sum p xor e_c.
 
     Returns:
         Array (8, 3, 3); class index 4 px + 2 py + pz. With it K = H^T B H for the unnormalised transform H.
     """
     signs = np.prod(np.where(CORNERS[None, :, :] == 1, 2 * CORNERS[:, None, :] - 1, 1), axis=2).astype(float)
-    waves = np.einsum("aw,acbd,bv->wcvd", signs, stiffness.reshape(8, 3, 8, 3), signs) / 64
+    sums = np.einsum("aw,acbd,bv->wcvd", signs, stiffness.reshape(8, 3, 8, 3), signs) / 64
     return np.array(
-        [[[waves[wave_of(p, c), c, wave_of(p, d), d] for d in range(3)] for c in range(3)] for p in range(8)]
+        [
+            [[sums[parity_sum_of(p, c), c, parity_sum_of(p, d), d] for d in range(3)] for c in range(3)]
+            for p in range(8)
+        ]
     )
 
 
-def wave_of(parity_class: int, component: int) -> int:
-    """Wave index (4 wx + 2 wy + wz) that a displacement component of a parity class lives on."""
+def parity_sum_of(parity_class: int, component: int) -> int:
+    """Return the index (4 wx + 2 wy + wz) of the sum that a component of a parity class lives on."""
     return parity_class ^ (4 >> component)
 
 
@@ -99,7 +102,7 @@ def _bubble_gradients(point: tuple[float, ...], size: tuple[float, float, float]
 
 
 def _strain(gradients: Array) -> Array:
-    """Strain-displacement matrix (6, 3 n) of shape-function gradients (n, 3)."""
+    """Return the strain-displacement matrix (6, 3 n) of shape-function gradients (n, 3)."""
     b = np.zeros((6, len(gradients), 3))
     dx, dy, dz = gradients.T
     b[0, :, 0], b[1, :, 1], b[2, :, 2] = dx, dy, dz
@@ -109,5 +112,5 @@ def _strain(gradients: Array) -> Array:
     return b.reshape(6, -1)
 
 
-# Entries of the reflection blocks that do not vanish by symmetry, the same for every box and material.
-COUPLED = np.abs(reflection_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3))) > 1e-12
+# Entries of the parity blocks that do not vanish by symmetry, the same for every box and material.
+COUPLED = np.abs(parity_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3))) > 1e-12

@@ -5,7 +5,12 @@ Nothing leaves this module whose true float64 residual misses its tolerance.
 
 from __future__ import annotations
 
+import ctypes
+import sys
+from collections.abc import Hashable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import isfinite
 from typing import NamedTuple
 
@@ -13,17 +18,21 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.numerics.grid.compiling import compile_multigrid
 from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
 from cranktopo.numerics.grid.devices import SharedSolve, devices_for
-from cranktopo.numerics.grid.diagnosis import VOID, unsupported_load, void_energy_share
+from cranktopo.numerics.grid.diagnosis import (
+    VOID_STIFFNESS_RATIO,
+    unsupported_load,
+    void_energy_and_work,
+    void_energy_share,
+)
 from cranktopo.numerics.grid.multigrid import GridTables, build_hierarchy
 from cranktopo.numerics.precision import Precision
 
 # An answer of which void decides more than this share is refused.
 _VOID_SHARE = 0.5
 # Only cells stiffer than this share of the stiffest count as joined when a failure is explained.
-_SOFT = 1e-3
+_JOINED_STIFFNESS_RATIO = 1e-3
 
 
 class Solution(NamedTuple):
@@ -70,7 +79,7 @@ def solve_system(
     names: tuple[str, ...],
     precision: Precision = "float32",
 ) -> Solution:
-    """Displacements of every case, their true residual at most the tolerance.
+    """Return the displacements of every case, their true residual at most the tolerance.
 
     Args:
         guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros; the
@@ -101,7 +110,7 @@ def solve_system(
 def run_method(
     method: Method, tables: GridTables, system: System, guess: jax.Array, tolerance: float
 ) -> CgResult:
-    """What one method arrives at; the others have not been tried."""
+    """Return what one method arrives at; the others have not been tried."""
     limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
@@ -137,7 +146,7 @@ def _check_numbers(system: System, names: tuple[str, ...]) -> None:
 
 @jax.jit
 def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, ...]:
-    """Least and largest modulus, whether all are finite, and whether the forces of each case are.
+    """Return minimum and largest modulus, whether all are finite, and whether the forces of each case are.
 
     A compiled minimum may pass over what is not a number; a sum does not.
     """
@@ -150,20 +159,24 @@ def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[
     shares = void_energy_share(system, result.displacements)
     if not shares.max() > _VOID_SHARE:
         return
-    found = unsupported_load(system, VOID)
+    found = unsupported_load(system, VOID_STIFFNESS_RATIO)
     if found is None and not solved:
         return
-    case, reason = found or _hinge(system, VOID) or (int(shares.argmax()), "a part of the structure is loose")
+    case, reason = (
+        found
+        or _hinge(system, VOID_STIFFNESS_RATIO)
+        or (int(shares.argmax()), "a part of the structure is loose")
+    )
     raise CranktopoError(
         f"solver: load case {names[case]} has no answer that means anything: {reason}; {shares.max():.0%} of "
-        f"its work is done on void, cells softer than {VOID:.0e} of the stiffest.",
+        f"its work is done on void, cells softer than {VOID_STIFFNESS_RATIO:.0e} of the stiffest.",
         hint="Join the load to the supports with material: move the load or raise the volume fraction.",
         code=ExitCode.SOLVER,
     )
 
 
 def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
-    """The first case whose load reaches its supports across edges or corners only."""
+    """Return the first case whose load reaches its supports across edges or corners only."""
     found = unsupported_load(system, threshold, "faces")
     return found and (
         found[0],
@@ -172,7 +185,7 @@ def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
 
 
 def _check_load_path(system: System, names: tuple[str, ...]) -> None:
-    """Before slower methods are tried: a singular system has no answer."""
+    """Refuse a singular system before slower methods are tried."""
     found = unsupported_load(system, 0.0)
     if found is not None:
         case, reason = found
@@ -188,7 +201,7 @@ def _failure(
 ) -> CranktopoError:
     residual = [float(r) for r in result.relative_residual]
     worst = residual.index(max(residual))
-    found = unsupported_load(system, _SOFT) or _hinge(system, _SOFT)
+    found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
     reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
     return CranktopoError(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
@@ -196,3 +209,35 @@ def _failure(
         hint="Check that a load path joins the journals, or use a smaller stiffness contrast.",
         code=ExitCode.SOLVER,
     )
+
+
+def compile_multigrid(tables: GridTables, system: System, precision: Precision) -> None:
+    """Compile the programs of a solve at once; calls on arrays of these shapes find them.
+
+    Half of a compilation is serial: one after the other they take a third longer on two cores.
+    """
+    leaves, structure = jax.tree.flatten((tables, system))
+    _compile(structure, tuple(jax.ShapeDtypeStruct(leaf.shape, leaf.dtype) for leaf in leaves), precision)
+
+
+@lru_cache(maxsize=64)
+def _compile(structure: Hashable, shapes: tuple[jax.ShapeDtypeStruct, ...], precision: Precision) -> None:
+    tables, system = jax.tree.unflatten(structure, shapes)
+    limits = jnp.asarray(2), system.forces, jnp.asarray(1e-2), jnp.asarray(1)
+    with ThreadPoolExecutor(2) as pool:
+        building = build_hierarchy.lower(tables, system.supports, system.moduli, precision)
+        jobs = [pool.submit(building.compile)]
+        iterating = multigrid_cg.lower(system, building.out_info, *limits)
+        jobs.append(pool.submit(iterating.compile))
+        jobs.append(pool.submit(void_energy_and_work.lower(system, system.forces).compile))
+        for job in jobs:
+            job.result()
+    _give_back_memory()
+
+
+def _give_back_memory() -> None:
+    """Hand what compilers freed to the system: the allocator would keep some 300 MiB (glibc)."""
+    if sys.platform == "linux":
+        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+        if trim is not None:
+            trim(0)

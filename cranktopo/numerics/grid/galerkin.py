@@ -18,7 +18,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.element import CORNERS
 from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_stiffness
-from cranktopo.numerics.grid.slabs import add_slabs
+from cranktopo.numerics.grid.operator import add_slabs
 from cranktopo.numerics.kernels.registry import by_kernel, coupled
 from cranktopo.numerics.kernels.stencil import OFFSETS
 from cranktopo.numerics.precision import Precision
@@ -55,7 +55,7 @@ class CoarseMap(NamedTuple):
 
 @lru_cache(maxsize=32)
 def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
-    """Constants of one coarse grid.
+    """Return the constants of one coarse grid.
 
     Args:
         factors: fine cells per coarse cell along (x, y, z).
@@ -71,13 +71,13 @@ def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
 
 
 def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
-    """Stiffness matrices (8, 3, 8, 3, coarse cells...) of the Galerkin operator P^T K P."""
+    """Return the stiffness matrices (8, 3, 8, 3, coarse cells...) of the Galerkin operator P^T K P."""
     entries = _entries(coarse, jnp.asarray(coarse.matrices, moduli.dtype), moduli)
     return entries.reshape(8, 3, 8, 3, *entries.shape[1:])
 
 
 def _entries(coarse: CoarseMap, matrices: jax.Array, moduli: jax.Array) -> jax.Array:
-    """Some entries of the stiffness matrices of coarse cells (entries, coarse cells...)."""
+    """Return some entries of the stiffness matrices of coarse cells (entries, coarse cells...)."""
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, matrices.shape[2]
     weights_x, weights_y = (jnp.asarray(a, moduli.dtype) for a in (coarse.weights_x, coarse.weights_y))
@@ -92,7 +92,7 @@ def _entries(coarse: CoarseMap, matrices: jax.Array, moduli: jax.Array) -> jax.A
 
 
 def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision) -> jax.Array:
-    """Stencil of the Galerkin operator: the blocks that couple a node to itself and to its later neighbours.
+    """Return the Galerkin operator's stencil: blocks that couple a node to itself and later neighbours.
 
     Slab by slab along x: matrices of all coarse cells at once would be the most memory that a solve takes.
 
@@ -112,7 +112,7 @@ def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision)
 
 
 def _summed_pairs(entries: jax.Array) -> jax.Array:
-    """Blocks (nodes along x, along y, 14, 3, 3, along z) from those of corner pairs (pairs x 9, cells...)."""
+    """Return blocks (nodes along x, y, 14, 3, 3, along z) from corner pairs (pairs x 9, cells...)."""
     nx, ny, nz = entries.shape[1:]
     blocks = entries.reshape(len(_PAIRS), 3, 3, nx, ny, nz)
 
@@ -130,7 +130,7 @@ def _summed_pairs(entries: jax.Array) -> jax.Array:
 
 
 def assemble_dense(cells: jax.Array) -> jax.Array:
-    """Dense matrix (n, n) of cell matrices; degrees of freedom in the order of a field (3, nodes...)."""
+    """Return the dense matrix (n, n) of cell matrices; freedoms in the order of a field (3, nodes...)."""
     shape = cells.shape[4:]
     nodes = np.arange(int(np.prod([n + 1 for n in shape]))).reshape([n + 1 for n in shape])
     corners = np.stack(
@@ -143,7 +143,7 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """Product of a stencil operator with fields, of their shape: a kernel on the processor, elsewhere JAX."""
+    """Return a stencil operator's product with fields: by a kernel on the processor, elsewhere by JAX."""
     return by_kernel(_apply_by_kernel, _apply_by_sums, stencil, field)
 
 
@@ -152,7 +152,7 @@ def _apply_by_kernel(*arrays: jax.Array) -> jax.Array:
 
 
 def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """The product as JAX code."""
+    """Return the product as JAX code."""
     # A node of zeros around the grid: no neighbour is missing. Without the barrier XLA recomputes what made
     # the field once per neighbour.
     padded = jax.lax.optimization_barrier(jnp.pad(field, ((0, 0), (0, 0), (1, 1), (1, 1), (1, 1))))
@@ -168,7 +168,7 @@ def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:
 
 
 def _block_product(blocks: jax.Array, field: jax.Array) -> jax.Array:
-    """Block times displacement at every node.
+    """Return the block times displacement at every node.
 
     Term by term: as a matrix product a GPU would round the numbers to 10 bits, and as a `jnp.sum` jaxlib
     0.10.2 computes the second load case wrong on a processor.
@@ -178,7 +178,7 @@ def _block_product(blocks: jax.Array, field: jax.Array) -> jax.Array:
 
 
 def _neighbours(padded: jax.Array, offset: tuple[int, ...]) -> jax.Array:
-    """What the neighbours of all nodes have."""
+    """Return what the neighbours of all nodes have."""
     i, j, k = offset
     nx, ny, nz = padded.shape[2:]
     return padded[:, :, 1 + i : nx - 1 + i, 1 + j : ny - 1 + j, 1 + k : nz - 1 + k]
@@ -191,17 +191,17 @@ def _add_at(padded: jax.Array, values: jax.Array, offset: tuple[int, ...]) -> ja
 
 
 def stencil_diagonal(stencil: jax.Array) -> jax.Array:
-    """Diagonal (3, nodes...) of a stencil operator."""
+    """Return the diagonal (3, nodes...) of a stencil operator."""
     return jnp.stack([stencil[:, :, 0, c, c] for c in range(3)])
 
 
 def _samples(n: int) -> list[int]:
-    """Positions among n fine cells in a row at which quadratics are sampled."""
+    """Return the positions among n fine cells in a row at which quadratics are sampled."""
     return sorted({0, (n - 1) // 2, n - 1}) if n > 2 else list(range(n))
 
 
 def _moment_weights(n: int) -> Array:
-    """Lagrange polynomials of the sample positions at every fine cell in a row (samples, n)."""
+    """Return the Lagrange polynomials of the sample positions at every fine cell in a row (samples, n)."""
     samples = _samples(n)
     weights = np.ones((len(samples), n))
     for row, here in zip(weights, samples, strict=True):
@@ -213,7 +213,7 @@ def _moment_weights(n: int) -> Array:
 
 @lru_cache(maxsize=64)
 def _layer_map(lattice: Lattice, factors: Cells, heights: tuple[float, ...]) -> tuple[Array, float]:
-    """Map (moments, 576) of a coarse layer from sampled P^T K_e P, and the bound of its spectrum.
+    """Return the map (moments, 576) of a coarse layer from sampled P^T K_e P, and the bound of its spectrum.
 
     Every K_i <= b_i diag(K_i), so a sum of them with positive moduli is at most max b_i times its diagonal.
     """
@@ -230,13 +230,13 @@ def _layer_map(lattice: Lattice, factors: Cells, heights: tuple[float, ...]) -> 
 
 
 def jacobi_bound(stiffness: Array) -> float:
-    """Largest eigenvalue of diag(K)^-1 K of a cell."""
+    """Return the largest eigenvalue of diag(K)^-1 K of a cell."""
     root = 1 / np.sqrt(np.diag(stiffness))
     return float(np.linalg.eigvalsh(root[:, None] * stiffness * root).max())
 
 
 def _interpolation(cell: Cells, factors: Cells) -> Array:
-    """Trilinear weights (8 fine corners, 8 coarse corners) of a fine cell inside its coarse cell."""
+    """Return trilinear weights (8 fine corners, 8 coarse corners) of a fine cell inside its coarse cell."""
     position = (np.array(cell) + CORNERS) / np.array(factors)  # (8, 3) in [0, 1]
     weights = np.where(CORNERS[None] == 1, position[:, None], 1 - position[:, None])
     return np.asarray(np.prod(weights, axis=2))

@@ -38,7 +38,7 @@ def largest_eigenvalues(
 
 
 def _steps(stencil: jax.Array, root: jax.Array, partition: Partition) -> tuple[jax.Array, jax.Array]:
-    """The tridiagonal matrix of Lanczos steps: its diagonal, and what couples each step to the next."""
+    """Return tridiagonal matrix of Lanczos steps: its diagonal, and what couples each step to the next."""
     waves = jnp.sin(partition.node_numbers(root.shape).astype(stencil.dtype) * 12.9898)[None]
     waves = waves * (root > 0)
 
@@ -60,7 +60,7 @@ def _steps(stencil: jax.Array, root: jax.Array, partition: Partition) -> tuple[j
 
 
 def _bound(matrix: tuple[jax.Array, jax.Array]) -> jax.Array:
-    """Largest eigenvalue of a tridiagonal matrix and what the next step would couple to it."""
+    """Return the largest eigenvalue of a tridiagonal matrix and what the next step would couple to it."""
     diagonal, sides = matrix
     inner = jnp.diag(sides[:-1], 1)
     values, vectors = jnp.linalg.eigh(jnp.diag(diagonal) + inner + inner.T)

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.grid.element import hexahedron_stiffness, reflection_blocks
+from cranktopo.numerics.grid.element import hexahedron_stiffness, parity_blocks
 
 Cells = tuple[int, int, int]
 
@@ -23,7 +23,7 @@ class Lattice:
 
     Attributes:
         dz_mm: cell edge along z for each of the nz layers, mm.
-        plain: hexahedra without incompatible modes.
+        incompatible_modes: of the hexahedra; without, they are too stiff in bending.
     """
 
     cells: Cells
@@ -31,7 +31,7 @@ class Lattice:
     dy_mm: float
     dz_mm: tuple[float, ...]
     poisson: float
-    plain: bool = False
+    incompatible_modes: bool = True
 
     @property
     def nodes(self) -> tuple[int, int, int]:
@@ -45,7 +45,7 @@ class Lattice:
         return (3, *self.nodes)
 
     def coarsenings(self, levels: int) -> tuple[Cells, ...]:
-        """Fine cells per coarse cell along (x, y, z) on every coarse grid of the multigrid hierarchy.
+        """Return fine cells per coarse cell along (x, y, z) on every coarse grid of the multigrid hierarchy.
 
         All axes are halved `levels` times; then those that still can, until a dense solve is cheap.
         """
@@ -65,16 +65,16 @@ class Lattice:
 
 @lru_cache(maxsize=64)
 def layer_stiffness(lattice: Lattice, layer: int) -> Array:
-    """Stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa."""
+    """Return the stiffness (24, 24) of a cell in a z layer for unit modulus, N/mm per MPa."""
     size = lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[layer]
-    return hexahedron_stiffness(size, lattice.poisson, plain=lattice.plain)
+    return hexahedron_stiffness(size, lattice.poisson, incompatible_modes=lattice.incompatible_modes)
 
 
 @lru_cache(maxsize=16)
 def layer_blocks(lattice: Lattice) -> Array:
-    """Reflection blocks (8, 3, 3, nz) of every layer; entries that vanish by symmetry are exactly zero."""
+    """Return parity blocks (8, 3, 3, nz) of every layer; entries that vanish by symmetry are exactly zero."""
     heights = sorted(set(lattice.dz_mm))
-    known = {h: reflection_blocks(layer_stiffness(lattice, lattice.dz_mm.index(h))) for h in heights}
+    known = {h: parity_blocks(layer_stiffness(lattice, lattice.dz_mm.index(h))) for h in heights}
     blocks = np.stack([known[h] for h in lattice.dz_mm], axis=-1)
     blocks[np.abs(blocks) < 1e-12 * np.abs(blocks).max()] = 0.0
     return blocks

@@ -32,7 +32,7 @@ from cranktopo.numerics.grid.lanczos import largest_eigenvalues
 from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.numerics.grid.partition import WHOLE, Partition
-from cranktopo.numerics.grid.smoothing import Smoother, Smoothing, steps_of
+from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling
 from cranktopo.numerics.grid.transfer import add_prolonged, prolong, restrict
 from cranktopo.numerics.precision import Precision
 
@@ -49,7 +49,7 @@ class GridTables(NamedTuple):
     """Constants of a lattice; arguments of the compiled functions, so that grids of one size share them.
 
     Attributes:
-        blocks: reflection blocks (8, 3, 3, nz) of the layers.
+        blocks: parity blocks (8, 3, 3, nz) of the layers.
         bound: bound of the Jacobi-scaled spectrum on the finest level.
     """
 
@@ -62,7 +62,7 @@ class Hierarchy(NamedTuple):
     """Everything the V-cycle needs for one set of moduli.
 
     Attributes:
-        blocks: reflection blocks of the finest layers; all arrays have the precision of the cycle.
+        blocks: parity blocks of the finest layers; all arrays have the precision of the cycle.
         moduli: moduli of the finest cells over the largest one.
         steps: per level above the coarsest, inverse diagonal over the largest eigenvalue of the
             Jacobi-scaled operator, (3, nodes...), 0 in void.
@@ -79,7 +79,7 @@ class Hierarchy(NamedTuple):
 
 @lru_cache(maxsize=4)
 def build_tables(lattice: Lattice, levels: int) -> GridTables:
-    """Constants of a lattice and of its coarse grids."""
+    """Return the constants of a lattice and of its coarse grids."""
     heights = {lattice.dz_mm.index(h) for h in lattice.dz_mm}
     bound = max(jacobi_bound(layer_stiffness(lattice, layer)) for layer in heights)
     coarse = tuple(coarse_map(lattice, factors) for factors in lattice.coarsenings(levels))
@@ -90,7 +90,7 @@ def build_tables(lattice: Lattice, levels: int) -> GridTables:
 def build_hierarchy(
     tables: GridTables, supports: BoundaryConditions, moduli: jax.Array, precision: Precision = "float32"
 ) -> Hierarchy:
-    """Coarse operators and smoothers for one set of moduli; of a part, where the supports are cut."""
+    """Return coarse operators and smoothers for one set of moduli; of a part, where the supports are cut."""
     partition = supports.partition
     scale = partition.largest(jnp.max(moduli))
     moduli = moduli / scale
@@ -119,7 +119,7 @@ def build_hierarchy(
 def _coarse_steps(
     stencils: Sequence[jax.Array], levels: Sequence[Partition], bounds: Sequence[Array] | None
 ) -> Iterator[jax.Array]:
-    """Inverse diagonals over bounds, or estimates, of the spectra of the Jacobi-scaled stencils."""
+    """Return inverse diagonals over bounds, or estimates, of the spectra of the Jacobi-scaled stencils."""
     inverses = [
         _safe_inverse(at.add_interfaces(stencil_diagonal(stencil)))
         for stencil, at in zip(stencils, levels, strict=False)
@@ -138,7 +138,7 @@ def apply_cycle(
     residual: jax.Array,
     norm: jax.Array,
 ) -> tuple[jax.Array, jax.Array]:
-    """One V-cycle: an approximate, symmetric positive definite inverse applied to a residual.
+    """Apply one V-cycle to a residual: an approximate, symmetric positive definite inverse.
 
     Args:
         degree: number of smoothing steps before and after the coarse correction on the finest level; twice as
@@ -165,7 +165,7 @@ def _cycle(
     residual: jax.Array,
     level: int,
 ) -> jax.Array:
-    """Smoothing, coarse correction, smoothing."""
+    """Smooth, correct on the coarser grid, smooth."""
     if level == len(hierarchy.steps):
         return _solve_coarse(hierarchy, residual)
     partition, coarser = supports.partition, supports.partition.at_level(level + 1)
@@ -182,12 +182,12 @@ def _cycle(
         field = state.field + correction
     else:
         correction, field = add_prolonged(found, state.field)
-    return smoother.after(Smoothing(correction, field, state.residual), counts[level]).field
+    return smoother.after(SmootherState(correction, field, state.residual), counts[level]).field
 
 
 def level_smoother(hierarchy: Hierarchy, supports: BoundaryConditions, level: int) -> Smoother:
-    """Operator and steps of a level, 0 the finest."""
-    steps = steps_of(hierarchy.steps[level], supports)
+    """Return the operator and steps of a level, 0 the finest."""
+    steps = jacobi_scaling(hierarchy.steps[level], supports)
     if level == 0:
         arrays = hierarchy.blocks, hierarchy.moduli
         return Smoother("stiffness", apply_stiffness, arrays, steps, supports.partition)
@@ -199,7 +199,7 @@ def _nodes(field: jax.Array) -> Cells:
 
 
 def smoothing_steps(degree: _Count, level: int, nodes: int) -> _Count:
-    """Smoothing steps before and after the coarse correction of a level; nodes are those of the finest."""
+    """Return smoothing steps before and after a level's coarse correction; nodes are the finest's."""
     # Coarse levels cost little: smoothing them more saves a third of the cycles.
     halved = level == 1 and nodes > _LARGE_NODES
     return degree * (level + 1) // (2 if halved else 1)
@@ -220,7 +220,7 @@ def _solve_coarse(hierarchy: Hierarchy, residual: jax.Array) -> jax.Array:
 
 
 def _coarse_inverse(dense: jax.Array, supports: BoundaryConditions) -> jax.Array:
-    """Dense inverse per case in the space of free nodes and section motions; 0 where it has none."""
+    """Return dense inverse per case in the space of free nodes and section motions; 0 where it has none."""
     nodes = (supports.coarse_basis.shape[4], supports.coarse_basis.shape[5])
     size = dense.shape[0]
     layers = size // (3 * nodes[0] * nodes[1])
@@ -257,7 +257,7 @@ def project(
     scale: jax.Array | None = None,
     more: jax.Array | float = 0.0,
 ) -> jax.Array:
-    """Orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
+    """Return the orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
 
     For nodal forces it is the part that admissible displacements feel.
 

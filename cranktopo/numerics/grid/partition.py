@@ -20,7 +20,7 @@ AXIS = "z"
 @jax.tree_util.register_static
 @dataclass(frozen=True)
 class Partition:
-    """How a grid is cut.
+    """Partition of a grid among devices.
 
     Attributes:
         parts: number of parts.
@@ -31,32 +31,32 @@ class Partition:
     levels: int = 0
 
     def at_level(self, level: int) -> Partition:
-        """How the arrays of a level are cut."""
+        """Return the partition of the arrays of a level."""
         return self if level < self.levels else WHOLE
 
     def at_first_plane(self) -> bool | jax.Array:
-        """Whether this part has the first plane of the grid."""
+        """Tell whether this part has the first plane of the grid."""
         return self.parts == 1 or jax.lax.axis_index(AXIS) == 0
 
     def at_last_plane(self) -> bool | jax.Array:
-        """Whether this part has the last plane of the grid."""
+        """Tell whether this part has the last plane of the grid."""
         return self.parts == 1 or jax.lax.axis_index(AXIS) == self.parts - 1
 
     def add_interfaces(self, nodal: jax.Array) -> jax.Array:
-        """Sums of what both neighbours found on an interface, on both."""
+        """Return the sums of what both neighbours found on an interface, on both."""
         if self.parts == 1:
             return nodal
         below = jax.lax.ppermute(nodal[..., -1], AXIS, [(part, part + 1) for part in range(self.parts - 1)])
         return nodal.at[..., 0].add(below).at[..., -1].add(self._from_above(nodal))
 
     def copy_interfaces(self, nodal: jax.Array) -> jax.Array:
-        """Values of an interface as the part above it has them, on both: rounding lets them drift apart."""
+        """Return the values of an interface as the part above has them, on both: rounding lets them drift."""
         if self.parts == 1:
             return nodal
         return nodal.at[..., -1].set(jnp.where(self.at_last_plane(), nodal[..., -1], self._from_above(nodal)))
 
     def halve_interfaces(self, nodal: jax.Array) -> jax.Array:
-        """Complete values shared out, so that what is summed from them is complete after `add_interfaces`."""
+        """Share complete values out, so that sums of them are complete after `add_interfaces`."""
         if self.parts == 1:
             return nodal
         first, last = self.at_first_plane(), self.at_last_plane()
@@ -64,7 +64,7 @@ class Partition:
         return halved.at[..., -1].multiply(jnp.where(last, 1.0, 0.5))
 
     def dot(self, a: jax.Array, b: jax.Array) -> jax.Array:
-        """Scalar product of two fields (cases, 3, nodes...), per case."""
+        """Return the scalar product of two fields (cases, 3, nodes...), per case."""
         terms = a * b
         if self.parts > 1:
             terms = terms.at[..., -1].multiply(self.at_last_plane())
@@ -75,24 +75,24 @@ class Partition:
         return jax.lax.psum(numbers, AXIS) if self.parts > 1 else numbers
 
     def largest(self, number: jax.Array) -> jax.Array:
-        """The largest of the parts' numbers, on all."""
+        """Return the largest of the parts' numbers, on all."""
         return jax.lax.pmax(number, AXIS) if self.parts > 1 else number
 
     def whole_cells(self, cells: jax.Array) -> jax.Array:
-        """The field of all parts' cells, on all."""
+        """Return the field of all parts' cells, on all."""
         if self.parts == 1:
             return cells
         return jax.lax.all_gather(cells, AXIS, axis=cells.ndim - 1, tiled=True)
 
     def whole_nodes(self, nodal: jax.Array) -> jax.Array:
-        """The field of all parts' nodes, on all."""
+        """Return the field of all parts' nodes, on all."""
         if self.parts == 1:
             return nodal
         end = jax.lax.all_gather(nodal[..., -1], AXIS)[-1]
         return jnp.concatenate([self.whole_cells(nodal[..., :-1]), end[..., None]], axis=-1)
 
     def own_nodes(self, whole: jax.Array) -> jax.Array:
-        """This part of a whole field."""
+        """Return the this part of a whole field."""
         if self.parts == 1:
             return whole
         layers = (whole.shape[-1] - 1) // self.parts
@@ -100,7 +100,7 @@ class Partition:
         return jax.lax.dynamic_slice_in_dim(whole, start, layers + 1, axis=whole.ndim - 1)
 
     def node_numbers(self, shape: tuple[int, ...]) -> jax.Array:
-        """Number of every entry of a part's nodal array in the whole one, counted along memory."""
+        """Return the number of every entry of a part's nodal array in the whole one, counted along memory."""
         *outer, planes = shape
         layers = planes - 1
         start = 0 if self.parts == 1 else jax.lax.axis_index(AXIS) * layers
@@ -108,7 +108,7 @@ class Partition:
         return rows * (layers * self.parts + 1) + start + jnp.arange(planes)
 
     def _from_above(self, nodal: jax.Array) -> jax.Array:
-        """The first plane of the part above; zeros where there is none."""
+        """Return the first plane of the part above; zeros where there is none."""
         return jax.lax.ppermute(nodal[..., 0], AXIS, [(part + 1, part) for part in range(self.parts - 1)])
 
 

@@ -18,7 +18,7 @@ from cranktopo.numerics.grid.partition import Partition
 from cranktopo.numerics.kernels.registry import by_kernel, coupled
 
 
-class Smoothing(NamedTuple):
+class SmootherState(NamedTuple):
     """Fields (cases, 3, nodes...) between two steps.
 
     Attributes:
@@ -30,8 +30,8 @@ class Smoothing(NamedTuple):
     residual: jax.Array
 
 
-class Steps(NamedTuple):
-    """Jacobi steps of a level, and where components move on their own.
+class JacobiScaling(NamedTuple):
+    """Jacobi scaling of a level, and where components move on their own.
 
     Attributes:
         sizes: inverse diagonal over the largest eigenvalue of the Jacobi-scaled operator (3, nodes...).
@@ -43,7 +43,7 @@ class Steps(NamedTuple):
     along_z: jax.Array
 
     def __call__(self, residual: jax.Array) -> jax.Array:
-        """Correction by one Jacobi step."""
+        """Return the correction by one Jacobi step."""
         masks = self.along_x[:, :, :, None, None] * self.along_z[:, :, None, None, :]
         return masks * self.sizes * residual
 
@@ -60,61 +60,61 @@ class Smoother:
     name: str
     apply: Callable[..., jax.Array]
     arrays: Sequence[jax.Array]
-    steps: Steps
+    scaling: JacobiScaling
     partition: Partition
 
-    def start(self, residual: jax.Array) -> Smoothing:
-        """From a field of zeros."""
-        first = 4 / 3 * self.steps(residual)
-        return Smoothing(first, first, residual)
+    def start(self, residual: jax.Array) -> SmootherState:
+        """Begin from a field of zeros."""
+        first = 4 / 3 * self.scaling(residual)
+        return SmootherState(first, first, residual)
 
-    def before(self, state: Smoothing, count: int | jax.Array) -> Smoothing:
-        """So many corrections in all, the first one in the state; the last residual knows of all of them."""
+    def before(self, state: SmootherState, count: int | jax.Array) -> SmootherState:
+        """Apply so many corrections in all, the first one in the state; the last residual knows of them."""
         return self._sweeps(state, count, 1, count)
 
-    def after(self, state: Smoothing, count: int | jax.Array) -> Smoothing:
-        """So many corrections more."""
+    def after(self, state: SmootherState, count: int | jax.Array) -> SmootherState:
+        """Apply so many corrections more."""
         return self._sweeps(state, count, 0, count + 1)
 
     def _sweeps(
-        self, state: Smoothing, count: int | jax.Array, first: int, end: int | jax.Array
-    ) -> Smoothing:
-        """So many products, from a number of the recursion on; from `end` on only residuals change."""
+        self, state: SmootherState, count: int | jax.Array, first: int, end: int | jax.Array
+    ) -> SmootherState:
+        """Apply so many products, from a number of the recursion on; from `end` on only residuals change."""
 
-        def sweep(index: jax.Array, state: Smoothing) -> Smoothing:
+        def sweep(index: jax.Array, state: SmootherState) -> SmootherState:
             number = index + first
             return self._step(state, jnp.where(number < end, _weights(number), 0.0))
 
         return jax.lax.fori_loop(0, count, sweep, state)
 
-    def _step(self, state: Smoothing, weights: jax.Array) -> Smoothing:
+    def _step(self, state: SmootherState, weights: jax.Array) -> SmootherState:
         weights = weights.astype(state.field.dtype)
         if self.partition.parts > 1:
-            return self._by_product(self.arrays, state, self.steps, weights)
-        return by_kernel(self._by_kernel, self._by_product, self.arrays, state, self.steps, weights)
+            return self._by_product(self.arrays, state, self.scaling, weights)
+        return by_kernel(self._by_kernel, self._by_product, self.arrays, state, self.scaling, weights)
 
     def _by_kernel(
-        self, arrays: Sequence[jax.Array], state: Smoothing, steps: Steps, weights: jax.Array
-    ) -> Smoothing:
-        return Smoothing(*coupled(self.name, "smoothing", [*arrays, *state, *steps, weights]))
+        self, arrays: Sequence[jax.Array], state: SmootherState, scaling: JacobiScaling, weights: jax.Array
+    ) -> SmootherState:
+        return SmootherState(*coupled(self.name, "smoothing", [*arrays, *state, *scaling, weights]))
 
     def _by_product(
-        self, arrays: Sequence[jax.Array], state: Smoothing, steps: Steps, weights: jax.Array
-    ) -> Smoothing:
+        self, arrays: Sequence[jax.Array], state: SmootherState, scaling: JacobiScaling, weights: jax.Array
+    ) -> SmootherState:
         keep, fresh = weights
         forces = self.partition.add_interfaces(self.apply(*arrays, state.correction))
         residual = state.residual - forces
-        correction = keep * state.correction + fresh * steps(residual)
-        return Smoothing(correction, state.field + correction, residual)
+        correction = keep * state.correction + fresh * scaling(residual)
+        return SmootherState(correction, state.field + correction, residual)
 
 
-def steps_of(sizes: jax.Array, supports: BoundaryConditions) -> Steps:
-    """The steps of a level under the supports of every case."""
+def jacobi_scaling(sizes: jax.Array, supports: BoundaryConditions) -> JacobiScaling:
+    """Return the Jacobi scaling of a level under the supports of every case."""
     _, nx, ny, nz = sizes.shape
     along_x, along_z = interior_factors(supports, (nx, ny, nz))
-    return Steps(sizes, along_x.astype(sizes.dtype), along_z.astype(sizes.dtype))
+    return JacobiScaling(sizes, along_x.astype(sizes.dtype), along_z.astype(sizes.dtype))
 
 
 def _weights(number: jax.Array) -> jax.Array:
-    """Weights of the last correction and of a Jacobi step in correction `number` + 1."""
+    """Return the weights of the last correction and of a Jacobi step in correction `number` + 1."""
     return jnp.stack([jnp.maximum(2 * number - 1, 0), 8 * number + 4]) / (2 * number + 3)

@@ -12,7 +12,7 @@ from cranktopo.numerics.kernels.registry import by_kernel, called
 
 
 def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Transpose of trilinear interpolation: fine nodal forces to the next coarser grid.
+    """Return the transpose of trilinear interpolation: fine nodal forces to the next coarser grid.
 
     Args:
         nodes: node counts of the coarser grid; an axis with as many as the finer one stays as it is.
@@ -28,7 +28,7 @@ def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
 
 
 def add_prolonged(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Interpolation of a coarse field to the grid of a finer one, and the sum of both."""
+    """Return the interpolation of a coarse field to the grid of a finer one, and the sum of both."""
     if not _halved(field.shape[2:], coarse.shape[2:]):
         return _add_prolonged(coarse, field)
     return by_kernel(_add_by_kernel, _add_prolonged, coarse, field)
@@ -45,12 +45,12 @@ def _add_prolonged(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.
 
 
 def _halved(fine: tuple[int, ...], coarse: tuple[int, ...]) -> bool:
-    """Whether the coarse grid has every second node along all axes."""
+    """Tell whether the coarse grid has every second node along all axes."""
     return all(one == 2 * other - 1 for one, other in zip(fine, coarse, strict=True))
 
 
 def _restricted(field: jax.Array, nodes: Cells) -> jax.Array:
-    """The same as JAX code."""
+    """Return the same as JAX code."""
     for axis, count in zip((2, 3, 4), nodes, strict=True):
         size = field.shape[axis]
         if size == count:
@@ -64,7 +64,7 @@ def _restricted(field: jax.Array, nodes: Cells) -> jax.Array:
 
 
 def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Trilinear interpolation of a coarse field to the next finer grid.
+    """Return the trilinear interpolation of a coarse field to the next finer grid.
 
     Args:
         nodes: node counts of the finer grid; an axis with as many as the coarser one stays as it is.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import zipfile
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -63,14 +64,11 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
     Raises:
         CranktopoError: it cannot be read.
     """
-    import trimesh
-
     name = name or f"'{path}'"
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give a closed STL in mm.")
     try:
         with path.open("rb") as file:
-            mesh = trimesh.load_mesh(file, file_type="stl")
-        surface = SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
+            surface = _of_stl(file)
     except Exception as error:  # trimesh raises what its parsers raise, all meaning this
         raise CranktopoError(
             f"{name}: cannot be read as STL: {shown(str(error))}.", hint="Export it again as STL, mm."
@@ -81,6 +79,18 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
             hint="Export it again as STL, mm.",
         )
     return surface
+
+
+def as_stored(mesh: SurfaceMesh) -> SurfaceMesh:
+    """Return what `read_stl` reads of a mesh that was written: single precision, vertices joined."""
+    return _of_stl(io.BytesIO(_stl(mesh)))
+
+
+def _of_stl(file: BinaryIO) -> SurfaceMesh:
+    import trimesh
+
+    mesh = trimesh.load_mesh(file, file_type="stl")
+    return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
 
 
 def _stl(mesh: SurfaceMesh) -> bytes:

@@ -82,7 +82,7 @@ def _settings(cell_mm: float) -> tuple[OptimiserModel, ...]:
         OptimiserModel(cell_mm, "tolerance 1e-2", SolverSettings(tolerance=1e-2)),
         OptimiserModel(cell_mm, "tolerance 1e-8", tight),
         OptimiserModel(cell_mm, "tolerance 1e-8, float64", double),
-        OptimiserModel(cell_mm, "plain hexahedra", SolverSettings(plain=True)),
+        OptimiserModel(cell_mm, "plain hexahedra", SolverSettings(incompatible_modes=False)),
     )
 
 

@@ -22,7 +22,7 @@ from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.compare.plot import scatter_points
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import percent_table, published_table, value_table
-from cranktopo.tasks.extraction.undercut_table import DesignUndercuts, undercut_table
+from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     BENDING_PER_MASS,

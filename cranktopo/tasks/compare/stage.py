@@ -26,7 +26,7 @@ from cranktopo.tasks.bound.bound_for_result import bounds_for_result
 from cranktopo.tasks.compare.evaluated_goal import evaluated_goals
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
-from cranktopo.tasks.extraction.undercut_table import DesignUndercuts
+from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_fatigue
 from cranktopo.tasks.fea.case_stress import case_stress
 from cranktopo.tasks.fea.evaluation import Info

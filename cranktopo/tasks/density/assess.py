@@ -22,7 +22,7 @@ TOLERANCE = 1e-8
 
 
 def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:
-    """Stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
+    """Return stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
 
     Raises:
         CranktopoError: the solve failed.
@@ -30,26 +30,26 @@ def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array
     first, last = domain.web_layers
     solid = domain.fixed.copy()
     solid[:, :, first:last] += domain.design[:, :, first:last] * density
-    moduli = np.asarray(_moduli(problem.chain, density))
+    moduli = np.asarray(_moduli(problem.density_chain, density))
     return _assess(problem.model, scene, domain, moduli, solid)
 
 
 def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessment:
-    """The scene's own web on the same grid, in the same model."""
+    """Return the scene's own web on the same grid, in the same model."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
     return _assess(model, scene, domain, original.fixed, original.fixed)
 
 
 def assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
-    """The design space all solid: no design is stiffer."""
-    return assess(problem, scene, domain, np.asarray(problem.chain.design > 0, float))
+    """Return the design space all solid: no design is stiffer."""
+    return assess(problem, scene, domain, np.asarray(problem.density_chain.design_fraction > 0, float))
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
     forces = case_forces(model, jnp.asarray(solid))
     solution = solve(model, jnp.asarray(moduli), forces=forces, tolerance=TOLERANCE)
-    works = compliances(model, solution.displacements, forces)
-    work = [float(c) for c in works]
+    found = compliances(model, solution.displacements, forces)
+    work = [float(c) for c in found]
     cases = tuple(
         CaseResult(
             name=case.name,
@@ -64,7 +64,7 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     kg = solid * domain.volume_mm3 / domain.share
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
-    design = Design(jnp.asarray(moduli), jnp.asarray(solid), works, works, solution.displacements)
+    design = Design(jnp.asarray(moduli), jnp.asarray(solid), found, found, solution.displacements)
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume

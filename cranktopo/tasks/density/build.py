@@ -5,20 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import jax
+import numpy as np
+
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.goal.constraint import minimum_scale, scale_of
-from cranktopo.design.goal.limit import Goal as WantedGoal
-from cranktopo.design.goal.limit import Limit
+from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.filters.density_filter import ConeFilter, boundary_correction
 from cranktopo.tasks.density.assess import assess_original
-from cranktopo.tasks.density.chain import build_chain
-from cranktopo.tasks.density.material import Interpolation
+from cranktopo.tasks.density.length_scale import filter_radius_mm, projection_for
+from cranktopo.tasks.density.manufacturing import designable, process_block
+from cranktopo.tasks.density.material import Block, MaterialInterpolation, build_interpolation
 from cranktopo.tasks.density.model import ThrowModel, build_model
+from cranktopo.tasks.density.optimisation_problem import Objective, OptimisationProblem, ResponseConstraint
 from cranktopo.tasks.density.problem import DensityProblem, Schedule, SolverSettings
 from cranktopo.tasks.density.proposals import by_moving_asymptotes, by_optimality_criteria
 from cranktopo.tasks.density.responses import (
@@ -28,9 +33,8 @@ from cranktopo.tasks.density.responses import (
     volume,
     weighted_compliance,
 )
-from cranktopo.tasks.density.statement import Goal, Requirement, Statement
 
-LEFT_TO_EVALUATION = "fatigue_safety"
+_LEFT_TO_EVALUATION = "fatigue_safety"
 # Half the design space is where the projection turns neither way.
 _START = 0.5
 
@@ -38,20 +42,20 @@ _START = 0.5
 def build_problem(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
 ) -> DensityProblem:
-    """The optimisation problem of a scene on a domain; call inside `double_precision()`.
+    """Return the optimisation problem of a scene on a domain; call inside `double_precision()`.
 
     Raises:
         CranktopoError: a goal or limit without its load case.
     """
     solving = solving or SolverSettings()
     settings = scene.optimise
-    model = build_model(scene, domain, cases, plain=solving.plain)
-    chain = build_chain(scene, domain)
+    model = build_model(scene, domain, cases, incompatible_modes=solving.incompatible_modes)
+    density_chain = build_chain(scene, domain)
     weights = tuple(float(getattr(settings.weights, case.kind)) for case in cases)
     goal = wanted(scene)
     original = None if goal is None else assess_original(model, scene, domain)
-    statement = (
-        _of_volume(chain, model, weights, settings)
+    optimisation = (
+        _of_volume(density_chain, model, weights, settings)
         if goal is None or original is None
         else _of_goal(
             goal, quantities(model, scene.material.density_kg_m3, bolted_mass(scene)), original.quantities
@@ -60,11 +64,11 @@ def build_problem(
     simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"
     return DensityProblem(
         model=model,
-        chain=chain,
+        density_chain=density_chain,
         weights=weights,
         target=settings.volume_fraction if goal is None else None,
         max_iterations=settings.max_iterations,
-        statement=statement,
+        optimisation=optimisation,
         method=by_optimality_criteria if simple else by_moving_asymptotes,
         start=settings.volume_fraction if goal is None else _START,
         solving=solving,
@@ -75,33 +79,33 @@ def build_problem(
     )
 
 
-def with_limits(problem: DensityProblem, *limits: Requirement) -> DensityProblem:
-    """The problem with further limits, by the method that takes any."""
-    statement = replace(problem.statement, limits=(*problem.statement.limits, *limits))
-    return replace(problem, statement=statement, method=by_moving_asymptotes)
+def with_limits(problem: DensityProblem, *limits: ResponseConstraint) -> DensityProblem:
+    """Return the problem with further limits, by the method that takes any."""
+    optimisation = replace(problem.optimisation, limits=(*problem.optimisation.limits, *limits))
+    return replace(problem, optimisation=optimisation, method=by_moving_asymptotes)
 
 
 def _of_volume(
-    chain: Interpolation, model: ThrowModel, weights: tuple[float, ...], settings: Optimise
-) -> Statement:
-    limit = Requirement(volume(chain), "<=", settings.volume_fraction)
+    density_chain: MaterialInterpolation, model: ThrowModel, weights: tuple[float, ...], settings: Optimise
+) -> OptimisationProblem:
+    limit = ResponseConstraint(volume(density_chain), "<=", settings.volume_fraction)
     if settings.combine == "sum":
-        return Statement((Goal(weighted_compliance(weights)),), (limit,))
+        return OptimisationProblem((Objective(weighted_compliance(weights)),), (limit,))
     names = model.case_names
     cases = [
         relative_compliance(index, names[index], weight) for index, weight in enumerate(weights) if weight
     ]
-    return Statement(tuple(Goal(case) for case in cases), (limit,))
+    return OptimisationProblem(tuple(Objective(case) for case in cases), (limit,))
 
 
-def _of_goal(goal: WantedGoal, known: Mapping[str, Response], original: Mapping[str, float]) -> Statement:
+def _of_goal(goal: Goal, known: Mapping[str, Response], original: Mapping[str, float]) -> OptimisationProblem:
     first, least = _known(known, goal.quantity, "goal"), minimum_scale(goal.quantity, original)
-    return Statement(
-        (Goal(first, goal.sense, scale_of(original[goal.quantity], 0.0, least)),),
+    return OptimisationProblem(
+        (Objective(first, goal.sense, scale_of(original[goal.quantity], 0.0, least)),),
         tuple(
             _requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
             for limit in goal.limits
-            if limit.quantity != LEFT_TO_EVALUATION
+            if limit.quantity != _LEFT_TO_EVALUATION
         ),
     )
 
@@ -109,7 +113,7 @@ def _of_goal(goal: WantedGoal, known: Mapping[str, Response], original: Mapping[
 def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
     if quantity in known:
         return known[quantity]
-    if quantity == LEFT_TO_EVALUATION:
+    if quantity == _LEFT_TO_EVALUATION:
         raise invalid(
             key,
             quantity,
@@ -125,8 +129,32 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
     )
 
 
-def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> Requirement:
+def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> ResponseConstraint:
     own = original[limit.quantity]
     bound = limit.value / 100 * own if limit.percent else limit.value
     least = minimum_scale(limit.quantity, original)
-    return Requirement(response, limit.sense, bound, own, limit.percent, least)
+    return ResponseConstraint(response, limit.sense, bound, own, limit.percent, least)
+
+
+def build_chain(scene: Scene, domain: Domain) -> MaterialInterpolation:
+    """Return the density-to-modulus chain of a scene on a domain; call inside `double_precision()`."""
+    radius = filter_radius_mm(scene, domain)
+    density_chain = build_interpolation(domain, radius, designable(scene, domain))
+    return replace(
+        density_chain,
+        process=process_block(scene, domain),
+        projection=projection_for(scene, radius),
+        penalty=scene.optimise.penalty,
+        boundary_correction=_boundary_correction(density_chain.density_filter, scene, domain),
+    )
+
+
+def _boundary_correction(density_filter: Block, scene: Scene, domain: Domain) -> jax.Array | None:
+    """Return what keeps a member as thick as asked along a wall of the design space."""
+    if scene.optimise.min_member_mm is None or not isinstance(density_filter, ConeFilter):
+        return None
+    (first, last), reach = domain.web_layers, density_filter.kernel.shape[2] // 2
+    main, pin = (np.repeat(domain.fixed[:, :, layer, None], reach, axis=2) for layer in (first - 1, last))
+    return boundary_correction(
+        density_filter, np.concatenate([main, domain.fixed[:, :, first:last], pin], axis=2)
+    )

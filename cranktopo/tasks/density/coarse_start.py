@@ -34,7 +34,7 @@ _SOFTER = 2
 
 
 def coarse_scene(scene: Scene, domain: Domain) -> Scene | None:
-    """The scene on cells twice as large; None where few cells or a short length leave nothing to gain."""
+    """Return scene on cells twice as large; None where few cells or a short length leave nothing to gain."""
     cell, radius = 2 * scene.optimise.resolution_mm, filter_radius_mm(scene, domain)
     lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
     fits = (
@@ -53,7 +53,7 @@ def first_state(
     cases: Sequence[LoadCase],
     progress: Progress = lambda *_: None,
 ) -> State:
-    """The state before the first iteration: a design from larger cells where they will do, else uniform.
+    """Return state before the first iteration: a design from larger cells where they will do, else uniform.
 
     Call inside `double_precision()`.
 
@@ -73,7 +73,7 @@ def first_state(
     while not state.done:
         state = loop.step(coarse, state)
         progress(coarse, state)
-    x = interpolated(state.x, np.asarray(coarse.chain.design), there, domain)
+    x = interpolated(state.x, np.asarray(coarse.density_chain.design_fraction), there, domain)
     told = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
     beta = max(schedule.projection_first, schedule.projection_last / 2**_SOFTER)
     start = replace(loop.init(problem), x=x, evaluated=x, beta=beta)
@@ -81,7 +81,7 @@ def first_state(
 
 
 def interpolated(x: Array, design: Array, there: Domain, here: Domain) -> Array:
-    """Design variables on other cells, trilinear between the centres of cells that have any.
+    """Return the design variables on other cells, trilinear between the centres of cells that have any.
 
     Args:
         x, design: variables and designable fractions of the web's cells (nx, ny, nw) of `there`.

@@ -10,36 +10,36 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.density.problem import DensityProblem, Schedule
-from cranktopo.tasks.density.state import Record, Round, State
+from cranktopo.tasks.density.state import MovedBounds, Record, State
 
 # A stage has settled, and the last one converged, when the objective changes by less over the window.
 STAGE_PLATEAU, FINAL_PLATEAU = 5e-3, 1e-3
-WINDOW = 3
+_WINDOW = 3
 # The volume may differ by the first, as a share of the design space; a limit may be broken by the second.
 FEASIBILITY, LIMIT_FEASIBILITY = 1e-3, 2e-3
-GREYNESS_LIMIT = 0.15
+_GREYNESS_LIMIT = 0.15
 # No design is found for all limits when over so many iterations the worst comes no nearer than by this
 # share; another start may find one, so it is no proof that they exclude each other. Below the last, a matter
 # of the steps alone.
 STUCK_WINDOW, STUCK, STUCK_LEAST = 6, 0.8, 1e-2
 # The steeper the projection, the smaller the move: a full step would flip boundary cells to and fro.
-MOVE_LEAST = 0.05
+_MOVE_LEAST = 0.05
 
 
 def advance(problem: DensityProblem, state: State, new_x: Array) -> State:
-    """The next design, its projection, and whether the evaluated one ends the run."""
+    """Return the next design, its projection, and whether the evaluated one ends the run."""
     schedule, last = problem.schedule, state.last
     in_stage = len(state.history) - state.stage_start
-    plateau = _plateau(state, in_stage) if in_stage > WINDOW else np.inf
+    plateau = _plateau(state, in_stage) if in_stage > _WINDOW else np.inf
     beta, stage_start = state.beta, state.stage_start
     if beta < schedule.projection_last and (plateau < STAGE_PLATEAU or in_stage >= schedule.stage_iterations):
         beta, stage_start = min(2 * beta, schedule.projection_last), len(state.history)
     following = replace(state, x=new_x, beta=beta, stage_start=stage_start)
     settled = last.beta >= schedule.projection_last and plateau < FINAL_PLATEAU
-    if settled and _feasible(problem, last) and last.greyness <= GREYNESS_LIMIT:
+    if settled and _feasible(problem, last) and last.greyness <= _GREYNESS_LIMIT:
         reason = (
-            f"objective changed by less than {100 * FINAL_PLATEAU:g} % over {WINDOW} iterations, "
-            f"{_kept(problem)}, greyness {last.greyness:.3f} at most {GREYNESS_LIMIT:g}"
+            f"objective changed by less than {100 * FINAL_PLATEAU:g} % over {_WINDOW} iterations, "
+            f"{_kept(problem)}, greyness {last.greyness:.3f} at most {_GREYNESS_LIMIT:g}"
         )
         return replace(following, status="converged", reason=reason)
     if _stuck(problem, state, in_stage):
@@ -65,8 +65,8 @@ def _kept(problem: DensityProblem) -> str:
 
 
 def _broken(problem: DensityProblem, last: Record) -> str:
-    """Which limits are broken, and what was reached."""
-    pairs = zip(problem.statement.limits, last.limits, strict=False)
+    """Return which limits are broken, and what was reached."""
+    pairs = zip(problem.optimisation.limits, last.limits, strict=False)
     texts = [
         f"{limit}: reached {limit.shown(value)}"
         for limit, value in pairs
@@ -76,7 +76,7 @@ def _broken(problem: DensityProblem, last: Record) -> str:
 
 
 def _stuck(problem: DensityProblem, state: State, in_stage: int) -> bool:
-    """Whether broken limits have come no nearer during two windows at the final projection."""
+    """Tell whether broken limits have come no nearer during two windows at the final projection."""
     last = state.last
     if last.beta < problem.schedule.projection_last or last.broken <= STUCK_LEAST:
         return False
@@ -87,33 +87,33 @@ def _stuck(problem: DensityProblem, state: State, in_stage: int) -> bool:
 
 
 def largest_move(schedule: Schedule, beta: float) -> float:
-    """Largest change of a design variable by one step."""
-    return max(min(MOVE_LEAST, schedule.move), schedule.move / math.sqrt(beta))
+    """Return the largest change of a design variable by one step."""
+    return max(min(_MOVE_LEAST, schedule.move), schedule.move / math.sqrt(beta))
 
 
 def tolerance_at(problem: DensityProblem, beta: float) -> float:
-    """Relative residual that a solve at this projection steepness must reach."""
+    """Return the relative residual that a solve at this projection steepness must reach."""
     solving = problem.solving
     return solving.tolerance if beta >= problem.schedule.projection_last else solving.tolerance_early
 
 
 def with_limit(problem: DensityProblem, state: State) -> State:
-    """A stopped state set running again when the problem's iteration limit allows more."""
+    """Set a stopped state running again when the problem's iteration limit allows more."""
     if state.status == "stopped" and len(state.history) < problem.max_iterations:
         return replace(state, status="running", reason="")
     return state
 
 
 def with_bounds(state: State, bounds: Sequence[float]) -> State:
-    """A converged state set running again at the same projection, the limits of its problem at new bounds."""
-    now = Round(state.last.iteration, tuple(bounds))
+    """Set a converged state running again at the same projection, its limits at new bounds."""
+    now = MovedBounds(state.last.iteration, tuple(bounds))
     return replace(
         state, status="running", reason="", stage_start=len(state.history), rounds=(*state.rounds, now)
     )
 
 
 def iterations_left(problem: DensityProblem, state: State) -> int:
-    """Upper estimate of the iterations still needed, for the progress display."""
+    """Return the upper estimate of the iterations still needed, for the progress display."""
     schedule = problem.schedule
     stages = 1 + math.ceil(math.log2(schedule.projection_last / state.beta))
     in_stage = len(state.history) - state.stage_start
@@ -122,6 +122,6 @@ def iterations_left(problem: DensityProblem, state: State) -> int:
 
 
 def _plateau(state: State, in_stage: int) -> float:
-    """Relative spread of the objective over the last window of the current stage."""
-    recent = [row.objective for row in state.history[-min(WINDOW + 1, in_stage) :]]
+    """Return the relative spread of the objective over the last window of the current stage."""
+    recent = [row.objective for row in state.history[-min(_WINDOW + 1, in_stage) :]]
     return (max(recent) - min(recent)) / abs(recent[-1])

@@ -17,10 +17,10 @@ from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.assess import assess_envelope
-from cranktopo.tasks.density.material import Interpolation, solid_fraction
+from cranktopo.tasks.density.material import MaterialInterpolation, solid_fraction
+from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.responses import Design
-from cranktopo.tasks.density.statement import Requirement
 
 _ROUNDING = 1e-6
 
@@ -34,15 +34,15 @@ def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
         CranktopoError: such limits, with what can be reached (exit code 6), or two that contradict each other
             now that the original's value is known.
     """
-    _check_together(problem.statement.limits)
+    _check_together(problem.optimisation.limits)
     found = [
-        _of_cells(problem, limit) for limit in problem.statement.limits if not limit.response.needs_solve
+        _of_cells(problem, limit) for limit in problem.optimisation.limits if not limit.response.needs_solve
     ]
-    if any(_monotone(limit) for limit in problem.statement.limits):
+    if any(_monotone(limit) for limit in problem.optimisation.limits):
         full = assess_envelope(problem, scene, domain).quantities
         found += [
             (limit, full[limit.response.name], "the whole envelope reaches")
-            for limit in problem.statement.limits
+            for limit in problem.optimisation.limits
             if _monotone(limit) and limit.response.name in full
         ]
     broken = [item for item in found if item[0].broken(item[1]) > _ROUNDING]
@@ -54,7 +54,7 @@ def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
         )
 
 
-def _check_together(limits: Sequence[Requirement]) -> None:
+def _check_together(limits: Sequence[ResponseConstraint]) -> None:
     """Refuse a range whose ends, in different units, have changed places."""
     upper = {limit.response.name: limit for limit in limits if limit.sense == "<="}
     for low in (limit for limit in limits if limit.sense == ">="):
@@ -70,25 +70,25 @@ def _check_together(limits: Sequence[Requirement]) -> None:
             )
 
 
-def _monotone(limit: Requirement) -> bool:
-    """Whether the limit is met best by the stiffest design."""
+def _monotone(limit: ResponseConstraint) -> bool:
+    """Tell whether the limit is met best by the stiffest design."""
     return limit.response.stiffest == {"<=": "least", ">=": "most"}[limit.sense]
 
 
-def _of_cells(problem: DensityProblem, limit: Requirement) -> tuple[Requirement, float, str]:
-    """Best value of a sum over the cells, and what has it."""
-    chain = problem.chain
+def _of_cells(problem: DensityProblem, limit: ResponseConstraint) -> tuple[ResponseConstraint, float, str]:
+    """Return the best value of a sum over the cells, and what has it."""
+    density_chain = problem.density_chain
 
-    def reached(density: jax.Array, chain: Interpolation) -> jax.Array:
-        solid = solid_fraction(chain, density)
+    def reached(density: jax.Array, density_chain: MaterialInterpolation) -> jax.Array:
+        solid = solid_fraction(density_chain, density)
         nothing = jnp.zeros(0)
         return limit.response.value(Design(solid, solid, nothing, nothing, nothing))
 
-    value_and_slope = jax.jit(jax.value_and_grad(reached))
-    _, slope = value_and_slope(np.zeros(chain.design.shape), chain)
-    density = np.where((np.asarray(slope) > 0) == (limit.sense == ">="), 1.0, 0.0)
-    share = float(density[np.asarray(chain.design) > 0].mean())
+    value_and_gradient = jax.jit(jax.value_and_grad(reached))
+    _, gradient = value_and_gradient(np.zeros(density_chain.design_fraction.shape), density_chain)
+    density = np.where((np.asarray(gradient) > 0) == (limit.sense == ">="), 1.0, 0.0)
+    share = float(density[np.asarray(density_chain.design_fraction) > 0].mean())
     what = {0.0: "the journals alone have", 1.0: "the whole envelope has"}.get(
         share, "the best share of the envelope has"
     )
-    return limit, float(value_and_slope(density, chain)[0]), what
+    return limit, float(value_and_gradient(density, density_chain)[0]), what

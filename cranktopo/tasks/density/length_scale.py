@@ -2,7 +2,7 @@
 
 A plate of design variables has its largest filtered density in its middle. While that is below the threshold
 of the eroded design, the plate is not there, has no stiffness, and an optimiser does not make it: the least
-member is the width that the made design has when the eroded one is about to vanish. Rods and balls vanish
+member is the width that the nominal design has when the eroded one is about to vanish. Rods and balls vanish
 earlier, so that a plate decides. Gaps are the same with void and the dilated design.
 
 Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011; X. Qian, O. Sigmund, CMAME
@@ -18,15 +18,15 @@ from cranktopo.numerics.filters.projection import THRESHOLD, Projection
 
 LEAST_CELLS = 2.0
 """Cells that the least member or gap must span."""
-LARGEST_THRESHOLD = 0.75
+_LARGEST_THRESHOLD = 0.75
 """Of the eroded design: nearer to 1 it answers too little to the design variables."""
 
 
 def least_width(eroded: float) -> float:
-    """Least width of a member of the made design, over the filter radius.
+    """Return the minimum width of a member of the nominal design, over the filter radius.
 
     Args:
-        eroded: threshold of the eroded design, from that of the made one up to below 1.
+        eroded: threshold of the eroded design, from that of the nominal one up to below 1.
     """
     from scipy.optimize import brentq
 
@@ -35,41 +35,41 @@ def least_width(eroded: float) -> float:
 
 
 def eroded_threshold(width: float) -> float:
-    """Threshold of the eroded design for a least width over the filter radius: the inverse of `least_width`.
+    """Return the eroded design's threshold for a width over the filter radius: inverse of `least_width`.
 
     Raises:
         ValueError: a width that the largest threshold does not reach.
     """
     from scipy.optimize import brentq
 
-    return float(brentq(lambda eroded: least_width(eroded) - width, THRESHOLD, LARGEST_THRESHOLD))
+    return float(brentq(lambda eroded: least_width(eroded) - width, THRESHOLD, _LARGEST_THRESHOLD))
 
 
 def projection_for(scene: Scene, radius_mm: float) -> Projection:
-    """The thresholds that a scene's least member and gap take with a filter radius."""
+    """Return the thresholds that a scene's least member and gap take with a filter radius."""
     settings = scene.optimise
     above, below = (
-        eroded_threshold(min(length / radius_mm, least_width(LARGEST_THRESHOLD))) if length else THRESHOLD
+        eroded_threshold(min(length / radius_mm, least_width(_LARGEST_THRESHOLD))) if length else THRESHOLD
         for length in (settings.min_member_mm, settings.min_gap_mm)
     )
     return Projection(THRESHOLD, above, 1.0 - below)
 
 
 def filter_radius_mm(scene: Scene, domain: Domain) -> float:
-    """Radius of the filter: the scene's own, or the usual one, or what its least member and gap need."""
+    """Return the filter radius: the scene's own, the usual one, or what its least member and gap need."""
     given = scene.optimise.filter_radius_mm
-    return given or max(usual_filter_radius_mm(domain), needed_filter_radius_mm(scene))
+    return given or max(_usual_filter_radius_mm(domain), _needed_filter_radius_mm(scene))
 
 
-def usual_filter_radius_mm(domain: Domain) -> float:
-    """Filter radius when the scene asks for nothing: 2.5 cells, and never below 3 mm."""
+def _usual_filter_radius_mm(domain: Domain) -> float:
+    """Return the filter radius when the scene asks for nothing: 2.5 cells, and never below 3 mm."""
     return max(3.0, 2.5 * domain.grid.largest_edge_mm)
 
 
-def needed_filter_radius_mm(scene: Scene) -> float:
-    """Smallest filter radius for the scene's least member and gap; 0 where it asks for none."""
+def _needed_filter_radius_mm(scene: Scene) -> float:
+    """Return the smallest filter radius for the scene's least member and gap; 0 where it asks for none."""
     lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
-    return max(length or 0.0 for length in lengths) / least_width(LARGEST_THRESHOLD)
+    return max(length or 0.0 for length in lengths) / least_width(_LARGEST_THRESHOLD)
 
 
 def check_lengths(scene: Scene) -> None:
@@ -90,7 +90,7 @@ def check_lengths(scene: Scene) -> None:
                 f"most {largest:g} mm (web.thickness_mm)",
                 "Smaller cells resolve smaller lengths.",
             )
-    given, needed = settings.filter_radius_mm, needed_filter_radius_mm(scene)
+    given, needed = settings.filter_radius_mm, _needed_filter_radius_mm(scene)
     if given is not None and given < needed:
         raise invalid(
             "optimise.filter_radius_mm",
@@ -101,8 +101,8 @@ def check_lengths(scene: Scene) -> None:
 
 
 def length_notice(scene: Scene, domain: Domain) -> str:
-    """What least member and gap change without being asked; empty where nothing."""
-    usual, used = usual_filter_radius_mm(domain), filter_radius_mm(scene, domain)
+    """Say what minimum member and gap change without being asked; empty where nothing."""
+    usual, used = _usual_filter_radius_mm(domain), filter_radius_mm(scene, domain)
     if scene.optimise.filter_radius_mm is not None or used == usual:
         return ""
     return f"the filter radius is {used:.3g} mm instead of {usual:.3g} mm, as needed for {_asked(scene)}"

@@ -15,7 +15,7 @@ from cranktopo.numerics.grid.equilibrium import Solution
 from cranktopo.tasks.density.continuation import advance, tolerance_at
 from cranktopo.tasks.density.material import (
     PLAIN,
-    Interpolation,
+    MaterialInterpolation,
     dilated_density,
     eroded_density,
     greyness,
@@ -46,10 +46,10 @@ class WebDensities:
 
 
 def init(problem: DensityProblem) -> State:
-    """The uniform start design."""
-    x = np.full(problem.chain.design.shape, problem.start)
+    """Return the uniform start design."""
+    x = np.full(problem.density_chain.design_fraction.shape, problem.start)
     cases, *nodes = problem.model.forces.shape
-    displacements = np.zeros((cases if problem.chain.projection == PLAIN else 2 * cases, *nodes))
+    displacements = np.zeros((cases if problem.density_chain.projection == PLAIN else 2 * cases, *nodes))
     return State(x=x, evaluated=x, displacements=displacements, beta=problem.schedule.projection_first)
 
 
@@ -64,13 +64,13 @@ def step(problem: DensityProblem, state: State) -> State:
     """
     started = time.perf_counter()
     problem = problem.with_bounds(state.bounds)
-    design, robust, solutions, volume, grey = _solved(problem, state)
-    proposal = problem.method(problem, state, design, robust)
+    design, eroded, solutions, volume, grey = _solved(problem, state)
+    proposal = problem.method(problem, state, design, eroded)
     record = Record(
         iteration=len(state.history) + 1,
         beta=state.beta,
         objective=proposal.objective,
-        compliance_N_mm=tuple(float(c) for c in design.works),
+        compliance_N_mm=tuple(float(c) for c in design.compliances),
         volume_fraction=volume,
         greyness=grey,
         change=float(np.abs(proposal.x - state.x).max()),
@@ -85,7 +85,7 @@ def step(problem: DensityProblem, state: State) -> State:
         state,
         evaluated=state.x,
         displacements=np.concatenate([np.asarray(solution.displacements) for solution in solutions]),
-        initial_N_mm=tuple(float(c) for c in design.first_works),
+        initial_N_mm=tuple(float(c) for c in design.reference_compliances),
         history=(*state.history, record),
         memory=dict(proposal.memory),
     )
@@ -96,30 +96,30 @@ class _Solved(NamedTuple):
     """The design as it is made, its eroded and dilated form, and how they were solved."""
 
     design: Design
-    robust: Design
+    eroded: Design
     solutions: tuple[Solution, ...]
     volume_fraction: float
     greyness: float
 
 
 def _solved(problem: DensityProblem, state: State) -> _Solved:
-    """The state's design under its loads; also the robust one where it is another."""
-    chain, x, beta = problem.chain, jnp.asarray(state.x), jnp.asarray(state.beta)
-    moduli, solid, volume, grey = _made(chain, x, beta)
+    """Return the state's design under its loads; also the eroded and dilated one where it is another."""
+    density_chain, x, beta = problem.density_chain, jnp.asarray(state.x), jnp.asarray(state.beta)
+    moduli, solid, volume, grey = _nominal(density_chain, x, beta)
     cases = len(problem.model.cases)
     design, solution = _loaded(problem, state, moduli, solid, state.displacements[:cases])
-    if chain.projection == PLAIN:
+    if density_chain.projection == PLAIN:
         return _Solved(design, design, (solution,), float(volume), float(grey))
-    moduli, solid = _robust(chain, x, beta)
-    robust, other = _loaded(problem, state, moduli, solid, state.displacements[cases:])
-    robust = robust._replace(first_works=design.first_works)
-    return _Solved(design, robust, (solution, other), float(volume), float(grey))
+    moduli, solid = _eroded(density_chain, x, beta)
+    eroded, other = _loaded(problem, state, moduli, solid, state.displacements[cases:])
+    eroded = eroded._replace(reference_compliances=design.reference_compliances)
+    return _Solved(design, eroded, (solution, other), float(volume), float(grey))
 
 
 def _loaded(
     problem: DensityProblem, state: State, moduli: jax.Array, solid: jax.Array, guess: Array
 ) -> tuple[Design, Solution]:
-    """A design under its loads, and how it was solved."""
+    """Return a design under its loads, and how it was solved."""
     model = problem.model
     forces = case_forces(model, solid)
     solution = solve(
@@ -130,40 +130,46 @@ def _loaded(
         tolerance=tolerance_at(problem, state.beta),
         precision=problem.solving.precision,
     )
-    works = compliances(model, solution.displacements, forces)
-    first = jnp.asarray(state.initial_N_mm) if state.initial_N_mm else works
+    found = compliances(model, solution.displacements, forces)
+    first = jnp.asarray(state.initial_N_mm) if state.initial_N_mm else found
     u = on_material(solution.displacements, moduli)
-    return Design(moduli, solid, works, first, u), solution
+    return Design(moduli, solid, found, first, u), solution
 
 
 def final_design(problem: DensityProblem, state: State) -> WebDensities:
-    """Densities of the last design evaluated."""
-    return design_of(problem.chain, state.evaluated, state.last.beta)
+    """Return the densities of the last design evaluated."""
+    return design_of(problem.density_chain, state.evaluated, state.last.beta)
 
 
-def design_of(chain: Interpolation, x: Array, beta: float) -> WebDensities:
-    """Densities of design variables at a projection steepness."""
-    filtered, physical = _densities(chain, jnp.asarray(x), jnp.asarray(beta))
+def design_of(density_chain: MaterialInterpolation, x: Array, beta: float) -> WebDensities:
+    """Return the densities of design variables at a projection steepness."""
+    filtered, physical = _densities(density_chain, jnp.asarray(x), jnp.asarray(beta))
     return WebDensities(filtered=np.asarray(filtered), physical=np.asarray(physical))
 
 
 @jax.jit
-def _densities(chain: Interpolation, x: jax.Array, beta: jax.Array) -> tuple[jax.Array, jax.Array]:
-    return smooth_density(chain, x) * (chain.design > 0), physical_density(chain, x, beta)
+def _densities(
+    density_chain: MaterialInterpolation, x: jax.Array, beta: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    return smooth_density(density_chain, x) * (density_chain.design_fraction > 0), physical_density(
+        density_chain, x, beta
+    )
 
 
 @jax.jit
-def _made(
-    chain: Interpolation, x: jax.Array, beta: jax.Array
+def _nominal(
+    density_chain: MaterialInterpolation, x: jax.Array, beta: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-    """Moduli, solid fraction, volume fraction and greyness of the design itself."""
-    density = physical_density(chain, x, beta)
-    moduli, solid = relative_moduli(chain, density), solid_fraction(chain, density)
-    return moduli, solid, volume_fraction(chain, density), greyness(chain, density)
+    """Return the moduli, solid fraction, volume fraction and greyness of the design itself."""
+    density = physical_density(density_chain, x, beta)
+    moduli, solid = relative_moduli(density_chain, density), solid_fraction(density_chain, density)
+    return moduli, solid, volume_fraction(density_chain, density), greyness(density_chain, density)
 
 
 @jax.jit
-def _robust(chain: Interpolation, x: jax.Array, beta: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Moduli of the eroded design and solid fraction of the dilated one."""
-    moduli = relative_moduli(chain, eroded_density(chain, x, beta))
-    return moduli, solid_fraction(chain, dilated_density(chain, x, beta))
+def _eroded(
+    density_chain: MaterialInterpolation, x: jax.Array, beta: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Return the moduli of the eroded design and solid fraction of the dilated one."""
+    moduli = relative_moduli(density_chain, eroded_density(density_chain, x, beta))
+    return moduli, solid_fraction(density_chain, dilated_density(density_chain, x, beta))

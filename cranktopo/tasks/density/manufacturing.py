@@ -20,7 +20,7 @@ from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.bodies.through_holes import through_holes
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import Die, Parting, reachable
+from cranktopo.numerics.filters.forging import ForgingConstraint, Parting, reachable
 from cranktopo.numerics.filters.tool_access import ONE_CELL, Direction, Offsets, ToolAccess
 from cranktopo.tasks.density.material import web_cell_mm
 
@@ -30,22 +30,22 @@ _RAMP_CELLS, _RIM_CELLS = 3.0, 0.25
 
 
 def is_manufactured(scene: Scene) -> bool:
-    """Whether a process limits the shape, in a scene as it is simulated."""
+    """Tell whether a process limits the shape, in a scene as it is simulated."""
     return scene.effects.manufacturing_constraint == "on"
 
 
 def pull_axis(scene: Scene) -> int:
-    """Axis along which the halves of a die or mould leave."""
+    """Return the axis along which the halves of a die or mould leave."""
     return X if scene.optimise.parting == "lateral" else Z
 
 
 def tool_radius_mm(scene: Scene) -> float:
-    """Radius of the end mill, mm."""
+    """Return the radius of the end mill, mm."""
     return scene.optimise.tool_radius_mm or scene.throw.radius_mm / 10
 
 
 def designable(scene: Scene, domain: Domain) -> Array:
-    """Designable fraction of the cells of the web's layers (nx, ny, nw), less what no die half reaches."""
+    """Return the designable fraction of the web's cells (nx, ny, nw), less what no die half reaches."""
     first, last = domain.web_layers
     design = domain.design[:, :, first:last]
     if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
@@ -61,8 +61,8 @@ def unreachable_share(scene: Scene, domain: Domain) -> float:
     return float(1 - kept.sum() / (domain.design * domain.volume_mm3)[:, :, first:last].sum())
 
 
-def process_block(scene: Scene, domain: Domain) -> Die | ToolAccess | None:
-    """The scene's process as a block of the density chain; call inside `double_precision()`."""
+def process_block(scene: Scene, domain: Domain) -> ForgingConstraint | ToolAccess | None:
+    """Return the scene's process as a block of the density chain; call inside `double_precision()`."""
     if not is_manufactured(scene):
         return None
     if scene.optimise.process == "cast":
@@ -71,7 +71,7 @@ def process_block(scene: Scene, domain: Domain) -> Die | ToolAccess | None:
 
 
 def parting_of(domain: Domain, axis: int = X) -> Parting:
-    """Where the halves of a die meet: in x = 0, a grid plane, or in the web's mid-plane."""
+    """Return where the halves of a die meet: in x = 0, a grid plane, or in the web's mid-plane."""
     if axis == Z:
         first, last = domain.web_layers
         return (last - first + 1) // 2, (last - first) // 2
@@ -80,7 +80,7 @@ def parting_of(domain: Domain, axis: int = X) -> Parting:
 
 
 def open_cells(scene: Scene, domain: Domain) -> Cells:
-    """Cells of the web's layers (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
+    """Return the web's cells (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
 
     Bores and holes through the envelope along the crank axis are drilled after forging or casting.
     """
@@ -97,17 +97,19 @@ def open_cells(scene: Scene, domain: Domain) -> Cells:
     return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
 
 
-def _die(scene: Scene, domain: Domain) -> Die:
+def _die(scene: Scene, domain: Domain) -> ForgingConstraint:
     axis = pull_axis(scene)
     free = designable(scene, domain) > 0
     kept = jnp.asarray(_behind_journals(scene, domain) * free) if axis == Z else None
-    return Die(jnp.asarray(free), kept, axis, parting_of(domain, axis), _fall(scene, domain, axis))
+    return ForgingConstraint(
+        jnp.asarray(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis)
+    )
 
 
 def _mould(scene: Scene, domain: Domain) -> ToolAccess:
     axis = pull_axis(scene)
-    fall = _fall(scene, domain, axis)
-    ways = (Direction(axis, -1, ONE_CELL, fall), Direction(axis, 1, ONE_CELL, fall))
+    draft_slope = _draft_slope(scene, domain, axis)
+    ways = (Direction(axis, -1, ONE_CELL, draft_slope), Direction(axis, 1, ONE_CELL, draft_slope))
     return _access(scene, domain, (0, 0, int(axis == Z)), ways)
 
 
@@ -116,14 +118,14 @@ def _mill(scene: Scene, domain: Domain) -> ToolAccess:
     x, y, z = (max(1, math.ceil(radius / step)) for step in steps)
     # A tool centred a radius beyond the mirror plane touches what stands two radii beyond it.
     margin = (2 * x if domain.mirrored_x else x, y, z)
-    faces = disc(radius, steps[0], steps[1])
-    sides = disc(radius, steps[1], steps[2])
+    faces = _tool_disc(radius, steps[0], steps[1])
+    sides = _tool_disc(radius, steps[1], steps[2])
     ways = (Direction(Z, 1, faces), Direction(Z, -1, faces), Direction(X, -1, sides), Direction(X, 1, sides))
     return _access(scene, domain, margin, ways)
 
 
 def _access(scene: Scene, domain: Domain, margin: tuple[int, ...], ways: tuple[Direction, ...]) -> ToolAccess:
-    """Of a mirrored model the way from the negative side brings nothing that its image does not."""
+    """Return the access of several ways; in a mirrored model the negative side's brings nothing new."""
     mirrored = domain.mirrored_x
     used = tuple(way for way in ways if not (mirrored and way.axis == X and way.inward > 0))
     free = designable(scene, domain) > 0
@@ -132,8 +134,8 @@ def _access(scene: Scene, domain: Domain, margin: tuple[int, ...], ways: tuple[D
     return ToolAccess(jnp.asarray(free), jnp.asarray(air), (x, y, z), mirrored, used)
 
 
-def disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
-    """Cells whose centres lie within a radius of a cell's centre, as offsets along two axes."""
+def _tool_disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
+    """Return the cells whose centres lie within a radius of a cell's centre, as offsets along two axes."""
     a, b = (math.floor(radius_mm / step + 1e-9) for step in (step_a_mm, step_b_mm))
     inside = radius_mm * (1 + 1e-9)
     return tuple(
@@ -145,7 +147,7 @@ def disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
 
 
 def _air(scene: Scene, domain: Domain, free: Cells, margin: tuple[int, ...]) -> Array:
-    """1 where nothing stands, `margin` cells around the web; journals go on beyond both of its faces."""
+    """Return 1 where nothing stands, `margin` cells around the web; journals go on beyond its faces."""
     first, last = domain.web_layers
     standing = free | (domain.fixed[:, :, first:last] >= _SOLID)
     (mx, my, mz), (x, y, _) = margin, centres_mm(domain)
@@ -163,7 +165,7 @@ def _air(scene: Scene, domain: Domain, free: Cells, margin: tuple[int, ...]) -> 
 
 
 def _behind_journals(scene: Scene, domain: Domain) -> Array:
-    """Least density (nx, ny, nw): 1 between the mid-plane and a journal, its draft included.
+    """Return the minimum density (nx, ny, nw): 1 between the mid-plane and a journal, its draft included.
 
     It falls over some cells around a cone, where it is one half, so that the surface is that cone and not
     the steps of the cells in it. The cone begins just beyond the journal's rim, so that an iso-value a little
@@ -182,8 +184,8 @@ def _behind_journals(scene: Scene, domain: Domain) -> Array:
     return np.asarray(np.clip(_SOLID + inside_mm / ramp, 0.0, 1.0))
 
 
-def _fall(scene: Scene, domain: Domain, axis: int) -> tuple[float, float]:
-    """Steps of the draft from layer to layer, in cells along the two other axes."""
+def _draft_slope(scene: Scene, domain: Domain, axis: int) -> tuple[float, float]:
+    """Return the steps of the draft from layer to layer, in cells along the two other axes."""
     steps = web_cell_mm(domain)
     slope = math.tan(math.radians(scene.optimise.draft_deg)) * steps[axis]
     first, second = (slope / step for other, step in enumerate(steps) if other != axis)

@@ -22,45 +22,45 @@ from cranktopo.numerics.filters.projection import Projection, projected
 
 Block = Callable[[jax.Array], jax.Array]
 """A differentiable map of fields (nx, ny, nw), registered as a JAX pytree: a dataclass with `__call__`."""
-PENALTY = 3.0
+_PENALTY = 3.0
 PLAIN = Projection()
 CONTRAST = 1e-9
 
 
 @dataclass(frozen=True)
-class Interpolation:
+class MaterialInterpolation:
     """Constant data of the density-to-modulus chain.
 
     Attributes:
-        fixed: solid fraction that is not designable (nx, ny, nz).
-        design: designable fraction of the cells of the web's layers (nx, ny, nw).
+        passive_fraction: solid fraction that is not designable (nx, ny, nz).
+        design_fraction: designable fraction of the cells of the web's layers (nx, ny, nw).
         web_layers: range of z layers that holds the web.
         density_filter: from design variables to a smooth density.
         process: from a smooth density to the nearest one that can be made; None where anything can.
         penalty: exponent of SIMP.
-        within: share of the smooth density that the eroded design has, below 1 at walls of the design space
-            (nx, ny, nw); None where walls do not erode it.
+        boundary_correction: share of the smooth density that the eroded design has, below 1 at walls of the
+            design space (nx, ny, nw); None where walls do not erode it.
     """
 
-    fixed: jax.Array
-    design: jax.Array
+    passive_fraction: jax.Array
+    design_fraction: jax.Array
     web_layers: tuple[int, int]
     density_filter: Block
     process: Block | None = None
     projection: Projection = PLAIN
-    penalty: float = PENALTY
-    within: jax.Array | None = None
+    penalty: float = _PENALTY
+    boundary_correction: jax.Array | None = None
 
     @property
     def total(self) -> jax.Array:
         """Designable volume in cells."""
-        return jnp.sum(self.design)
+        return jnp.sum(self.design_fraction)
 
 
 def build_interpolation(
     domain: Domain, filter_radius_mm: float, design: NDArray[np.float64] | None = None
-) -> Interpolation:
-    """The density-to-modulus chain of a domain, for a web that any process may make.
+) -> MaterialInterpolation:
+    """Return the density-to-modulus chain of a domain, for a web that any process may make.
 
     Call it inside `double_precision()`.
 
@@ -71,78 +71,80 @@ def build_interpolation(
     first, last = domain.web_layers
     free = jnp.asarray(domain.design[:, :, first:last] if design is None else design)
     kernel = jnp.asarray(cone_kernel(web_cell_mm(domain), filter_radius_mm))
-    return Interpolation(
-        fixed=jnp.asarray(domain.fixed),
-        design=free,
+    return MaterialInterpolation(
+        passive_fraction=jnp.asarray(domain.fixed),
+        design_fraction=free,
         web_layers=(first, last),
         density_filter=cone_filter(free, kernel, domain.mirrored_x),
     )
 
 
 def web_cell_mm(domain: Domain) -> tuple[float, float, float]:
-    """Edges of the cells of the web's layers, mm."""
+    """Return the edges of the cells of the web's layers, mm."""
     dx, dy, dz = domain.grid.steps_mm
     return float(dx[0]), float(dy[0]), float(dz[domain.web_layers[0]])
 
 
-def smooth_density(data: Interpolation, x: jax.Array) -> jax.Array:
-    """Filtered density that the process can make; its iso-surface bounds the web."""
+def smooth_density(data: MaterialInterpolation, x: jax.Array) -> jax.Array:
+    """Return the filtered density that the process can make; its iso-surface bounds the web."""
     smooth = data.density_filter(x)
     return smooth if data.process is None else data.process(smooth)
 
 
-def physical_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """Physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
-    return _projected(data, smooth_density(data, x), beta, data.projection.made)
+def physical_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+    """Return the physical density (nx, ny, nw) of the web's layers, 0 outside the design space."""
+    return _projected(data, smooth_density(data, x), beta, data.projection.nominal)
 
 
-def eroded_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """The thinner design whose stiffness counts: the physical density unless members have a least size."""
+def eroded_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+    """Return thinner design whose stiffness counts: the physical density unless members have a least size."""
     smooth = smooth_density(data, x)
-    seen = smooth if data.within is None else smooth * data.within
+    seen = smooth if data.boundary_correction is None else smooth * data.boundary_correction
     return _projected(data, seen, beta, data.projection.eroded)
 
 
-def dilated_density(data: Interpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
-    """The thicker design whose volume grows: the physical density unless gaps have a least size."""
+def dilated_density(data: MaterialInterpolation, x: jax.Array, beta: float | jax.Array) -> jax.Array:
+    """Return the thicker design whose volume grows: the physical density unless gaps have a least size."""
     return _projected(data, smooth_density(data, x), beta, data.projection.dilated)
 
 
 def _projected(
-    data: Interpolation, smooth: jax.Array, beta: float | jax.Array, threshold: float
+    data: MaterialInterpolation, smooth: jax.Array, beta: float | jax.Array, threshold: float
 ) -> jax.Array:
-    return projected(smooth, beta, threshold) * (data.design > 0)
+    return projected(smooth, beta, threshold) * (data.design_fraction > 0)
 
 
-def relative_moduli(data: Interpolation, density: jax.Array) -> jax.Array:
-    """Relative moduli (nx, ny, nz) of all cells (modified SIMP).
+def relative_moduli(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
+    """Return the relative moduli (nx, ny, nz) of all cells (modified SIMP).
 
     Source: M. P. Bendsoe, O. Sigmund, Topology Optimization, 2003; O. Sigmund, SMO 33, 2007.
     """
-    web = data.design * (CONTRAST + density**data.penalty * (1.0 - CONTRAST))
-    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(web)
+    web = data.design_fraction * (CONTRAST + density**data.penalty * (1.0 - CONTRAST))
+    return data.passive_fraction.at[:, :, data.web_layers[0] : data.web_layers[1]].add(web)
 
 
-def solid_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
-    """Solid fraction (nx, ny, nz) of all cells, which carries the mass."""
-    return data.fixed.at[:, :, data.web_layers[0] : data.web_layers[1]].add(data.design * density)
+def solid_fraction(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
+    """Return the solid fraction (nx, ny, nz) of all cells, which carries the mass."""
+    return data.passive_fraction.at[:, :, data.web_layers[0] : data.web_layers[1]].add(
+        data.design_fraction * density
+    )
 
 
-def volume_fraction(data: Interpolation, density: jax.Array) -> jax.Array:
+def volume_fraction(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Share of the designable volume that is solid."""
-    return jnp.sum(data.design * density) / data.total
+    return jnp.sum(data.design_fraction * density) / data.total
 
 
-def greyness(data: Interpolation, density: jax.Array) -> jax.Array:
+def greyness(data: MaterialInterpolation, density: jax.Array) -> jax.Array:
     """Measure of non-discreteness, 0 for a black-and-white design, 1 for density one half everywhere.
 
     Source: O. Sigmund, Morphology-based black and white filters, SMO 33, 2007.
     """
-    return jnp.sum(data.design * 4.0 * density * (1.0 - density)) / data.total
+    return jnp.sum(data.design_fraction * 4.0 * density * (1.0 - density)) / data.total
 
 
 jax.tree_util.register_dataclass(
-    Interpolation,
-    data_fields=["fixed", "design", "density_filter", "process", "within"],
+    MaterialInterpolation,
+    data_fields=["passive_fraction", "design_fraction", "density_filter", "process", "boundary_correction"],
     meta_fields=["web_layers", "projection", "penalty"],
 )

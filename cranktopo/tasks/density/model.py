@@ -53,7 +53,7 @@ class ThrowModel:
 
     @property
     def spinning(self) -> bool:
-        """Whether any case has a body force; without one it costs nothing."""
+        """True where any case has a body force; without one it costs nothing."""
         return any(self.spin)
 
     @property
@@ -63,9 +63,9 @@ class ThrowModel:
 
 
 def build_model(
-    scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, plain: bool = False
+    scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, incompatible_modes: bool = True
 ) -> ThrowModel:
-    """Supports and nodal loads of the load cases on a domain's grid.
+    """Return the supports and nodal loads of the load cases on a domain's grid.
 
     Call inside `double_precision()`.
 
@@ -79,7 +79,7 @@ def build_model(
         float(dy[0]),
         tuple(float(d) for d in dz),
         scene.material.poisson,
-        plain,
+        incompatible_modes,
     )
     modulus = scene.material.E_GPa * MPA_PER_GPA
     origin = float(domain.grid.x_mm[0]), float(domain.grid.y_mm[0])
@@ -101,7 +101,7 @@ def build_model(
 
 
 def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
-    """Mirror conditions and free section motions of one load case.
+    """Return the mirror conditions and free section motions of one load case.
 
     Bending and centrifugal loads are symmetric about the mid-pin plane and in x; the tangential force is
     symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
@@ -129,7 +129,7 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
 
 
 def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
-    """Nodal forces of every case over the modulus, with the centrifugal force of the solid itself.
+    """Return the nodal forces of every case over the modulus, with the centrifugal force of the solid itself.
 
     Returns:
         Forces (cases, 3, nodes...), mm2; differentiable by the solid fraction.
@@ -147,7 +147,7 @@ def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
 
 
 def cell_volumes_mm3(lattice: Lattice) -> Array:
-    """Cell volumes, broadcastable to (nx, ny, nz)."""
+    """Return the cell volumes, broadcastable to (nx, ny, nz)."""
     return lattice.dx_mm * lattice.dy_mm * np.array(lattice.dz_mm)[None, None, :]
 
 
@@ -163,7 +163,7 @@ def _torque_on(motion: str, torque: float, domain: Domain) -> float:
 
 
 def _pin_forces(domain: Domain, case: LoadCase) -> Array:
-    """Uniform body force on the crankpin's material, its total the model's share of the pin force."""
+    """Return uniform body force on the crankpin's material, its total the model's share of the pin force."""
     weights = pin_weights(domain)
     forces = np.zeros((3, *weights.shape))
     forces[0] = case.tangential_N * domain.share * weights
@@ -172,7 +172,7 @@ def _pin_forces(domain: Domain, case: LoadCase) -> Array:
 
 
 def pin_weights(domain: Domain) -> Array:
-    """Nodal weights (nodes...) of the mean over the crankpin's material; they add up to 1."""
+    """Return the nodal weights (nodes...) of the mean over the crankpin's material; they add up to 1."""
     cells = domain.pin * domain.volume_mm3
     nodal = np.zeros(tuple(n + 1 for n in cells.shape))
     nx, ny, nz = cells.shape

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.tasks.density.material import (
-    Interpolation,
+    MaterialInterpolation,
     dilated_density,
     eroded_density,
     physical_density,
@@ -29,13 +29,13 @@ _FIRST_STEP = 0.5
 
 
 def design_gradients(
-    data: Interpolation,
+    data: MaterialInterpolation,
     x: jax.Array,
     beta: jax.Array,
     by_moduli: jax.Array,
     by_solid: jax.Array | None = None,
 ) -> tuple[jax.Array, jax.Array]:
-    """Derivatives of the objective and of the volume fraction by the design variables.
+    """Return the derivatives of the objective and of the volume fraction by the design variables.
 
     Returns:
         Two arrays of the shape of x.
@@ -50,7 +50,7 @@ def design_gradients(
 
 
 def update(
-    data: Interpolation,
+    data: MaterialInterpolation,
     x: jax.Array,
     beta: jax.Array,
     by_moduli: jax.Array,
@@ -58,7 +58,7 @@ def update(
     move: jax.Array,
     by_solid: jax.Array | None = None,
 ) -> jax.Array:
-    """One optimality-criteria step that meets the volume fraction of the physical density.
+    """Return one optimality-criteria step that meets the volume fraction of the physical density.
 
     Args:
         by_moduli: derivative of the objective by the relative moduli; never positive for compliance.
@@ -105,7 +105,7 @@ class _Bracket(NamedTuple):
     evaluations: jax.Array
 
     def next_point(self, first: jax.Array) -> jax.Array:
-        """The first one, then by longer and longer steps to the other side of the root, then by secants."""
+        """Bracket the root: by longer and longer steps to its other side, then by secants."""
         span = self.high - self.low
         reach = jnp.minimum(_FIRST_STEP * 2.0**self.evaluations, span / 2)
         over, under = jnp.isfinite(self.at_low), jnp.isfinite(self.at_high)
@@ -114,7 +114,7 @@ class _Bracket(NamedTuple):
         return jnp.where(over & under, secant, outwards)
 
     def with_value(self, point: jax.Array, value: jax.Array) -> _Bracket:
-        """The bracket with a point for the one on its side.
+        """Return the bracket with a point for the one on its side.
 
         Where that side has been replaced twice running, the other one's value counts less.
 
@@ -140,7 +140,7 @@ class _Bracket(NamedTuple):
 def falling_root(
     function: Callable[[jax.Array], jax.Array], low: jax.Array, high: jax.Array, first: jax.Array
 ) -> jax.Array:
-    """Root of a function that falls from positive at `low` to negative at `high`; the end where it does not.
+    """Return the root of a function that falls from `low` to `high`; the end where it does not cross 0.
 
     Args:
         first: where the root is about.

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 from cranktopo.numerics.precision import Precision
 from cranktopo.tasks.density.assessment import Assessment
-from cranktopo.tasks.density.material import Interpolation
+from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel
+from cranktopo.tasks.density.optimisation_problem import OptimisationProblem
 from cranktopo.tasks.density.responses import Design
 from cranktopo.tasks.density.state import Proposal, State
-from cranktopo.tasks.density.statement import Statement
 
 # The error of a compliance is the square of the residual's: a loose solve, started from the last design's
 # displacements, leads to the same design in half the cycles. The final design is assessed at 1e-8.
@@ -20,22 +20,22 @@ TOLERANCE, TOLERANCE_EARLY = 1e-3, 1e-2
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """How exactly the linear systems of the design iterations are solved.
+    """Accuracy of the solves of the design iterations.
 
     Attributes:
         tolerance_early: relative residual before the last projection stage.
-        plain: hexahedra without incompatible modes.
+        incompatible_modes: of the hexahedra.
     """
 
     tolerance_early: float = TOLERANCE_EARLY
     tolerance: float = TOLERANCE
     precision: Precision = "float32"
-    plain: bool = False
+    incompatible_modes: bool = True
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """How the optimisation proceeds.
+    """Schedule of projection and steps.
 
     Attributes:
         projection_first, projection_last: steepness of the projection, which doubles from stage to stage.
@@ -56,18 +56,18 @@ class DensityProblem:
     Attributes:
         weights: of the load cases' compliances, where their sum is the goal.
         target: volume fraction of the design space; without one it is free.
-        statement: goals and limits, for a method that takes any.
+        optimisation: goals and limits, for a method that takes any.
         method: how the next design is found.
         start: density of the uniform first design.
         original: the scene's own web in the model, where a goal is measured by it.
     """
 
     model: ThrowModel
-    chain: Interpolation
+    density_chain: MaterialInterpolation
     weights: tuple[float, ...]
     target: float | None
     max_iterations: int
-    statement: Statement
+    optimisation: OptimisationProblem
     method: Method
     start: float
     solving: SolverSettings = SolverSettings()
@@ -75,12 +75,12 @@ class DensityProblem:
     original: Assessment | None = None
 
     def with_bounds(self, bounds: Sequence[float]) -> DensityProblem:
-        """The same with the limits at other bounds, in their order; none keep their own."""
+        """Return the same with the limits at other bounds, in their order; none keep their own."""
         if not bounds:
             return self
-        pairs = zip(self.statement.limits, bounds, strict=True)
+        pairs = zip(self.optimisation.limits, bounds, strict=True)
         limits = tuple(replace(limit, bound=bound) for limit, bound in pairs)
-        return replace(self, statement=replace(self.statement, limits=limits))
+        return replace(self, optimisation=replace(self.optimisation, limits=limits))
 
 
 Method = Callable[[DensityProblem, State, Design, Design], Proposal]

@@ -36,7 +36,7 @@ def solve(
     tolerance: float = 1e-8,
     precision: Precision = "float32",
 ) -> Solution:
-    """Displacements of every load case.
+    """Return the displacements of every load case.
 
     Args:
         guess: what to start from; the array is gone afterwards.
@@ -52,7 +52,7 @@ def solve(
 
 
 def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8) -> jax.Array:
-    """Differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve."""
+    """Solve for differentiable displacements (cases, 3, nodes...), mm; the adjoint is one more solve."""
 
     @jax.custom_vjp
     def field(moduli: jax.Array) -> jax.Array:
@@ -74,7 +74,7 @@ def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8)
 def adjoint_gradients(
     model: ThrowModel, adjoint: jax.Array, u: jax.Array, solid: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Derivatives (nx, ny, nz) of any function of u by relative moduli and by the solid fraction.
+    """Return the derivatives (nx, ny, nz) of any function of u by relative moduli and by the solid fraction.
 
     Args:
         adjoint: solution (cases, 3, nodes...) whose nodal forces are the function's derivative by u.
@@ -86,13 +86,13 @@ def adjoint_gradients(
 
 
 def compliances(model: ThrowModel, u: jax.Array, forces: jax.Array | None = None) -> jax.Array:
-    """Work of the loads of the full throw, F . u per case (cases,), N mm."""
+    """Return the work of the loads of the full throw, F . u per case (cases,), N mm."""
     load = model.forces if forces is None else forces
     return _works(load, u) * model.modulus_MPa / model.share
 
 
 def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
-    """Derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint.
+    """Return the derivatives (cases, nx, ny, nz) of the compliances by relative moduli, N mm; self-adjoint.
 
     Body forces stay as they are: `compliance_gradients_by_solid` adds what changes with the mass.
     """
@@ -100,7 +100,7 @@ def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
 
 
 def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Array) -> jax.Array:
-    """Derivatives (cases, nx, ny, nz) of the compliances by the solid fraction that carries mass, N mm."""
+    """Return the derivatives (cases, nx, ny, nz) of the compliances by the solid fraction, N mm."""
 
     def work(solid: jax.Array) -> jax.Array:
         return jnp.sum(case_forces(model, solid) * u, axis=(1, 2, 3, 4))
@@ -111,44 +111,44 @@ def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Ar
 
 
 def case_load(case: LoadCase) -> float:
-    """The load whose work is the compliance: torque in N mm of a torsion case, pin force in N else."""
+    """Return the load whose work is the compliance: torque in N mm of a torsion case, pin force in N else."""
     if case.kind == "torsion":
         return case.torque_Nm * NMM_PER_NM
     return math.hypot(case.radial_N, case.tangential_N)
 
 
 def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Relative rotation of the two mid-journal sections under a torsion case, rad."""
+    """Return the relative rotation of the two mid-journal sections under a torsion case, rad."""
     index = model.case_names.index(case)
     return compliances(model, u)[index] / case_load(model.cases[index])
 
 
 def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Mean displacement of the crankpin's material along the case's pin force, mm."""
+    """Return the mean displacement of the crankpin's material along the case's pin force, mm."""
     index = model.case_names.index(case)
     return compliances(model, u)[index] / case_load(model.cases[index])
 
 
 def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
-    """Stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
+    """Return the stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
     load = model.cases[model.case_names.index(case)]
     return case_load(load) ** 2 / compliance_N_mm / (NMM_PER_NM if load.kind == "torsion" else 1.0)
 
 
 def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
-    """Mass of the full throw, kg."""
+    """Return the mass of the full throw, kg."""
     tonne = density_tonne_per_mm3(density_kg_m3) * jnp.sum(solid * cell_volumes_mm3(model.lattice))
     return tonne * KG_PER_TONNE / model.share
 
 
 def throw_unbalance_kg_mm(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
-    """Mass of the full throw times the y of its centre of mass, kg mm."""
+    """Return the mass of the full throw times the y of its centre of mass, kg mm."""
     _, y = _arms_mm(model)
     return throw_mass_kg(model, solid * (y[:, :-1] + y[:, 1:]) / 2, density_kg_m3)
 
 
 def throw_inertia_kg_mm2(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:
-    """Moment of inertia of the full throw about the crank axis, kg mm2; exact for full cells."""
+    """Return the moment of inertia of the full throw about the crank axis, kg mm2; exact for full cells."""
     squares = []
     for axis, arm in enumerate(_arms_mm(model)):
         low, high = np.delete(arm, -1, axis), np.delete(arm, 0, axis)

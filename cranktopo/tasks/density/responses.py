@@ -2,7 +2,7 @@
 
 A response is a value of stiffness, mass or displacement that an optimisation may minimise, maximise or limit.
 `jax.jit` and `jax.grad` work around its `value`. That the displacements follow the moduli is no business of a
-response: `slopes` adds it, from the self-adjoint work of the loads at no cost, and by one more solve for a
+response: `gradients` adds it, from the self-adjoint work of the loads at no cost, and by one more solve for a
 response that reads displacements.
 """
 
@@ -21,7 +21,7 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.bodies.web_moments import Moments
 from cranktopo.design.goal.quantities import MOTIONS
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.tasks.density.material import Interpolation
+from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.response import (
     adjoint_gradients,
@@ -40,15 +40,15 @@ class Design(NamedTuple):
     Attributes:
         moduli: relative modulus of every cell (nx, ny, nz).
         solid: solid fraction of every cell (nx, ny, nz), which has the mass.
-        works: work of the loads of the full throw (cases,), N mm.
-        first_works: those of the first design of the optimisation.
+        compliances: work of the loads of the full throw (cases,), N mm.
+        reference_compliances: those of the first design of the optimisation.
         displacements: (cases, 3, nodes...), mm; 0 at nodes without any material.
     """
 
     moduli: jax.Array
     solid: jax.Array
-    works: jax.Array
-    first_works: jax.Array
+    compliances: jax.Array
+    reference_compliances: jax.Array
     displacements: jax.Array
 
 
@@ -74,24 +74,26 @@ class Response:
 
 
 def weighted_compliance(weights: Sequence[float]) -> Response:
-    """Weighted sum of the works of the loads, each over its value in the first design."""
+    """Return the weighted sum of the works of the loads, each over its value in the first design."""
     shares = jnp.asarray(weights) / sum(weights)
-    return Response("weighted compliance", "", lambda design: shares @ (design.works / design.first_works))
+    return Response(
+        "weighted compliance", "", lambda design: shares @ (design.compliances / design.reference_compliances)
+    )
 
 
 def relative_compliance(index: int, name: str, weight: float = 1.0) -> Response:
-    """Work of the loads of one case over its value in the first design, times a weight."""
+    """Return the work of the loads of one case over its value in the first design, times a weight."""
 
     def value(design: Design) -> jax.Array:
-        return weight * design.works[index] / design.first_works[index]
+        return weight * design.compliances[index] / design.reference_compliances[index]
 
     return Response(f"{name} compliance", "", value)
 
 
-def volume(chain: Interpolation) -> Response:
+def volume(density_chain: MaterialInterpolation) -> Response:
     """Share of the design space that is solid."""
-    first, last = chain.web_layers
-    fixed, total = jnp.sum(chain.fixed[:, :, first:last]), chain.total
+    first, last = density_chain.web_layers
+    fixed, total = jnp.sum(density_chain.passive_fraction[:, :, first:last]), density_chain.total
 
     def value(design: Design) -> jax.Array:
         return (jnp.sum(design.solid[:, :, first:last]) - fixed) / total
@@ -100,7 +102,7 @@ def volume(chain: Interpolation) -> Response:
 
 
 def quantities(model: ThrowModel, density_kg_m3: float, bolted: Moments | None = None) -> dict[str, Response]:
-    """Every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
+    """Return every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
 
     The stiffness of a load case has the case's name.
 
@@ -139,7 +141,7 @@ def _of_solid(
 
 
 def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
-    """Stiffness, stiffness per mass and motion of the load under one case; a body force has none."""
+    """Return stiffness, stiffness per mass and motion of the load under one case; a body force has none."""
     load, torsion = abs(case_load(case)), case.kind == "torsion"
     if case.kind == "centrifugal" or load == 0:
         return []
@@ -147,21 +149,21 @@ def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
     stiffness = Response(
         case.name,
         "N m/rad" if torsion else "N/mm",
-        lambda design: load**2 / design.works[index] / unit,
+        lambda design: load**2 / design.compliances[index] / unit,
         stiffest="most",
     )
     per_mass = ratio(f"{case.name}_per_mass", "N m/(rad kg)" if torsion else "N/(mm kg)", stiffness, mass)
     motion = Response(
         MOTIONS.get(case.name, f"{case.name}_{'twist' if torsion else 'displacement'}"),
         "deg" if torsion else "mm",
-        lambda design: design.works[index] / load * turn,
+        lambda design: design.compliances[index] / load * turn,
         stiffest="least",
     )
     return [stiffness, per_mass, motion]
 
 
 def ratio(name: str, unit: str, above: Response, below: Response) -> Response:
-    """One response over another."""
+    """Return one response over another."""
     return Response(
         name,
         unit,
@@ -171,13 +173,13 @@ def ratio(name: str, unit: str, above: Response, below: Response) -> Response:
     )
 
 
-def slopes(
+def gradients(
     model: ThrowModel,
     functions: tuple[Callable[[Design], jax.Array], ...],
     design: Design,
     adjoints: Mapping[int, jax.Array],
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Values of k functions of a solved design and their whole derivatives.
+    """Return the values of k functions of a solved design and their whole derivatives.
 
     Args:
         functions: such as the values of responses; hashable.
@@ -186,11 +188,11 @@ def slopes(
     Returns:
         Values (k,), derivatives (k, nx, ny, nz) by the relative moduli and by the solid fraction.
     """
-    values, by_moduli, by_solid, by_works = _partial_slopes(functions, design)
+    values, by_moduli, by_solid, by_compliances = _partial_gradients(functions, design)
     u = design.displacements
-    by_moduli += _combined(by_works, compliance_gradients(model, u))
+    by_moduli += _combined(by_compliances, compliance_gradients(model, u))
     if model.spinning:
-        by_solid += _combined(by_works, compliance_gradients_by_solid(model, u, design.solid))
+        by_solid += _combined(by_compliances, compliance_gradients_by_solid(model, u, design.solid))
     for index, adjoint in adjoints.items():
         of_u = adjoint_gradients(model, adjoint, u, design.solid)
         by_moduli, by_solid = by_moduli.at[index].add(of_u[0]), by_solid.at[index].add(of_u[1])
@@ -199,14 +201,14 @@ def slopes(
 
 @partial(jax.jit, static_argnums=0)
 def loads_of(function: Callable[[Design], jax.Array], design: Design) -> jax.Array:
-    """Derivative of a function by the displacements (cases, 3, nodes...): the loads of its adjoint solve."""
+    """Return the loads of a function's adjoint solve: its derivative by the displacements."""
     loads = jax.grad(lambda u: function(design._replace(displacements=u)))(design.displacements)
     return on_material(loads, design.moduli)
 
 
 @jax.jit
 def on_material(field: jax.Array, moduli: jax.Array) -> jax.Array:
-    """A field (cases, 3, nodes...) with zeros at the nodes where no cell has any stiffness."""
+    """Return a field (cases, 3, nodes...) with zeros at the nodes where no cell has any stiffness."""
     filled = jnp.pad(moduli > 0, 1)
     for axis in range(3):
         size = filled.shape[axis]
@@ -217,20 +219,20 @@ def on_material(field: jax.Array, moduli: jax.Array) -> jax.Array:
 
 @partial(jax.jit, static_argnums=0)
 def values_of(functions: tuple[Callable[[Design], jax.Array], ...], design: Design) -> jax.Array:
-    """Values (k,) of functions of a solved design."""
+    """Return the values (k,) of functions of a solved design."""
     return jnp.stack([function(design) for function in functions])
 
 
 @partial(jax.jit, static_argnums=0)
-def _partial_slopes(
+def _partial_gradients(
     functions: tuple[Callable[[Design], jax.Array], ...], design: Design
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-    """Values and derivatives by moduli, solid and works, the displacements held."""
+    """Return the values and derivatives by moduli, solid and compliances, the displacements held."""
 
-    def stacked(moduli: jax.Array, solid: jax.Array, works: jax.Array) -> jax.Array:
-        return values_of(functions, design._replace(moduli=moduli, solid=solid, works=works))
+    def stacked(moduli: jax.Array, solid: jax.Array, compliances: jax.Array) -> jax.Array:
+        return values_of(functions, design._replace(moduli=moduli, solid=solid, compliances=compliances))
 
-    seen = design.moduli, design.solid, design.works
+    seen = design.moduli, design.solid, design.compliances
     return stacked(*seen), *jax.jacrev(stacked, (0, 1, 2))(*seen)
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
 from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolution
+from cranktopo.bodies.envelope_file import symmetrised
 from cranktopo.design.checks.goal import check_known
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
@@ -17,10 +19,13 @@ from cranktopo.engine.plan.simulated import simulated_scene
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.coarse_start import coarse_scene, first_state
-from cranktopo.tasks.density.length_scale import check_lengths
-from cranktopo.tasks.density.notices import notices
+from cranktopo.tasks.density.length_scale import check_lengths, length_notice
+from cranktopo.tasks.density.manufacturing import unreachable_share
 from cranktopo.tasks.density.problem import DensityProblem, Progress, SolverSettings
 from cranktopo.tasks.density.state import State
+
+_WORTH_SAYING = 1e-3
+"""Share of the design space below which a lost part of it is left unsaid."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ def optimise_density(
 
 
 def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *_: None) -> State:
-    """The state at the end of the optimisation; `progress` is called after every iteration."""
+    """Return the state at the end of the optimisation; `progress` is called after every iteration."""
     while not state.done:
         state = loop.step(problem, state)
         progress(problem, state)
@@ -91,7 +96,7 @@ def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *
 
 
 def describe(prepared: Prepared) -> str:
-    """One line about the model: cells, cell size, padding, symmetry, load cases."""
+    """Return one line about the model: cells, cell size, padding, symmetry, load cases."""
     grid = prepared.domain.grid
     sizes = " x ".join(f"{step.max():.3g}" for step in grid.steps_mm)
     nx, ny, nz = grid.cells
@@ -109,3 +114,46 @@ def _load_text(case: LoadCase) -> str:
     if case.kind == "torsion":
         return f"{case.name} {case.torque_Nm:,.1f} N m"
     return f"{case.name} {(case.radial_N or case.tangential_N) / 1000:,.2f} kN"
+
+
+def notices(scene: Scene, domain: Domain) -> tuple[str, ...]:
+    """Return sentences about the envelope, the die, the filter and the web that gains are measured against.
+
+    Args:
+        scene: as it is simulated, without what the plan leaves out.
+        domain: its cells.
+    """
+    found = (_sides(scene), _die(scene, domain), length_notice(scene, domain), baseline_notice(scene))
+    return tuple(sentence for sentence in found if sentence)
+
+
+def _sides(scene: Scene) -> str:
+    envelope = scene.envelope
+    if envelope is None or envelope.shape != "stl" or not envelope.symmetric:
+        return ""
+    return symmetrised(Path(envelope.file))
+
+
+def _die(scene: Scene, domain: Domain) -> str:
+    if scene.effects.manufacturing_constraint != "on":
+        return ""
+    share = unreachable_share(scene, domain)
+    if share < _WORTH_SAYING:
+        return ""
+    return (
+        f"{scene.optimise.process}: {100 * share:.1f} % of the envelope's volume is left out, because voids "
+        "of the envelope lie between it and the parting plane x = 0 (only holes right through along the "
+        "crank axis are drilled afterwards)"
+    )
+
+
+def baseline_notice(scene: Scene) -> str:
+    """Say what "original" means where it is a body from CAD, or the envelope is one; else empty."""
+    if scene.original is not None:
+        return f"the original web is that of the body in '{Path(scene.original.file).name}' ([original])"
+    if scene.envelope is None or scene.envelope.shape != "stl":
+        return ""
+    return (
+        "the original web is that of [web] in the design, not the body in "
+        f"'{Path(scene.envelope.file).name}', which is the envelope only; [original] file = ... names a body"
+    )

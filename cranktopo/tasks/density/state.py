@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from cranktopo.base.arrays import Array
 
-ARRAY_FIELDS = ("x", "evaluated", "displacements")
+_ARRAY_FIELDS = ("x", "evaluated", "displacements")
 MEMORY = "memory."
 Status = Literal["running", "converged", "stopped", "infeasible"]
 
@@ -46,7 +46,7 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Round:
+class MovedBounds:
     """A converged design that was evaluated, and the bounds of the limits in the model from then on."""
 
     iteration: int
@@ -55,7 +55,7 @@ class Round:
 
 @dataclass(frozen=True)
 class CoarseStart:
-    """What larger cells did before the first iteration.
+    """Iterations on larger cells before the first one.
 
     Attributes:
         cell_mm: their largest edge.
@@ -68,7 +68,7 @@ class CoarseStart:
 
 @dataclass(frozen=True)
 class State:
-    """Where an optimisation stands.
+    """Present state of an optimisation.
 
     Attributes:
         x: design variables of the next design (nx, ny, nw).
@@ -97,7 +97,7 @@ class State:
     status: Status = "running"
     reason: str = ""
     memory: Mapping[str, Array] = field(default_factory=dict)
-    rounds: tuple[Round, ...] = ()
+    rounds: tuple[MovedBounds, ...] = ()
     coarse_start: CoarseStart | None = None
 
     @property
@@ -112,7 +112,7 @@ class State:
 
     @property
     def done(self) -> bool:
-        """Whether no further step is wanted."""
+        """True where no further step is wanted."""
         return self.status != "running"
 
 
@@ -133,15 +133,15 @@ class Proposal(NamedTuple):
 
 
 def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
-    """The state as named arrays and JSON-able data."""
+    """Return the state as named arrays and JSON-able data."""
     data = asdict(state)
-    arrays = {name: data.pop(name) for name in ARRAY_FIELDS}
+    arrays = {name: data.pop(name) for name in _ARRAY_FIELDS}
     arrays |= {MEMORY + name: array for name, array in data.pop("memory").items()}
     return arrays, data
 
 
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
-    """The state from what `to_checkpoint` returned, exactly."""
+    """Return the state from what `to_checkpoint` returned, exactly."""
     records: list[dict[str, Any]] = [
         {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
         for row in data["history"]
@@ -156,7 +156,7 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
         history=tuple(Record(**row) for row in records),
         status=data["status"],
         reason=data["reason"],
-        rounds=tuple(Round(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
+        rounds=tuple(MovedBounds(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
         coarse_start=CoarseStart(**data["coarse_start"]) if data.get("coarse_start") else None,
         memory={name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)},
     )

@@ -20,7 +20,7 @@ _LEAST = 1e-12
 
 
 def stress_norm(model: ThrowModel, layers: tuple[int, int], power: float = 8.0) -> Response:
-    """Power mean of the von Mises stress in the middle of the web's cells over all load cases, MPa.
+    """Return power mean of the von Mises stress in the middle of the web's cells over all load cases, MPa.
 
     Args:
         layers: first and past-the-last z layer of the web.
@@ -43,7 +43,7 @@ def stress_norm(model: ThrowModel, layers: tuple[int, int], power: float = 8.0) 
 
 
 def middle_strain(lattice: Lattice, u: jax.Array, layers: tuple[int, int]) -> jax.Array:
-    """Strain (cases, 3, 3, nx, ny, n) in the middle of the cells of some layers.
+    """Return the strain (cases, 3, 3, nx, ny, n) in the middle of the cells of some layers.
 
     Args:
         u: displacements (cases, 3, nodes...), mm.
@@ -51,20 +51,20 @@ def middle_strain(lattice: Lattice, u: jax.Array, layers: tuple[int, int]) -> ja
     first, last = layers
     part = u[..., first : last + 1]
     steps = [jnp.asarray(step) for step in (lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[first:last])]
-    slopes = []
+    derivatives = []
     for axis, step in enumerate(steps):
-        slope = jnp.diff(part, axis=2 + axis) / step
+        derivative = jnp.diff(part, axis=2 + axis) / step
         for other in {0, 1, 2} - {axis}:
-            size = slope.shape[2 + other]
-            near = jax.lax.slice_in_dim(slope, 0, size - 1, axis=2 + other)
-            slope = (near + jax.lax.slice_in_dim(slope, 1, size, axis=2 + other)) / 2
-        slopes.append(slope)
-    gradient = jnp.stack(slopes, axis=2)
+            size = derivative.shape[2 + other]
+            near = jax.lax.slice_in_dim(derivative, 0, size - 1, axis=2 + other)
+            derivative = (near + jax.lax.slice_in_dim(derivative, 1, size, axis=2 + other)) / 2
+        derivatives.append(derivative)
+    gradient = jnp.stack(derivatives, axis=2)
     return (gradient + jnp.swapaxes(gradient, 1, 2)) / 2
 
 
 def von_mises_MPa(strain: jax.Array, modulus_MPa: float, poisson: float) -> jax.Array:
-    """Von Mises stress (cases, ...) of an isotropic solid, from strain (cases, 3, 3, ...).
+    """Return the von Mises stress (cases, ...) of an isotropic solid, from strain (cases, 3, 3, ...).
 
     The mean stress drops out, so that the shear modulus is all that counts.
     """

@@ -3,23 +3,57 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TypeVar
+
+from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import read_json
+from cranktopo.base.result import Result
 from cranktopo.design.loading import builtin_designs, load_scene
 from cranktopo.design.of_run import scene_of_run
 from cranktopo.design.one_web import WebName, one_web
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
-from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, kind_of, resume_command, shown_results
+from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, kind_of, resume_command
 
-Step = Mapping[str, Any]
 REMODEL = "remodel.json"
 _WEB = "web.toml"
+
+
+class LoopWeb(Result):
+    """A web of a loop: the original one, that of a step, or that of the shape optimisation."""
+
+    name: str = ""
+    number: int
+
+    @property
+    def words(self) -> str:
+        """The web in a sentence: `step 6`, or `shape`."""
+        return SHAPE if self.name == SHAPE else f"step {self.number}"
+
+    @property
+    def folder(self) -> str:
+        """Name of its folder in the loop's directory."""
+        return SHAPE if self.name == SHAPE else f"step-{self.number:02d}"
+
+
+Row = TypeVar("Row", bound=LoopWeb)
+
+
+class _ShapeVerdict(Result):
+    better_than_best_step: bool
+
+
+class _Loop(Result):
+    """What of iterate.json tells which web is best."""
+
+    best_step: int | None
+    steps: list[LoopWeb] = Field(default_factory=list)
+    shape: _ShapeVerdict | None = None
 
 
 @dataclass(frozen=True)
@@ -97,13 +131,13 @@ def run_web(run: RunStore) -> Path | None:
         return run.path / _WEB
     if kind != LOOP:
         return newest_remodel(run)
-    with shown_results(run):
-        best = best_row(read_json(run.path / RESULT_FILES[LOOP]))
-        if best is None:
-            raise CranktopoError(
-                f"run '{run.path}': its loop found no better web.", hint="Begin with its design instead."
-            )
-        return run.path / row_folder(best) / _WEB
+    loop = _Loop.read(run.path / RESULT_FILES[LOOP])
+    best = best_web(loop.steps, loop.best_step, loop.shape is not None and loop.shape.better_than_best_step)
+    if best is None:
+        raise CranktopoError(
+            f"run '{run.path}': its loop found no better web.", hint="Begin with its design instead."
+        )
+    return run.path / best.folder / _WEB
 
 
 def newest_remodel(run: RunStore) -> Path | None:
@@ -145,19 +179,8 @@ def _of_remodel(folder: Path) -> WebTarget:
     )
 
 
-def best_row(data: Mapping[str, Any]) -> Step | None:
-    """The best web: that of the shape optimisation where it is better than the best step, else that step."""
-    shape = data.get("shape")
-    if shape is not None and shape["better_than_best_step"]:
-        return cast(Step, data["steps"][-1])
-    return None if data["best_step"] is None else cast(Step, data["steps"][data["best_step"]])
-
-
-def row_words(row: Step) -> str:
-    """A row in a sentence: `step 6`, or `shape`."""
-    return SHAPE if row.get("name") == SHAPE else f"step {row['number']}"
-
-
-def row_folder(row: Step) -> str:
-    """Name of the folder of a row's web in the loop's directory."""
-    return SHAPE if row.get("name") == SHAPE else f"step-{row['number']:02d}"
+def best_web(steps: Sequence[Row], best_step: int | None, shape_is_better: bool) -> Row | None:
+    """Return the web of the shape optimisation where it is better than the best step, else that step's."""
+    if shape_is_better:
+        return steps[-1]
+    return None if best_step is None else steps[best_step]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.density_grid import DensityGrid
@@ -14,7 +16,6 @@ from cranktopo.tasks.density.loop import WebDensities
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
 from cranktopo.tasks.extraction.surface_checks import SurfaceReport, check_surface
 from cranktopo.tasks.extraction.walls import measure
-from cranktopo.tasks.extraction.web_fields import web_fields
 
 
 @dataclass(frozen=True)
@@ -39,16 +40,16 @@ class CheckedSurface:
         return float(self.grid.cell_mm.min())
 
     def undercuts(self, scene: Scene) -> Undercuts:
-        """What the scene's process cannot leave, to half a cell."""
+        """Return what the scene's process cannot leave, to half a cell."""
         return undercuts(self.surface.web, scene, self.cell_mm / 2)
 
     def walls(self, scene: Scene) -> dict[str, float | None]:
-        """Least draft (deg), member and gap (mm) of the walls that were shaped; None where there is none."""
+        """Return the minimum draft (deg), member and gap (mm) of the shaped walls; None for none."""
         return measure(self.surface.half_throw, envelope_solid(scene, self.grid), scene, self.cell_mm)
 
 
 def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> CheckedSurface:
-    """Surface of a design.
+    """Return the surface of a design.
 
     Raises:
         CranktopoError: a surface that fails a check, as that of a grey density does.
@@ -56,3 +57,27 @@ def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> Check
     grid, usable, smooth = web_fields(domain, design)
     surface = extract_half_throw(grid, scene, usable, smooth)
     return CheckedSurface(surface, check_surface(surface), grid, usable, smooth)
+
+
+def web_fields(domain: Domain, design: WebDensities) -> tuple[DensityGrid, Array, Array]:
+    """Return the fields of the web's cells over the full width, for the surface.
+
+    Returns:
+        Physical density, the part of each cell that can hold material, and the filtered density. Journals
+        that go on through a clearance count as solid.
+    """
+    first, last = domain.web_layers
+    fixed, free = domain.fixed[:, :, first:last], domain.design[:, :, first:last]
+    usable = fixed + free
+    share = np.divide(free, usable, out=np.zeros_like(free), where=usable > 0)
+    solid = np.where(usable > 0, 1.0 - share, 0.0)
+    fields = [solid + share * design.physical, usable, solid + share * design.filtered]
+    x = domain.grid.x_mm
+    if domain.mirrored_x:
+        fields = [np.concatenate([field[::-1], field]) for field in fields]
+        x = np.concatenate([-x[:0:-1], x])
+    y, z = domain.grid.y_mm, domain.grid.z_mm[first : last + 1]
+    origin = np.array([x[0], y[0], z[0]])
+    cell = np.array([x[1] - x[0], y[1] - y[0], (z[-1] - z[0]) / (last - first)])
+    density, usable, smooth = (np.clip(field, 0.0, 1.0) for field in fields)
+    return DensityGrid(origin, cell, density), usable, smooth

@@ -17,7 +17,7 @@ from cranktopo.cli.parameters import Choice
 from cranktopo.cli.verbosity import detail, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.extraction.run import Extraction
+    from cranktopo.tasks.extraction.result import Extraction
 
 
 @click.command("extract")
@@ -42,18 +42,15 @@ def command(
     Example: cranktopo extract 20250101-120000_mikron-iiic_0123abcd --iteration 12 --format 3mf
     """
     chosen = _format(form, out, force)
-    from cranktopo.tasks.extraction.run import extract_surface
+    from cranktopo.tasks.extraction.stage import extract_surface
 
     detail(f"{run}: extracting the surface")
     found, path = extract_surface(run, iteration, out, chosen)
-    if as_json:
-        click.echo(json.dumps({"schema_version": 1, **found.as_json(), "files": {chosen: str(path)}}))
-    else:
-        click.echo(_text(found, path))
+    click.echo(json.dumps(found.as_json()) if as_json else _text(found, path))
 
 
 def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> SurfaceFormat:
-    """The format that is asked for, by option or by the name of a file that can be written."""
+    """Return the format that is asked for, by option or by the name of a file that can be written."""
     if out is None:
         return form or "stl"
     from cranktopo.runs.destination import check_file
@@ -63,29 +60,32 @@ def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> Surfac
 
 
 def _text(found: Extraction, path: Path) -> str:
-    from cranktopo.tasks.extraction.run import LEAST_MEMBER_CELLS
-    from cranktopo.tasks.extraction.undercut_table import undercut_text
+    from cranktopo.tasks.extraction.result import LEAST_MEMBER_CELLS
+    from cranktopo.tasks.extraction.text import undercut_text
 
-    surface, report = found.surface, found.report
-    lengths = {"thinnest member": found.minimum_member_mm, "narrowest gap": found.minimum_gap_mm}
+    surface, masses, distance = found.surface, found.mass_kg, found.surface.distance_to_iso_surface_mm
+    lengths = (
+        ("thinnest member", surface.minimum_member_mm, surface.minimum_member_cells),
+        ("narrowest gap", surface.minimum_gap_mm, surface.minimum_gap_cells),
+    )
     lines = [
         f"{found.run}, iteration {found.iteration}",
-        f"web volume       {surface.volume_mm3:.0f} mm3, "
-        f"{report.web_volume_error_percent:+.3f} % from the density's",
-        f"mass             throw {found.throw_kg:.3f} kg, web {found.web_kg:.3f} kg",
-        f"iso-value        {surface.iso_value:.4f}; distance of its surface {found.mean_distance_mm:.3f} mm "
-        f"in the mean, {found.max_distance_mm:.3f} mm at most",
+        f"web volume       {surface.web_volume_mm3:.0f} mm3, "
+        f"{surface.web_volume_error_percent:+.3f} % from the density's",
+        f"mass             throw {masses.throw:.3f} kg, web {masses.web:.3f} kg",
+        f"iso-value        {surface.iso_value:.4f}; distance of its surface {distance.mean:.3f} mm "
+        f"in the mean, {distance.max:.3f} mm at most",
         *(
-            f"{name:<17}{'none' if mm is None else f'{mm:.1f} mm, {found.in_cells(mm):.1f} cells'}"
-            for name, mm in lengths.items()
+            f"{name:<17}{'none' if mm is None else f'{mm:.1f} mm, {cells:.1f} cells'}"
+            for name, mm, cells in lengths
         ),
-        f"undercuts        {undercut_text(found.undercuts)}",
-        f"surface          {report.faces} faces, closed, 1 body, {report.cavities} closed hollows, "
+        f"undercuts        {undercut_text(surface.undercuts)}",
+        f"surface          {surface.faces} faces, closed, 1 body, {surface.cavities} closed hollows, "
         f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
     ]
     if surface.fallback:
         lines.append(f"fallback         the usual surface was not sound: {surface.fallback}")
-    cells = found.in_cells(found.minimum_member_mm)
+    cells = surface.minimum_member_cells
     if cells is not None and cells < LEAST_MEMBER_CELLS:
         lines.append(f"warning: members thinner than {LEAST_MEMBER_CELLS:g} cells are not resolved")
     return "\n".join([*lines, str(path)])

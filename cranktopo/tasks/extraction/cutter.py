@@ -1,4 +1,4 @@
-"""What turns an iso-surface into the web: exact solids, and the iso-value that keeps the volume."""
+"""The cutter that turns an iso-surface into the web: exact solids, and the iso-value of the volume."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _X_AXIS = (1.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Cutter:
-    """What turns an iso-surface into the web: envelope, bores, journal stubs and counterweight, symmetry."""
+    """Exact solids around an iso-surface: envelope, bores, journal stubs and counterweight, symmetry."""
 
     envelope: Manifold
     bores: Manifold
@@ -54,7 +54,7 @@ class Cutter:
         smoothed: bool = True,
         on_mirror_mm: float = ON_MIRROR_MM,
     ) -> Manifold:
-        """The web at an iso-value.
+        """Return the web at an iso-value.
 
         Args:
             iso: iso-value, 0 < iso < 1.
@@ -71,7 +71,7 @@ class Cutter:
         return half + half.mirror(_X_AXIS)
 
     def usable(self, grid: DensityGrid) -> NDArray[np.bool_]:
-        """Cells whose centre lies in the envelope and in no bore."""
+        """Return the cells whose centre lies in the envelope and in no bore."""
         from skimage.draw import polygon2mask
 
         solid = self.envelope + self.stubs - self.bores
@@ -86,7 +86,7 @@ class Cutter:
 def build_cutter(
     grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
 ) -> Cutter:
-    """Exact solids that bound the web."""
+    """Return the exact solids that bound the web."""
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
     symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)
@@ -96,7 +96,7 @@ def build_cutter(
 def fine_field(
     cutter: Cutter, grid: DensityGrid, scene: Scene, solid_fraction: Array | None, smooth: Array | None
 ) -> FineField:
-    """The resampled field whose iso-surface bounds the web."""
+    """Return the resampled field whose iso-surface bounds the web."""
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
     made = scene.effects.manufacturing_constraint == "on"
     release = partial(released, scene=scene) if made else None
@@ -105,7 +105,7 @@ def fine_field(
 
 
 def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:
-    """Iso-value at which the enclosed volume reaches the target: secant steps inside a bisection bracket.
+    """Return the iso-value that encloses the target volume: secant steps inside a bisection bracket.
 
     Args:
         volume_at: volume (mm3) at an iso-value; it falls as the iso-value grows.

@@ -50,7 +50,7 @@ def extract_half_throw(
     solid_fraction: Array | None = None,
     smooth: Array | None = None,
 ) -> WebSurface:
-    """Closed surface of the half throw, with the volume of the density.
+    """Return the closed surface of the half throw, with the volume of the density.
 
     The iso-value is the one at which the web, cut by envelope and bores, has the volume of the density to
     1e-4. Islands count in that volume and are left out afterwards, so that dropping much of them shows.

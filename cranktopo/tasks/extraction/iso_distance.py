@@ -17,7 +17,7 @@ _MOST_POINTS = 20000
 
 
 def iso_surface_distances_mm(cutter: Cutter, field: FineField, iso: float, web: SurfaceMesh) -> Array:
-    """Distances from an iso-surface, before any smoothing, to the surface of a web.
+    """Return the distances from an iso-surface, before any smoothing, to the surface of a web.
 
     Only its points inside the envelope and outside bores and journals count: elsewhere the exact solids make
     the surface.
@@ -34,7 +34,7 @@ def iso_surface_distances_mm(cutter: Cutter, field: FineField, iso: float, web: 
 
 
 def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
-    """Distance of points to a surface: to the nearest of the facets around, cut small before.
+    """Return the distance of points to a surface: to the nearest of the facets around, cut small before.
 
     Returns:
         (n,), mm; an upper bound, sharp where facets are regular.
@@ -58,6 +58,6 @@ def _vertices(solid: Manifold) -> Array:
 
 
 def _common(points: Array, kept: Array) -> Array:
-    """Points that are, bit for bit, among the kept ones."""
+    """Return the points that are, bit for bit, among the kept ones."""
     rows = {row.tobytes() for row in np.ascontiguousarray(kept)}
     return points[[row.tobytes() in rows for row in np.ascontiguousarray(points)]]

@@ -50,7 +50,7 @@ Release = Callable[[Array, Array, Array, NDArray[np.bool_]], Array]
 def resample(
     grid: DensityGrid, usable: NDArray[np.bool_], release: Release | None = None, ways: Sequence[int] = ()
 ) -> FineField:
-    """Density on a lattice twice as fine as the cells, continued beyond what can hold material.
+    """Return the density on a lattice twice as fine as the cells, continued beyond what can hold material.
 
     Args:
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
@@ -70,7 +70,7 @@ def resample(
 
 
 def blurred(field: FineField, steps: float) -> FineField:
-    """The field under a Gaussian filter, its outermost points void as before.
+    """Return the field under a Gaussian filter, its outermost points void as before.
 
     Args:
         steps: standard deviation, steps of the lattice.
@@ -100,7 +100,7 @@ def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array
 
 
 def unsmoothed_solid(field: FineField, iso: float) -> Manifold:
-    """Solid where the field exceeds an iso-value that it holds, as marching cubes find it."""
+    """Return the solid where the field exceeds an iso-value that it holds, as marching cubes find it."""
     return solid_of(_marching_cubes(field, iso), "iso-surface of the density")
 
 
@@ -130,7 +130,7 @@ def _filled(grid: DensityGrid, usable: NDArray[np.bool_]) -> Array:
 def _released(
     fine: Array, grid: DensityGrid, usable: NDArray[np.bool_], release: Release, ways: Sequence[int]
 ) -> Array:
-    """The resampled field as its process makes it.
+    """Return the resampled field as its process makes it.
 
     Along its ways the mirror image beyond the grid's faces is no obstacle to tools: there the field goes on
     straight, so that walls keep their draft up to the faces. Beside them it is made like the field itself.
@@ -146,7 +146,7 @@ def _released(
 
 
 def _smoothed_share(vertices: Array, rough_mm: Array, spacing_mm: Array) -> Array:
-    """How much of the smoothing each vertex keeps, (n, 1): nothing near a rough place, all further away."""
+    """Return the share of the smoothing that each vertex keeps, (n, 1): none near a rough place."""
     from scipy.spatial import KDTree
 
     distance, _ = KDTree(rough_mm / spacing_mm).query(vertices / spacing_mm)
@@ -154,7 +154,7 @@ def _smoothed_share(vertices: Array, rough_mm: Array, spacing_mm: Array) -> Arra
 
 
 def _taubin(surface: SurfaceMesh) -> Array:
-    """Smoothed vertices."""
+    """Return the smoothed vertices."""
     import trimesh
     from scipy import sparse
 

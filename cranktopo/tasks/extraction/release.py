@@ -1,4 +1,4 @@
-"""What a process leaves of a resampled density: the constraint of the cells, kept between them as well.
+"""The constraint of a process, kept between the cells as well: what it leaves of a resampled density.
 
 The hard form of what `optimise.forging_constraint` and `optimise.tool_access` do smoothly on cells. A tool's
 radius is left to the cells.
@@ -20,7 +20,7 @@ from cranktopo.design.schema import Scene
 def released(
     field: Array, first_mm: Array, spacing_mm: Array, usable: NDArray[np.bool_], scene: Scene
 ) -> Array:
-    """The least field above a given one that its process can make.
+    """Return the least field above a given one that its process can make.
 
     Args:
         field: (nx, ny, nz) on a lattice whose first point is at `first_mm`.
@@ -37,7 +37,7 @@ def released(
 
 
 def _journal_sections(field: Array, first_mm: Array, spacing_mm: Array, scene: Scene) -> tuple[Array, Array]:
-    """Layers beyond both faces: 1 where a journal stands."""
+    """Return the layers beyond both faces: 1 where a journal stands."""
     x, y = (first_mm[axis] + spacing_mm[axis] * np.arange(field.shape[axis]) for axis in (X, Y))
     main, pin = (
         (np.hypot(x[:, None], y[None, :] - centre) < journal.radius_mm).astype(np.float64)[:, :, None]
@@ -47,7 +47,7 @@ def _journal_sections(field: Array, first_mm: Array, spacing_mm: Array, scene: S
 
 
 def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Way, scene: Scene) -> Array:
-    """Each side raised to what lies further out.
+    """Raise each side to what lies further out.
 
     What ends at the parting plane goes on to the first points beyond it: its edge, which smoothing rounds,
     would otherwise be caught in its own half.
@@ -57,41 +57,41 @@ def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Way, scene: S
     moved = np.moveaxis(field, axis, 0).copy()
     places = first_mm[axis] + spacing_mm[axis] * np.arange(len(moved))
     count = int(np.count_nonzero(places < parted))
-    fall = _fall(spacing_mm, axis, scene)
-    moved[:count] = closed(moved[:count], fall)
-    moved[count:] = closed(moved[count:][::-1], fall)[::-1]
+    draft_slope = _draft_slope(spacing_mm, axis, scene)
+    moved[:count] = closed(moved[:count], draft_slope)
+    moved[count:] = closed(moved[count:][::-1], draft_slope)[::-1]
     moved[count - 1 : count + 1] = moved[count - 1 : count + 1].max(axis=0)
     return np.moveaxis(moved, 0, axis)
 
 
 def _closed_along(solid: Array, axis: int, spacing_mm: Array, scene: Scene) -> Array:
-    """What both ways along an axis leave."""
-    moved, fall = np.moveaxis(solid, axis, 0), _fall(spacing_mm, axis, scene)
-    both = np.minimum(closed(moved, fall), closed(moved[::-1], fall)[::-1])
+    """Return what both ways along an axis leave."""
+    moved, draft_slope = np.moveaxis(solid, axis, 0), _draft_slope(spacing_mm, axis, scene)
+    both = np.minimum(closed(moved, draft_slope), closed(moved[::-1], draft_slope)[::-1])
     return np.moveaxis(both, 0, axis)
 
 
-def closed(field: Array, fall: tuple[float, float]) -> Array:
-    """The field raised, layer by layer from the first on, to the layers before it and their draft."""
-    if not any(fall):
+def closed(field: Array, draft_slope: tuple[float, float]) -> Array:
+    """Raise the field, layer by layer from the first on, to the layers before it and their draft."""
+    if not any(draft_slope):
         return np.asarray(np.maximum.accumulate(field))
     found = field.copy()
     for layer in range(1, len(found)):
-        found[layer] = np.maximum(found[layer], _dilated(found[layer - 1], fall))
+        found[layer] = np.maximum(found[layer], _dilated(found[layer - 1], draft_slope))
     return found
 
 
-def _dilated(layer: Array, fall: tuple[float, float]) -> Array:
-    """A layer and its steepest climb over so many points along each axis; flat beyond its edges."""
+def _dilated(layer: Array, draft_slope: tuple[float, float]) -> Array:
+    """Return a layer and its steepest climb over so many points along each axis; flat beyond its edges."""
     square = np.zeros_like(layer)
-    for axis, part in enumerate(fall):
+    for axis, part in enumerate(draft_slope):
         padded = np.pad(layer, [(1, 1) if axis == other else (0, 0) for other in range(2)], mode="edge")
         sides = np.stack([np.take(padded, range(k, k + layer.shape[axis]), axis) for k in (0, 2)])
         square += (part * np.maximum(0.0, sides.max(axis=0) - layer)) ** 2
     return layer + np.sqrt(square)
 
 
-def _fall(spacing_mm: Array, axis: int, scene: Scene) -> tuple[float, float]:
+def _draft_slope(spacing_mm: Array, axis: int, scene: Scene) -> tuple[float, float]:
     if scene.optimise.process == "milled":
         return 0.0, 0.0
     slope = math.tan(math.radians(scene.optimise.draft_deg)) * float(spacing_mm[axis])

@@ -34,7 +34,7 @@ DISTANCE_CELLS = 1.0
 
 
 @dataclass(frozen=True)
-class Way:
+class ExtractionMethod:
     """One way from the field to the web.
 
     Attributes:
@@ -54,23 +54,23 @@ class Way:
     blur: float = 0.0
 
 
-USUAL = Way("")
+_USUAL = ExtractionMethod("")
 WAYS = (
-    Way("no point moved onto the mirror plane", on_mirror_mm=0.0),
-    Way("places unsmoothed", spared=True),
-    Way("more places unsmoothed", spared=True),
-    Way("iso-value raised by 0.001", shift=1e-3),
-    Way("iso-value lowered by 0.001", shift=-1e-3),
-    Way("not smoothed", smoothed=False),
-    Way("not smoothed, iso-value raised by 0.001", smoothed=False, shift=1e-3),
-    Way("field blurred by half a cell", blur=0.5 * REFINE),
-    Way("field blurred by half a cell, not smoothed", blur=0.5 * REFINE, smoothed=False),
-    Way("field blurred by a cell", blur=1.0 * REFINE),
+    ExtractionMethod("no point moved onto the mirror plane", on_mirror_mm=0.0),
+    ExtractionMethod("places unsmoothed", spared=True),
+    ExtractionMethod("more places unsmoothed", spared=True),
+    ExtractionMethod("iso-value raised by 0.001", shift=1e-3),
+    ExtractionMethod("iso-value lowered by 0.001", shift=-1e-3),
+    ExtractionMethod("not smoothed", smoothed=False),
+    ExtractionMethod("not smoothed, iso-value raised by 0.001", smoothed=False, shift=1e-3),
+    ExtractionMethod("field blurred by half a cell", blur=0.5 * REFINE),
+    ExtractionMethod("field blurred by half a cell, not smoothed", blur=0.5 * REFINE, smoothed=False),
+    ExtractionMethod("field blurred by a cell", blur=1.0 * REFINE),
 )
 
 
 @dataclass(frozen=True)
-class Throw:
+class SoundThrow:
     """The half throw of one way.
 
     Attributes:
@@ -85,12 +85,12 @@ class Throw:
     mesh: SurfaceMesh
     islands: list[Manifold]
     iso: float
-    way: Way
+    way: ExtractionMethod
 
 
 @dataclass(frozen=True)
 class Field:
-    """What is extracted.
+    """Density and settings that a surface is extracted from.
 
     Attributes:
         field: the resampled density.
@@ -105,8 +105,8 @@ class Field:
     scene: Scene
 
 
-def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scene) -> Throw:
-    """The half throw by the first way that leads to a sound surface.
+def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scene) -> SoundThrow:
+    """Return the half throw by the first way that leads to a sound surface.
 
     Where none does, that of the usual way is returned, and the checks refuse it.
 
@@ -115,7 +115,7 @@ def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scen
     """
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target_mm3)
     source = Field(cutter, field, iso, target_mm3, scene)
-    first, places = _by(USUAL, source, np.zeros((0, 3)))
+    first, places = _by(_USUAL, source, np.zeros((0, 3)))
     if places is None:
         return first
     rough = places
@@ -132,8 +132,8 @@ def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scen
     return first
 
 
-def _by(way: Way, source: Field, rough: Array) -> tuple[Throw, Array | None]:
-    """The throw of a way; None where it is sound, else the places where it passes through itself."""
+def _by(way: ExtractionMethod, source: Field, rough: Array) -> tuple[SoundThrow, Array | None]:
+    """Return the throw of a way; None where it is sound, else the places where it passes through itself."""
     cutter, field, iso = source.cutter, source.field, source.iso
     if way.blur:
         field = blurred(field, way.blur)
@@ -142,7 +142,7 @@ def _by(way: Way, source: Field, rough: Array) -> tuple[Throw, Array | None]:
     for sliver_mm in SLIVERS_MM:
         body, islands = _keep_throw(web, source.scene, sliver_mm)
         mesh = sound_mesh_of(body, sliver_mm)
-        found, places = Throw(body, mesh, islands, iso + way.shift, way), np.zeros((0, 3))
+        found, places = SoundThrow(body, mesh, islands, iso + way.shift, way), np.zeros((0, 3))
         if not manifold_fault(mesh):
             places = self_intersections_mm(mesh)
             if not len(places):
@@ -150,12 +150,14 @@ def _by(way: Way, source: Field, rough: Array) -> tuple[Throw, Array | None]:
     return found, places
 
 
-def _web(way: Way, cutter: Cutter, field: FineField, iso: float, rough: Array | None = None) -> Manifold:
+def _web(
+    way: ExtractionMethod, cutter: Cutter, field: FineField, iso: float, rough: Array | None = None
+) -> Manifold:
     return cutter.web(field, iso, rough, way.smoothed, way.on_mirror_mm)
 
 
-def _near(found: Throw, source: Field) -> bool:
-    """Whether a throw has the volume of the density, islands counted, and lies near its iso-surface."""
+def _near(found: SoundThrow, source: Field) -> bool:
+    """Tell whether a throw has the volume of the density, islands counted, and lies near its iso-surface."""
     web = web_region(found.body, source.scene)
     volume = web.volume() + sum(piece.volume() for piece in found.islands)
     if abs(volume - source.target_mm3) > VOLUME_SHARE * source.target_mm3:
@@ -166,7 +168,7 @@ def _near(found: Throw, source: Field) -> bool:
 
 
 def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold, list[Manifold]]:
-    """The piece of web and journals that holds both journals, and the islands that it left."""
+    """Return the piece of web and journals that holds both journals, and the islands that it left."""
     main, pin = journal_halves(scene)
     pieces = (web + main + pin).as_original().simplify(sliver_mm).decompose()
     islands = [piece for piece in pieces if piece.volume() > 0]
@@ -184,7 +186,7 @@ def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold
 
 
 def _joins(piece: Manifold, scene: Scene) -> bool:
-    """Whether a piece reaches both cut planes, which only the journals do."""
+    """Tell whether a piece reaches both cut planes, which only the journals do."""
     bounds = piece.bounding_box()
     return bool(bounds[2] < 1e-6 and bounds[5] > scene.pitch_mm / 2 - 1e-6)
 

@@ -1,15 +1,14 @@
-"""What a surface must satisfy before it is written."""
+"""Checks that a surface passes before it is written."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection, surface_refusal
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.tasks.extraction.half_throw import WebSurface
 
-VOLUME_TOLERANCE_PERCENT = 0.5
+_VOLUME_TOLERANCE_PERCENT = 0.5
 
 
 @dataclass(frozen=True)
@@ -31,22 +30,6 @@ class SurfaceReport:
     web_volume_error_percent: float
 
 
-def surface_json(surface: WebSurface, report: SurfaceReport) -> dict[str, Any]:
-    """What a checked surface is, as metrics.json and `extract --json` hold it."""
-    return {
-        "iso_value": surface.iso_value,
-        "web_volume_mm3": surface.volume_mm3,
-        "web_volume_error_percent": report.web_volume_error_percent,
-        "faces": report.faces,
-        "bodies": report.bodies,
-        "cavities": report.cavities,
-        "dropped_islands": surface.dropped_islands,
-        "dropped_volume_mm3": surface.dropped_volume_mm3,
-        "x_symmetric": surface.x_symmetric,
-        "fallback": surface.fallback,
-    }
-
-
 def check_surface(surface: WebSurface) -> SurfaceReport:
     """Check that the surface is one sound body with the volume of the density.
 
@@ -66,10 +49,10 @@ def check_surface(surface: WebSurface) -> SurfaceReport:
             f"{bodies} separate bodies instead of 1", "Raise the volume fraction or the resolution."
         )
     error = 100 * (surface.volume_mm3 / surface.target_volume_mm3 - 1)
-    if not abs(error) <= VOLUME_TOLERANCE_PERCENT:
+    if not abs(error) <= _VOLUME_TOLERANCE_PERCENT:
         raise surface_refusal(
             f"the web has {surface.volume_mm3:.0f} mm3, {error:+.2f} % of the density's "
-            f"{surface.target_volume_mm3:.0f} mm3 (allowed {VOLUME_TOLERANCE_PERCENT} %; "
+            f"{surface.target_volume_mm3:.0f} mm3 (allowed {_VOLUME_TOLERANCE_PERCENT} %; "
             f"{surface.dropped_islands} islands with {surface.dropped_volume_mm3:.0f} mm3 left out)",
             "Run more iterations, or raise the filter radius so that no islands form.",
         )

@@ -28,8 +28,8 @@ _FACING = math.cos(math.radians(140.0))
 """Walls face each other within 40 deg: a knife edge counts as a thin member, a corner of 90 deg does not."""
 _ALONG = math.sin(math.radians(1.0))
 _KEPT_SHARE = 0.9
-PARTING_CELLS = 1.5
-LEAST_SHARE = 0.01
+_PARTING_CELLS = 1.5
+_LEAST_SHARE = 0.01
 """A least value is the one that all but this share of the shaped walls' area keeps: single triangles and the
 rounding of an edge do not decide."""
 
@@ -49,12 +49,12 @@ class Walls:
     areas_mm2: Array
 
     def where(self, chosen: NDArray[np.bool_] | slice) -> Walls:
-        """Some of the points."""
+        """Return some of the points."""
         return Walls(self.points_mm[chosen], self.normals[chosen], self.areas_mm2[chosen])
 
 
 def measures_walls(scene: Scene) -> bool:
-    """Whether a process, a least member or a least gap limits the shape, so that it is worth measuring."""
+    """Tell whether a process, member or gap limits the shape, so that it is worth measuring."""
     lengths = scene.optimise.min_member_mm, scene.optimise.min_gap_mm
     return _is_manufactured(scene) or any(lengths)
 
@@ -64,7 +64,7 @@ def _is_manufactured(scene: Scene) -> bool:
 
 
 def walls_of(mesh: SurfaceMesh, spacing_mm: float) -> Walls:
-    """All of a surface, by triangles with edges of at most a length."""
+    """Return all walls of a surface, by triangles with edges of at most a length."""
     fine = solid_of(mesh).refine_to_length(spacing_mm).to_mesh64()
     corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -74,7 +74,7 @@ def walls_of(mesh: SurfaceMesh, spacing_mm: float) -> Walls:
 
 
 def shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
-    """The walls between the web's faces that neither envelope nor bores nor journals bound."""
+    """Return the walls between the web's faces that neither envelope nor bores nor journals bound."""
     start, end = scene.web_z_mm
     x, y, z = walls.points_mm.T
     inside = (z > start + _ON_MM) & (z < end - _ON_MM)
@@ -88,7 +88,7 @@ def shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
 
 
 def drafts_deg(walls: Walls, way: Way) -> Array:
-    """Angle between each wall and the way it is left; negative where a die half would be held, deg."""
+    """Return angle between each wall and the way it is left; negative where a die half would be held, deg."""
     along = walls.normals[:, way.axis or 0]
     if way.parting_mm is None:
         outward = np.abs(along)
@@ -98,7 +98,7 @@ def drafts_deg(walls: Walls, way: Way) -> Array:
 
 
 def from_parting_mm(walls: Walls, way: Way) -> Array:
-    """Distance of each wall from where the halves part, (n,), mm.
+    """Return the distance of each wall from where the halves part, (n,), mm.
 
     A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill. What
     is less than 1 deg off its way belongs to neither half and makes no edge.
@@ -115,7 +115,7 @@ def from_parting_mm(walls: Walls, way: Way) -> Array:
 
 
 def _to_one_edge_mm(walls: Walls, others: Walls) -> Array:
-    """Distance to the nearest of other walls; infinite where that lies on another side of a member."""
+    """Return distance to the nearest of other walls; infinite where that lies on another side of a member."""
     from scipy.spatial import KDTree
 
     if not len(others.areas_mm2):
@@ -125,8 +125,8 @@ def _to_one_edge_mm(walls: Walls, others: Walls) -> Array:
     return np.asarray(np.where(beside, distance, np.inf))
 
 
-def least(values: Array, areas_mm2: Array, share: float = LEAST_SHARE) -> float:
-    """The value that all but a share of the area keeps; infinite without any area."""
+def least(values: Array, areas_mm2: Array, share: float = _LEAST_SHARE) -> float:
+    """Return the value that all but a share of the area keeps; infinite without any area."""
     if not len(values):
         return math.inf
     order = np.argsort(values)
@@ -137,7 +137,7 @@ def least(values: Array, areas_mm2: Array, share: float = LEAST_SHARE) -> float:
 def measure(
     half_throw: SurfaceMesh, envelope: Manifold, scene: Scene, cell_mm: float
 ) -> dict[str, float | None]:
-    """Least draft (deg), member and gap (mm) of the walls that were shaped; None where there is none.
+    """Return the minimum draft (deg), member and gap (mm) of the shaped walls; None where there is none.
 
     Draft is that of a die's or a mould's halves and leaves out the walls nearest to where they part, whose
     edge is rounded; of a mill or of a free web there is none.
@@ -145,7 +145,7 @@ def measure(
     body = walls_of(half_throw, cell_mm)
     walls = shaped(body, envelope, scene)
     way = way_of(scene)
-    drafted = walls.where(from_parting_mm(walls, way) > PARTING_CELLS * cell_mm)
+    drafted = walls.where(from_parting_mm(walls, way) > _PARTING_CELLS * cell_mm)
     leaves = _is_manufactured(scene) and way.axis is not None
     draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else None
     found = {
@@ -159,7 +159,7 @@ def measure(
 
 
 def members_mm(walls: Walls, body: Walls) -> Array:
-    """Thickness of the member behind each wall: the diameter of the ball that fits inside it, mm.
+    """Return the thickness of the member behind each wall: the diameter of the ball that fits inside it, mm.
 
     Args:
         body: the whole surface that bounds the ball.
@@ -174,12 +174,12 @@ def members_mm(walls: Walls, body: Walls) -> Array:
 
 
 def gaps_mm(walls: Walls, body: Walls) -> Array:
-    """Width of the gap in front of each wall, in the same way, mm."""
+    """Return the width of the gap in front of each wall, in the same way, mm."""
     return _balls_mm(walls, 1.0, body)
 
 
 def _balls_mm(walls: Walls, side: float, body: Walls) -> Array:
-    """Diameters of the largest empty balls that touch the walls from one side, 1 outside and -1 inside."""
+    """Return diameters of the largest empty balls that touch the walls from outside (1) or inside (-1)."""
     largest = float(np.ptp(body.points_mm, axis=0).max())
     radius, opposite = np.full((2, len(walls.points_mm)), [[largest], [np.inf]])
     # Among few points first: of a large ball's centre far too many points are about as near.

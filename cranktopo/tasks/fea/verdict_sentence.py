@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from cranktopo.tasks.fea.quantities import BENDING, MASS, STIFFNESS, TORSION, Quantity
+from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, Quantity
 
 NOTICEABLE_PERCENT = 0.05
 """Changes below half of the last printed digit are none."""
@@ -30,31 +29,6 @@ def worse_line(changes_percent: Mapping[Quantity, float], reference: str) -> str
     """What got worse, for the terminal; empty where nothing did."""
     worse = [_words(q, v) for q, v in changes_percent.items() if q.better * v < -NOTICEABLE_PERCENT]
     return f"worse than {reference}: {_joined(worse)}" if worse else ""
-
-
-def ended(metrics: Mapping[str, Any]) -> str:
-    """How a run ended, and after how many iterations; `metrics` as metrics.json holds it."""
-    text = f"{metrics['status']} after {metrics['iterations']} iterations"
-    first = metrics.get("coarse_start")
-    return (
-        f"{text}, and {first['iterations']} before on cells of {first['cell_mm']:.3g} mm" if first else text
-    )
-
-
-def run_changes_percent(metrics: Mapping[str, Any]) -> dict[Quantity, float]:
-    """Changes of a run against its original web, %; `metrics` as metrics.json holds it."""
-    original = metrics["original_web"]
-    found = {MASS: percent_change(metrics["mass_kg"]["throw"], original["mass_kg"]["throw"])}
-    for quantity in STIFFNESS:
-        if quantity.key in metrics["load_cases"]:
-            webs = (web["load_cases"][quantity.key] for web in (metrics, original))
-            found[quantity] = percent_change(*(stiffness_of(case) for case in webs))
-    return found
-
-
-def stiffness_of(case: Mapping[str, Any]) -> float:
-    """Stiffness of a load case in metrics.json, N m/rad or N/mm."""
-    return float(next(value for key, value in case.items() if key.startswith("stiffness_")))
 
 
 def percent_change(now: float, before: float) -> float:

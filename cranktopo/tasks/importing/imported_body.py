@@ -19,7 +19,7 @@ from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
 from cranktopo.bodies.solid.web import DimTags
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
@@ -147,7 +147,7 @@ def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) ->
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
-    surface, note = _half_throw(path, scene, align)
+    surface, note = _half_throw(read_stl(path, str(path)), path, scene, align)
     body = solid_of(surface, str(path))
     half = _properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
@@ -169,12 +169,16 @@ def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMes
     Raises:
         CranktopoError: unreadable, not watertight, several bodies, or not where the journals are.
     """
-    return _half_throw(path, scene, align)[0]
+    return _half_throw(read_stl(path, str(path)), path, scene, align)[0]
 
 
-def _half_throw(path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, str]:
-    """The surface where the scene's journals are, and what was done or is to be known."""
-    surface = read_stl(path, str(path))
+def half_throw_of(surface: SurfaceMesh, path: Path, scene: Scene) -> SurfaceMesh:
+    """Return what `read_half_throw` reads of a surface that was written to a file."""
+    return _half_throw(as_stored(surface), path, scene, align=False)[0]
+
+
+def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, str]:
+    """The surface of a file where the scene's journals are, and what was done or is to be known."""
     if len(surface.faces) == 0:
         raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
     if not surface.as_trimesh().is_watertight:

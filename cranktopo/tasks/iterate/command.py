@@ -92,7 +92,7 @@ def command(
     from cranktopo.tasks.refit.usual_size import usual_limits
 
     if resume:
-        outcome = continue_loop(resume, info)
+        done = continue_loop(resume, info)
     else:
         from cranktopo.design.loading import design_text, load_scene
         from cranktopo.design.one_web import one_web
@@ -111,9 +111,9 @@ def command(
             shape=not no_shape,
         )
         command_line = ["cranktopo", *sys.argv[1:]]
-        outcome = start_loop(scene, settings, out, design_text(name), command_line, info)
-    data = outcome.as_json()
-    files = {what: str(outcome.folder / name) for what, name in LOOP_FILES.items()}
-    click.echo(json.dumps({**data, "files": files}) if as_json else loop_summary(data, outcome.folder))
-    if outcome.lost:
+        done = start_loop(scene, settings, out, design_text(name), command_line, info)
+    files = {what: str(done.folder / name) for what, name in LOOP_FILES.items()}
+    told = {**done.result.as_json(), "files": files}
+    click.echo(json.dumps(told) if as_json else loop_summary(done.result, done.folder))
+    if done.result.lost_step:
         raise click.exceptions.Exit(ExitCode.NOT_CONVERGED)

@@ -1,4 +1,4 @@
-"""What the loop is asked to do, and how a manifest keeps it."""
+"""Settings of a loop, and their form in a manifest."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.usual_size import usual_limits
 
-THIN_SHARE = 0.4
+_THIN_SHARE = 0.4
 """Least thickness beside a journal over that of the web, by default."""
 _LIMITS = "rules"
 """Key of the limits in a manifest."""
@@ -18,7 +18,7 @@ _LIMITS = "rules"
 
 @dataclass(frozen=True)
 class Settings:
-    """What the loop is asked to do.
+    """Settings of a loop.
 
     Attributes:
         steps: number of steps in which the volume falls to the design's volume fraction.
@@ -36,7 +36,7 @@ class Settings:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Settings:
-        """Settings as a manifest keeps them; one of an older version has the usual limits.
+        """Return the settings as a manifest keeps them; one of an older version has the usual limits.
 
         Raises:
             CranktopoError: keys are missing or unknown.
@@ -50,7 +50,7 @@ class Settings:
             ) from None
 
     def as_json(self) -> dict[str, Any]:
-        """Settings as a manifest keeps them."""
+        """Return the settings as a manifest keeps them."""
         data = asdict(self)
         limits = data.pop("limits")
         return {**data, _LIMITS: limits}
@@ -64,6 +64,6 @@ def loop_settings(
     limits: ManufacturingLimits | None = None,
     shape: bool = True,
 ) -> Settings:
-    """Settings of a loop over a design; the least thickness is 40 % of the web's by default."""
-    least_mm = least_transition_mm or THIN_SHARE * scene.web.thickness_mm
+    """Return the settings of a loop over a design; the least thickness is 40 % of the web's by default."""
+    least_mm = least_transition_mm or _THIN_SHARE * scene.web.thickness_mm
     return Settings(steps, least_mm, element_size_mm, limits or usual_limits(scene), shape)

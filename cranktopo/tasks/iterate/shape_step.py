@@ -2,65 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import clearly_more
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.outcome import GoalWords, goal_outcome
+from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.iterate.result import ShapeOutcome
 from cranktopo.tasks.iterate.settings import Settings
 from cranktopo.tasks.iterate.step import LoopStep
-from cranktopo.tasks.iterate.transition import transition_mm
+from cranktopo.tasks.iterate.step_solids import transition_mm
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 from cranktopo.tasks.shape.search import HELD
 
 
-@dataclass(frozen=True)
-class ShapeStep:
-    """What became of the shape optimisation.
-
-    Attributes:
-        row: its web; None where no web that keeps the limits was found.
-        reason: why it ended.
-        goal: as shape.json has it, or what was asked for.
-        better: whether its web is better for the goal than the loop's best step.
-        step_percent: the goal's quantity of the best step, % of the original; None where the loop has none.
-        not_judged: limits of the goal that the loop does not know of its steps.
-    """
+class ShapeStep(NamedTuple):
+    """The shape optimisation and its web; None where no web that keeps the limits was found."""
 
     row: LoopStep | None
-    reason: str
-    goal: GoalWords
-    better: bool = False
-    step_percent: float | None = None
-    not_judged: tuple[str, ...] = ()
-
-    def as_json(self) -> dict[str, Any]:
-        """The entry `shape` of iterate.json."""
-        return {
-            "folder": SHAPE,
-            "found": self.row is not None,
-            "reason": self.reason,
-            "goal": self.goal.as_json(),
-            "better_than_best_step": self.better,
-            "best_step_percent": self.step_percent,
-            "not_judged_of_steps": list(self.not_judged),
-        }
+    outcome: ShapeOutcome
 
 
 def shape_scene(scene: Scene) -> Scene:
-    """The design with the goal of its last step: its own, else the most torsional stiffness per mass."""
+    """Return the design with the goal of its last step: its own, else torsional stiffness per mass."""
     return scene if scene.goal is not None else with_goal(scene, maximise="torsion_per_mass")
 
 
@@ -91,15 +66,15 @@ def shape_step(
     except CranktopoError as error:
         if error.code == ExitCode.INTERRUPTED:
             raise
-        return ShapeStep(None, str(error), asked)
+        return _none(str(error), asked)
     if not data.held:
-        return ShapeStep(None, data.stop_reason, data.goal)
+        return _none(data.stop_reason, data.goal)
     row = _row(number, data, load_scene(str(run.path / SHAPE / data.files["design"])))
     return _compared(row, best, goal, data)
 
 
 def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings, info: Info) -> ShapeResult:
-    """shape.json of the optimisation: begun, continued, or read where it is done."""
+    """Return the result of the optimisation: begun, continued, or read where it is done."""
 
     def indented(text: str) -> None:
         info(f"  {text}")
@@ -114,7 +89,7 @@ def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings,
 
 
 def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:
-    """The result of a shape optimisation as a row of the table of steps."""
+    """Return the result of a shape optimisation as a row of the table of steps."""
     found, supports = data.result, data.result["supports"]
     return LoopStep(
         number=number,
@@ -132,9 +107,9 @@ def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:
 
 
 def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: ShapeResult) -> ShapeStep:
-    """The step is better only where it keeps the limits and is so clearly, for a near-tie is no loss."""
+    """Compare both: a step is better only where it keeps the limits and is so clearly."""
     if best is None:
-        return ShapeStep(row, data.stop_reason, data.goal, better=True)
+        return ShapeStep(row, _outcome(data, better_than_best_step=True))
     original, shaped, own = data.values.original, data.values.result, _values(best)
     told = goal_outcome(goal, own, original, HELD).limits
     unknown = tuple(dict.fromkeys(o.quantity for o in told if o.holds is None))
@@ -142,7 +117,21 @@ def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: ShapeResul
     name = goal.quantity
     percent = 100 * own[name] / original[name] if name in own else None
     step_wins = not broken and name in own and _clearly_better(own[name], shaped[name], goal)
-    return ShapeStep(row, data.stop_reason, data.goal, not step_wins, percent, unknown)
+    found = _outcome(
+        data,
+        better_than_best_step=not step_wins,
+        best_step_percent=percent,
+        not_judged_of_steps=list(unknown),
+    )
+    return ShapeStep(row, found)
+
+
+def _none(reason: str, goal: GoalOutcome | GoalWords) -> ShapeStep:
+    return ShapeStep(None, ShapeOutcome(found=False, reason=reason, goal=goal))
+
+
+def _outcome(data: ShapeResult, **compared: Any) -> ShapeOutcome:
+    return ShapeOutcome(found=True, reason=data.stop_reason, goal=data.goal, **compared)
 
 
 def _clearly_better(value: float, other: float, goal: Goal) -> bool:
@@ -150,7 +139,7 @@ def _clearly_better(value: float, other: float, goal: Goal) -> bool:
 
 
 def _values(step: LoopStep) -> dict[str, float]:
-    """What the loop knows of a step, in the units of the goal's limits."""
+    """Return what the loop knows of a step, in the units of the goal's limits."""
     return {
         "mass": step.throw_kg,
         "torsion": step.torsion_Nm_per_rad,

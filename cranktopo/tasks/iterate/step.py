@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from cranktopo.base.near_ties import clearly_more, exceeds, first_of_the_best
+from cranktopo.base.result import Result
 from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import percent_of, throw_values
 
 Verdict = Literal["better", "no gain", "too thin"]
 
 
-@dataclass(frozen=True)
-class LoopStep:
+class LoopStep(Result):
     """An evaluated web; step 0 is the original one.
 
     Attributes:
@@ -49,7 +48,7 @@ class LoopStep:
         return self.bending_N_per_mm / self.throw_kg
 
     def beats(self, original: LoopStep) -> bool:
-        """No heavier, no softer in bending, and stiffer in torsion per mass."""
+        """Tell whether it is no heavier, no softer in bending, and stiffer in torsion per mass."""
         return (
             not exceeds(self.throw_kg, original.throw_kg)
             and not exceeds(original.bending_N_per_mm, self.bending_N_per_mm)
@@ -57,26 +56,16 @@ class LoopStep:
         )
 
     def too_thin(self, least_transition_mm: float) -> bool:
-        """Whether the web beside a journal is thinner than allowed."""
+        """Tell whether the web beside a journal is thinner than allowed."""
         return exceeds(least_transition_mm, self.transition_mm)
 
     def values(self) -> dict[str, float]:
-        """Mass, stiffnesses and ratios by the keys of their quantities."""
+        """Return mass, stiffnesses and ratios by the keys of their quantities."""
         return throw_values(self.throw_kg, self.torsion_Nm_per_rad, self.bending_N_per_mm)
 
     def percent_of(self, original: LoopStep) -> dict[str, float]:
-        """Mass, stiffnesses and ratios in percent of the original web's."""
+        """Return mass, stiffnesses and ratios in percent of the original web's."""
         return percent_of(self.values(), original.values())
-
-    def as_json(self, original: LoopStep) -> dict[str, Any]:
-        """The step with its ratios and percentages."""
-        return {
-            **asdict(self),
-            "torsion_per_mass_Nm_per_rad_kg": self.torsion_per_kg,
-            "bending_per_mass_N_per_mm_kg": self.bending_per_kg,
-            "percent_of_original": self.percent_of(original),
-            "beats_original": self.number > 0 and self.beats(original),
-        }
 
 
 def step_of(
@@ -87,7 +76,7 @@ def step_of(
     removed_percent: float | None = None,
     seconds: float = 0.0,
 ) -> LoopStep:
-    """A step from its evaluation and what else was measured; see `LoopStep`."""
+    """Return a step from its evaluation and what else was measured; see `LoopStep`."""
     return LoopStep(
         number=number,
         throw_kg=found.throw_kg,
@@ -104,7 +93,7 @@ def step_of(
 
 
 def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
-    """What the last of the steps (the original web first) says about going on.
+    """Return what the last of the steps (the original web first) says about going on.
 
     Args:
         least_transition_mm: thickness of the web around its journals below which the loop ends.
@@ -118,7 +107,7 @@ def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
 
 
 def best_step(steps: Sequence[LoopStep], least_transition_mm: float) -> LoopStep | None:
-    """The step that gains most in torsional stiffness per mass of those that beat the original web.
+    """Return the step that gains most in torsional stiffness per mass of those that beat the original web.
 
     Of steps that gain the same the first is taken.
 

@@ -1,136 +1,133 @@
-"""Table and lines of the loop; steps and data as iterate.json holds them."""
+"""Table and lines of the loop."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
-from cranktopo.design.goal.outcome import GoalWords
+from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
-from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.bound.text import bound_lines
-from cranktopo.tasks.designs.run_webs import Step, best_row, row_folder, row_words
 from cranktopo.tasks.fea.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.tasks.fea.table import estimate_line
+from cranktopo.tasks.iterate.result import LoopResult, ShapeOutcome, StepRow
 
 LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
 """What a loop leaves in its directory beside the folders of its steps."""
-IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
+_IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
 """What every step shows in percent of the original web."""
 
 
-def _in_percent(key: str) -> Callable[[Step], float]:
-    return lambda step: step["percent_of_original"][key]
+def _in_percent(key: str) -> Callable[[StepRow], float]:
+    return lambda step: step.percent_of_original[key]
 
 
-_STEP: Column[Step] = Column("step", 0, lambda step: step.get("name", str(step["number"])))
-_VALUES: tuple[Column[Step], ...] = (
-    Column("throw_kg", MASS.digits, lambda step: step["throw_kg"]),
-    Column("web_kg", MASS.digits, lambda step: step["web_kg"]),
-    Column(TORSION.column, TORSION.digits, lambda step: step["torsion_Nm_per_rad"] / 1000),
-    Column(BENDING.column, BENDING.digits, lambda step: step["bending_N_per_mm"] / 1000),
+_STEP: Column[StepRow] = Column("step", 0, lambda step: step.name or str(step.number))
+_VALUES: tuple[Column[StepRow], ...] = (
+    Column("throw_kg", MASS.digits, lambda step: step.throw_kg),
+    Column("web_kg", MASS.digits, lambda step: step.web_kg),
+    Column(TORSION.column, TORSION.digits, lambda step: step.torsion_Nm_per_rad / 1000),
+    Column(BENDING.column, BENDING.digits, lambda step: step.bending_N_per_mm / 1000),
     Column(
         TORSION_PER_MASS.column,
         TORSION_PER_MASS.digits,
-        lambda step: step["torsion_per_mass_Nm_per_rad_kg"] / 1000,
+        lambda step: step.torsion_per_mass_Nm_per_rad_kg / 1000,
     ),
     Column(
         BENDING_PER_MASS.column,
         BENDING_PER_MASS.digits,
-        lambda step: step["bending_per_mass_N_per_mm_kg"] / 1000,
+        lambda step: step.bending_per_mass_N_per_mm_kg / 1000,
     ),
 )
-_SHAPE: tuple[Column[Step], ...] = (
-    Column("transition_mm", 1, lambda step: step["transition_mm"]),
-    Column("overlap_percent", 1, lambda step: step["overlap_percent"]),
+_SHAPE: tuple[Column[StepRow], ...] = (
+    Column("transition_mm", 1, lambda step: step.transition_mm),
+    Column("overlap_percent", 1, lambda step: step.overlap_percent),
 )
-_PERCENT: tuple[Column[Step], ...] = tuple(
-    Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in IN_PERCENT
+_PERCENT: tuple[Column[StepRow], ...] = tuple(
+    Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in _IN_PERCENT
 )
 
 
-def steps_table(steps: Sequence[Step]) -> ResultTable:
-    """One row per step, the original web first: every column, for a file."""
+def steps_table(steps: Sequence[StepRow]) -> ResultTable:
+    """Return one row per step, the original web first: every column, for a file."""
     return tabulate((_STEP, *_VALUES, *_PERCENT, *_SHAPE), steps)
 
 
-def steps_tables(steps: Sequence[Step]) -> tuple[tuple[str, ResultTable], ...]:
-    """The same in two tables by caption, for readers: values, and percent of the original web."""
+def steps_tables(steps: Sequence[StepRow]) -> tuple[tuple[str, ResultTable], ...]:
+    """Return the same in two tables by caption, for readers: values, and percent of the original web."""
     return (
         ("Every step, the original web first", tabulate((_STEP, *_VALUES, *_SHAPE), steps)),
         ("Percent of the original web", tabulate((_STEP, *_PERCENT), steps)),
     )
 
 
-def steps_estimate(steps: Sequence[Step]) -> str:
-    """The largest error estimates of the steps' stiffnesses, one line."""
+def steps_estimate(steps: Sequence[StepRow]) -> str:
+    """Return the largest error estimates of the steps' stiffnesses, one line."""
     return estimate_line(
-        *([step[f"{kind}_error_percent"] for step in steps] for kind in ("torsion", "bending"))
+        *([getattr(step, f"{kind}_error_percent") for step in steps] for kind in ("torsion", "bending"))
     )
 
 
-def best_line(data: Mapping[str, Any]) -> str:
-    """Which web is best and what it gains on the original web."""
-    row = best_row(data)
+def best_line(loop: LoopResult) -> str:
+    """Tell which web is best and what it gains on the original web."""
+    row = loop.best
     if row is None:
         return "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
-    share = row["percent_of_original"]
+    share = row.percent_of_original
     return (
-        f"best: {row_words(row)}, "
+        f"best: {row.words}, "
         f"torsional stiffness per mass {share[TORSION_PER_MASS.key] - 100:+.1f} %, "
         f"mass {share[MASS.key] - 100:+.1f} %, bending stiffness {share[BENDING.key] - 100:+.1f} %"
     )
 
 
-def shape_line(data: Mapping[str, Any]) -> str:
-    """What the shape optimisation reached beside the best step; empty for a loop without one."""
-    shape = data.get("shape")
+def shape_line(loop: LoopResult) -> str:
+    """Tell what the shape optimisation reached beside the best step; empty for a loop without one."""
+    shape = loop.shape
     if shape is None:
         return ""
-    step = "the loop" if data["best_step"] is None else f"step {data['best_step']}"
-    if not shape["found"]:
-        return f"shape: no web that keeps the limits, the result of {step} stands: {shape['reason']}"
-    goal = shape["goal"]
-    words = goal_words(GoalWords.of_json(goal, "goal"))
-    reached = f"shape: {words} {goal['reached_percent']:.1f} % of the original web, every limit holds"
-    reached += _thin_words(data)
-    if data["best_step"] is None:
+    step = "the loop" if loop.best_step is None else f"step {loop.best_step}"
+    if not shape.found:
+        return f"shape: no web that keeps the limits, the result of {step} stands: {shape.reason}"
+    goal = shape.goal
+    assert isinstance(goal, GoalOutcome)
+    reached = f"shape: {goal_words(goal)} {goal.reached_percent:.1f} % of the original web, every limit holds"
+    reached += _thin_words(loop)
+    if loop.best_step is None:
         return f"{reached}; no step beats the original web"
-    verdict = f"better than {step}" if shape["better_than_best_step"] else f"{step} is better"
+    verdict = f"better than {step}" if shape.better_than_best_step else f"{step} is better"
     return f"{reached}; {verdict}{_step_words(shape)}"
 
 
-def _step_words(shape: Mapping[str, Any]) -> str:
-    """What the loop tells of its best step for the goal: ` with 116.6 %, whose fatigue safety ...`."""
-    percent, unknown = shape["best_step_percent"], shape["not_judged_of_steps"]
+def _step_words(shape: ShapeOutcome) -> str:
+    """Return what the loop tells of its best step for the goal: ` with 116.6 %, whose fatigue safety ...`."""
+    percent, unknown = shape.best_step_percent, shape.not_judged_of_steps
     labels = " and ".join(QUANTITIES[name].label for name in unknown)
     return (" with" + f" {percent:.1f} %" if percent is not None else "") + (
         f", whose {labels} nobody judged" if labels else ""
     )
 
 
-def _thin_words(data: Mapping[str, Any]) -> str:
-    """That the web is thinner beside a journal than a step may be: the shape optimiser has no such rule."""
-    thickness, least = data["steps"][-1]["transition_mm"], data["least_transition_mm"]
+def _thin_words(loop: LoopResult) -> str:
+    """Say that the web is thinner beside a journal than a step may be; the shape optimiser may do so."""
+    thickness, least = loop.steps[-1].transition_mm, loop.least_transition_mm
     return (
         f", {thickness:.1f} mm beside a journal where a step keeps {least:g} mm" if thickness < least else ""
     )
 
 
-def loop_summary(data: Mapping[str, Any], folder: Path) -> str:
-    """A finished loop; `data` as iterate.json holds it."""
+def loop_summary(loop: LoopResult, folder: Path) -> str:
+    """Return a finished loop in words."""
     lines = []
-    for caption, table in steps_tables(data["steps"]):
+    for caption, table in steps_tables(loop.steps):
         lines += [caption, terminal(table), ""]
-    lines.append(steps_estimate(data["steps"]))
-    lines += bound_lines(read_bound(data))
-    lines += [f"ended: {data['stop_reason']}", *filter(None, [shape_line(data)]), best_line(data)]
-    lines += [f"note: {notice}" for notice in data.get("notices", ())]
-    best = best_row(data)
-    if best is not None:
-        lines.append(str(folder / row_folder(best) / "web.toml"))
+    lines.append(steps_estimate(loop.steps))
+    lines += bound_lines(loop.bound)
+    lines += [f"ended: {loop.stop_reason}", *filter(None, [shape_line(loop)]), best_line(loop)]
+    lines += [f"note: {notice}" for notice in loop.notices]
+    if loop.best is not None:
+        lines.append(str(folder / loop.best.folder / "web.toml"))
     files = (folder / file for file in LOOP_FILES.values())
     return "\n".join([*lines, *(str(file) for file in files if file.is_file())])

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from cranktopo.design.schema import Scene
     from cranktopo.tasks.density.problem import DensityProblem
     from cranktopo.tasks.density.state import State
+    from cranktopo.tasks.optimise.result import RunMetrics
 
 
 @click.command("optimise")
@@ -112,7 +113,7 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
             scene = _scene(name, **options)
             command_line = ["cranktopo", *sys.argv[1:]]
             run = optimise_design(scene, out, design_text(name), command_line, bar.info, bar, began)
-    click.echo(json.dumps(run.metrics) if as_json else run_summary(run.metrics, run.folder))
+    click.echo(json.dumps(run.metrics.as_json()) if as_json else run_summary(run.metrics, run.folder))
     return _exit_code(run.metrics)
 
 
@@ -128,7 +129,7 @@ def _scene(
     no_bound: bool,
     **settings: Any,
 ) -> Scene:
-    """The design with what the options change; `settings` are named as in `[optimise]`."""
+    """Return the design with what the options change; `settings` are named as in `[optimise]`."""
     if settings["resolution_mm"] and (accuracy or budget):
         raise click.UsageError(
             "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
@@ -148,14 +149,14 @@ def _scene(
     return with_cells_for(scene, accuracy, budget, info) if accuracy or budget else scene
 
 
-def _exit_code(metrics: dict[str, Any]) -> ExitCode:
-    if metrics["status"] == "infeasible":
+def _exit_code(metrics: RunMetrics) -> ExitCode:
+    if metrics.status == "infeasible":
         return ExitCode.CRITERION_NOT_MET
-    if metrics["status"] != "converged":
+    if metrics.status != "converged":
         return ExitCode.NOT_CONVERGED
-    goal = metrics.get("goal", {})
-    broken = any(limit["holds"] is False for limit in goal.get("limits", ()))
-    unmet = broken or "not_evaluated" in goal or "refusal" in metrics["surface"]
+    goal = metrics.goal
+    broken = goal is not None and any(limit.holds is False for limit in goal.limits)
+    unmet = broken or (goal is not None and goal.not_evaluated is not None) or metrics.refusal
     return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
 
 
@@ -176,7 +177,7 @@ class _Bar:
         self._bar.close()
 
     def info(self, line: str) -> None:
-        """A line above the bar, unless the command is quiet."""
+        """Write a line above the bar, unless the command is quiet."""
         if level() > QUIET:
             self._bar.write(line, file=sys.stderr)
 
@@ -190,7 +191,9 @@ class _Bar:
         work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
         reached = [
             f"{response.name} {value:.4g} {response.unit}".rstrip()
-            for response, value in zip(problem.statement.responses, (*row.goals, *row.limits), strict=False)
+            for response, value in zip(
+                problem.optimisation.responses, (*row.goals, *row.limits), strict=False
+            )
         ]
         wanted = ", ".join(dict.fromkeys(reached)) or f"{work}, volume {row.volume_fraction:.3f}"
         text = f"{wanted}, grey {row.greyness:.3f}"

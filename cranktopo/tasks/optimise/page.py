@@ -8,28 +8,28 @@ from typing import Any
 
 from cranktopo.design.clearance import clearance_text
 from cranktopo.design.goal.constraint import TOLERANCE
-from cranktopo.report.goal_table import evaluation_note, goal_line, goal_of, limits_table
+from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
 from cranktopo.report.page import Page, Section
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.tasks.accuracy.plot import error_picture, study_pictures
+from cranktopo.tasks.accuracy.text import level_tables, recommendation_table
 from cranktopo.tasks.bound.page import bound_sections
-from cranktopo.tasks.bound.result import read_bound
+from cranktopo.tasks.extraction.result import RunSurface
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.fea.stress_section import stress_section
-from cranktopo.tasks.fea.verdict_sentence import stiffness_of
 from cranktopo.tasks.loads.section import loads_section
-from cranktopo.tasks.optimise.accuracy_section import accuracy_section
-from cranktopo.tasks.optimise.convergence import PANELS
-from cranktopo.tasks.optimise.picture import views_figure
-from cranktopo.tasks.optimise.record import RunRecord
+from cranktopo.tasks.optimise.picture import PANELS, views_figure
+from cranktopo.tasks.optimise.result import CaseMetrics, OriginalWeb, RunMetrics
+from cranktopo.tasks.optimise.run_record import RunRecord
 from cranktopo.tasks.optimise.verdict import facts, headline
 from cranktopo.tasks.plan.section import effects_section
-from cranktopo.tasks.refit.page import remodel_section
+from cranktopo.tasks.refit.page import refit_section
 
 _NAMES = ("original web", "optimised")
 _THROW = replace(MASS, key="mass_of_throw")
@@ -42,36 +42,36 @@ _CURVE_ALT = (
 
 
 def run_page(record: RunRecord) -> Page:
-    """The report of a finished run."""
+    """Return the report of a finished run."""
     metrics, manifest = record.metrics, record.manifest
     scene3d = _scene3d(record)
     return Page(
-        title=f"Crank web of {metrics['design']}",
-        subtitle=f"Run {metrics['run']}, {manifest['started'][:10]}",
+        title=f"Crank web of {metrics.design}",
+        subtitle=f"Run {metrics.run}, {manifest['started'][:10]}",
         headline=headline(metrics),
         facts=facts(record),
         sections=(
             *_goal(metrics),
-            *bound_sections(read_bound(metrics), "the optimiser's own cells"),
+            *bound_sections(metrics.bound, "the optimiser's own cells"),
             _variants(metrics),
             _convergence(record),
             *clearance_sections(record.scene, scene3d.bodies if scene3d else ()),
-            loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
+            loads_section(record.loads, [case.load for case in metrics.load_cases.values()]),
             stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
             accuracy_section(metrics, record.accuracy, record.folder),
-            *([remodel_section(record.remodel)] if record.remodel else []),
-            effects_section(metrics["effects"]),
+            *([refit_section(record.refit)] if record.refit else []),
+            effects_section(metrics.effects),
             _provenance(record),
-            versions_section(manifest["versions"], metrics["files"]),
+            versions_section(manifest["versions"], metrics.files),
         ),
         scene3d=scene3d,
         picture=_still(record),
     )
 
 
-def _goal(metrics: Mapping[str, Any]) -> tuple[Section, ...]:
-    """What was wanted and what was reached; nothing for a run without a goal."""
-    goal = goal_of(metrics)
+def _goal(metrics: RunMetrics) -> tuple[Section, ...]:
+    """Return what was wanted and what was reached; nothing for a run without a goal."""
+    goal = metrics.goal
     if goal is None:
         return ()
     line, note = goal_line(goal), evaluation_note(goal)
@@ -82,10 +82,12 @@ def _goal(metrics: Mapping[str, Any]) -> tuple[Section, ...]:
     return (Section("goal", "Goal and limits", text, (("Limits", limits_table(goal)),)),)
 
 
-def _variants(metrics: Mapping[str, Any]) -> Section:
-    stiffnesses = [quantity for quantity in STIFFNESS if quantity.key in metrics["load_cases"]]
-    webs = zip(_NAMES, (metrics["original_web"], metrics), strict=True)
-    values = {name: _values(web, stiffnesses) for name, web in webs}
+def _variants(metrics: RunMetrics) -> Section:
+    stiffnesses = [quantity for quantity in STIFFNESS if quantity.key in metrics.load_cases]
+    values = {
+        _NAMES[0]: _values(metrics.original_web, stiffnesses),
+        _NAMES[1]: _values(metrics, stiffnesses),
+    }
     before, after = values.values()
     points = {
         LABELS[stiffness]: [Point(name, found[_THROW], found[stiffness]) for name, found in values.items()]
@@ -102,7 +104,7 @@ def _variants(metrics: Mapping[str, Any]) -> Section:
         "Against the original",
         "Both webs in the optimiser's own model, on the same cells: their ratio is more accurate than "
         "either value. 'cranktopo evaluate' evaluates the surface on body-fitted elements."
-        + "".join(f" Note: {notice}." for notice in metrics.get("notices", ())),
+        + "".join(f" Note: {notice}." for notice in metrics.notices),
         (
             ("Values", ResultTable({"design": 0, **{q.column: q.digits for q in before}}, absolute)),
             (
@@ -110,33 +112,28 @@ def _variants(metrics: Mapping[str, Any]) -> Section:
                 ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
             ),
         ),
-        scatter_pictures(points, 0, metrics.get("bound")),
+        scatter_pictures(points, 0, None if metrics.bound is None else metrics.bound.as_json()),
     )
 
 
-def _values(web: Mapping[str, Any], stiffnesses: Sequence[Quantity]) -> dict[Quantity, float]:
-    """Masses, stiffnesses in thousands and their ratios of a web in metrics.json."""
-    throw = web["mass_kg"]["throw"]
-    found = {quantity: _stiffness(web, quantity.key) for quantity in stiffnesses}
+def _values(web: RunMetrics | OriginalWeb, stiffnesses: Sequence[Quantity]) -> dict[Quantity, float]:
+    """Return masses, stiffnesses in thousands and their ratios."""
+    throw = web.mass_kg.throw
+    found = {quantity: web.load_cases[quantity.key].stiffness / 1000 for quantity in stiffnesses}
     ratios = dict(zip(STIFFNESS, PER_MASS, strict=True))
     return {
         _THROW: throw,
-        _WEB: web["mass_kg"]["web"],
+        _WEB: web.mass_kg.web,
         **found,
         **{ratios[quantity]: value / throw for quantity, value in found.items()},
     }
-
-
-def _stiffness(row: Mapping[str, Any], kind: str) -> float:
-    """Stiffness of a load case in kN m/rad or kN/mm."""
-    return stiffness_of(row["load_cases"][kind]) / 1000
 
 
 def _convergence(record: RunRecord) -> Section:
     return Section(
         "convergence",
         "Convergence",
-        f"{record.metrics['status'].capitalize()}: {record.metrics['stop_reason']}. Dotted lines: the "
+        f"{record.metrics.status.capitalize()}: {record.metrics.stop_reason}. Dotted lines: the "
         "projection gets steeper there.",
         pictures=tuple(
             picture(f"convergence-{number}", alt, panel, record.history)
@@ -145,22 +142,72 @@ def _convergence(record: RunRecord) -> Section:
     )
 
 
+def accuracy_section(metrics: RunMetrics, studies: Mapping[str, Any] | None, folder: str) -> Section:
+    """Return residuals and volume errors of a run, and error against seconds where the run has studies.
+
+    Args:
+        studies: what `cranktopo accuracy --json` prints; None without.
+    """
+    solver, surface = metrics.solver, metrics.surface
+    rows = [
+        ("largest cell edge", f"{metrics.grid.cell_mm:.3g} mm"),
+        *_estimates(metrics.load_cases),
+        ("relative residual of the reported solve", f"{solver.final_relative_residual:.1e}"),
+        ("cycles per solve, mean and most", f"{solver.cg_iterations.mean:.1f}, {solver.cg_iterations.max}"),
+    ]
+    if isinstance(surface, RunSurface):
+        error = f"{surface.web_volume_error_percent:+.4f} %"
+        rows.append(("volume of the surface against the density", error))
+    text = (
+        "Cells cut by a cylinder make the optimiser's model a little too stiff; the error falls with the "
+        "cell size and is nearly the same for both webs. 'cranktopo evaluate' gives a value with an error "
+        "estimate."
+    )
+    tables = [("This run", pairs(rows))]
+    pictures: tuple[Picture, ...] = _own_picture(metrics)
+    if not studies:
+        text += f" 'cranktopo accuracy {folder}' adds what each digit costs, from cheap to exact."
+    if studies and studies.get("rungs"):
+        tables += [*level_tables(studies), ("Cheapest level", recommendation_table(studies))]
+        pictures = study_pictures(studies)
+    return Section("accuracy", "Accuracy and what it costs", text, tuple(tables), pictures)
+
+
+def _own_picture(metrics: RunMetrics) -> tuple[Picture, ...]:
+    """Return the run's own error estimates against its seconds, where it has estimates."""
+    seconds = metrics.seconds.total
+    found = [
+        {"name": name, "seconds": seconds, "error_percent": case.error_estimate_percent}
+        for name, case in metrics.load_cases.items()
+        if case.error_estimate_percent is not None
+    ]
+    return (error_picture(found),) if found else ()
+
+
+def _estimates(load_cases: Mapping[str, CaseMetrics]) -> list[tuple[str, str]]:
+    return [
+        (f"error estimate, {name}", f"{case.error_estimate_percent:.2g} %")
+        for name, case in load_cases.items()
+        if case.error_estimate_percent is not None
+    ]
+
+
 def _provenance(record: RunRecord) -> Section:
     manifest, metrics = record.manifest, record.metrics
     rows = [
         *origin_rows(manifest),
         ("seed of random starts", manifest["seed"]),
         *([("room of the original web", room)] if (room := clearance_text(record.scene)) else []),
-        ("cells", " x ".join(str(n) for n in metrics["grid"]["cells"])),
-        ("largest cell edge", f"{metrics['grid']['cell_mm']:.3g} mm"),
-        ("solver", metrics["solver"]["precision"]),
-        ("time, without this page", f"{metrics['seconds']['total']:.1f} s"),
-        ("peak memory", f"{metrics['peak_memory_MiB']:.0f} MiB"),
+        ("cells", " x ".join(str(n) for n in metrics.grid.cells)),
+        ("largest cell edge", f"{metrics.grid.cell_mm:.3g} mm"),
+        ("solver", metrics.solver.precision),
+        ("time, without this page", f"{metrics.seconds.total:.1f} s"),
+        ("peak memory", f"{metrics.peak_memory_MiB:.0f} MiB"),
     ]
     return Section(
         "provenance",
         "Where this comes from",
-        tables=(("Run", pairs(rows)), *assumed_tables(metrics.get("assumed", ()))),
+        tables=(("Run", pairs(rows)), *assumed_tables(metrics.assumed)),
     )
 
 
@@ -186,7 +233,7 @@ def _still(record: RunRecord) -> Picture | None:
     if record.mesh is None:
         return None
     alt = (
-        f"Half throw of {record.metrics['design']} with the optimised web, from the journal side, from the "
+        f"Half throw of {record.metrics.design} with the optimised web, from the journal side, from the "
         "crankpin side, from the front and from the side; journals grey, web blue"
     )
     return Picture("views", views_figure(record.mesh, record.scene.web_z_mm), alt)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,8 @@ from cranktopo.report.axes_style import GREY, plain
 from cranktopo.report.gallery import JOURNAL_SIDE, PIN_SIDE, UP, Direction
 from cranktopo.report.png import png
 from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
-from cranktopo.tasks.optimise.convergence import PANELS
 
+_History = Sequence[Mapping[str, Any]]
 # Name, direction to the viewer, axis labels (none: not along the axes).
 _VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
     ("from the journal side", JOURNAL_SIDE, None),
@@ -30,7 +30,7 @@ _VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
 def save_run_picture(
     path: Path,
     mesh: SurfaceMesh,
-    history: Sequence[Mapping[str, Any]],
+    history: _History,
     title: str,
     web_z_mm: tuple[float, float],
 ) -> None:
@@ -45,10 +45,8 @@ def save_run_picture(
     write_bytes(path, png(run_figure(mesh, history, title, web_z_mm)))
 
 
-def run_figure(
-    mesh: SurfaceMesh, history: Sequence[Mapping[str, Any]], title: str, web_z_mm: tuple[float, float]
-) -> Figure:
-    """The picture of a run as a figure of its own: no global matplotlib state is read or changed.
+def run_figure(mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]) -> Figure:
+    """Return the picture of a run as a figure of its own: no global matplotlib state is read or changed.
 
     Args:
         history: one row per iteration with `iteration` and any of `objective`, `<case>_compliance_N_mm`,
@@ -64,7 +62,7 @@ def run_figure(
 
 
 def views_figure(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> Figure:
-    """The four views alone, on no background.
+    """Return the four views alone, on no background.
 
     Args:
         web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
@@ -80,7 +78,7 @@ def views_figure(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> Figure:
 def _draw_views(
     figure: Figure, mesh: SurfaceMesh, web_z_mm: tuple[float, float], bottom: float, top: float
 ) -> None:
-    """Four views in one row, all to the same scale."""
+    """Draw four views in one row, all to the same scale."""
     body = shaded(mesh, web_z_mm)
     views = [view_axes(side, UP) for _, side, _ in _VIEWS]
     extents = [extent_mm(body, view) for view in views]
@@ -104,9 +102,101 @@ def _draw_views(
             plain(axes)
 
 
-def _draw_curves(figure: Figure, history: Sequence[Mapping[str, Any]]) -> None:
+def _draw_curves(figure: Figure, history: _History) -> None:
     grid = figure.add_gridspec(
         1, 3, left=0.06, right=0.975, top=0.34, bottom=0.075, wspace=0.22, width_ratios=(1.5, 1, 1)
     )
     for number, panel in enumerate(PANELS):
         panel(figure.add_subplot(grid[number]), history)
+
+
+_CASE_KEY = "_compliance_N_mm"
+_COLOURS = ("#1f6fb4", "#d1632a", "#2c8c4f", "#8a4fa3")
+
+
+def _compliances_panel(axes: Any, history: _History) -> None:
+    """Draw the compliance of every load case and the objective, each over its first value."""
+    _draw_compliances(axes, history)
+    _frame(axes, history)
+    if not history:
+        axes.text(0.5, 0.5, "no history", transform=axes.transAxes, ha="center", color=GREY)
+
+
+def _volume_panel(axes: Any, history: _History) -> None:
+    """Draw the volume fraction."""
+    _draw_fraction(axes, history, "volume_fraction", "volume fraction (-)")
+    _frame(axes, history)
+
+
+def _greyness_panel(axes: Any, history: _History) -> None:
+    """Draw the greyness."""
+    _draw_fraction(axes, history, "greyness", "greyness (-)")
+    axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
+    _frame(axes, history)
+
+
+PANELS: tuple[Callable[[Any, _History], None], ...] = (
+    _compliances_panel,
+    _volume_panel,
+    _greyness_panel,
+)
+
+
+def _frame(axes: Any, history: _History) -> None:
+    axes.set_xlabel("iteration", fontsize=9)
+    axes.grid(color="0.9", linewidth=0.8)
+    plain(axes)
+    _mark_projection(axes, history)
+
+
+def _draw_compliances(axes: Any, history: _History) -> None:
+    keys = [key for key in dict.fromkeys(k for row in history for k in row) if key.endswith(_CASE_KEY)]
+    lowest, highest = 1.0, 1.0
+    lines = [(key, key.removesuffix(_CASE_KEY), "-") for key in keys] + [("objective", "objective", "--")]
+    for number, (key, name, style) in enumerate(lines):
+        steps, values = _series(history, key)
+        if not values or values[0] == 0:
+            continue
+        relative = [value / values[0] for value in values]
+        lowest, highest = min(lowest, *relative), max(highest, *relative)
+        unit = "" if key == "objective" else f", {values[-1]:.4g} N mm"
+        colour = "black" if key == "objective" else _COLOURS[number % len(_COLOURS)]
+        text = f"{name}: {relative[-1]:.3g} of its start{unit}"
+        axes.plot(steps, relative, style, color=colour, linewidth=1.6, label=text)
+    if highest > 8 * lowest > 0:
+        axes.set_yscale("log")
+    axes.set_ylabel("compliance over its start (-)", fontsize=9)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(fontsize=9, frameon=False, loc="upper right", bbox_to_anchor=(1.0, 0.94))
+
+
+def _draw_fraction(axes: Any, history: _History, key: str, label: str) -> None:
+    steps, values = _series(history, key)
+    axes.plot(steps, values, color=_COLOURS[0], linewidth=1.6)
+    axes.set_ylabel(label, fontsize=9)
+    if values:  # a converged constraint is no reason to magnify rounding
+        middle, half = (max(values) + min(values)) / 2, (max(values) - min(values)) / 2
+        half = max(1.1 * half, 0.05 * middle)
+        axes.set_ylim(middle - half, middle + half)
+
+
+def _mark_projection(axes: Any, history: _History) -> None:
+    """Draw thin lines where the sharpness of the projection changes: the curves jump there."""
+    steps, betas = _series(history, "beta")
+    for before, now, step in zip(betas, betas[1:], steps[1:], strict=False):
+        if now != before:
+            axes.axvline(step, color="0.6", linewidth=0.8, linestyle=":")
+            axes.annotate(
+                f"β {now:g}",
+                (step, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(2, -9),
+                textcoords="offset points",
+                fontsize=7,
+                color=GREY,
+            )
+
+
+def _series(history: _History, key: str) -> tuple[list[float], list[float]]:
+    rows = [row for row in history if row.get(key) is not None]
+    return [float(row["iteration"]) for row in rows], [float(row[key]) for row in rows]

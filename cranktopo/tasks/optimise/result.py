@@ -1,195 +1,182 @@
-"""metrics.json of an optimise run, from the results of the stages."""
+"""metrics.json of an optimise run, which `optimise --json` prints as well."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from statistics import fmean, median
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from pydantic import Field
 
-from cranktopo.base.machine import peak_memory_MiB
-from cranktopo.bodies.cells.domain import Domain
-from cranktopo.design.goal.outcome import goal_outcome
-from cranktopo.design.goal.wanted import wanted
-from cranktopo.design.schema import Scene
-from cranktopo.tasks.density.assessment import Assessment
-from cranktopo.tasks.density.connectivity import is_connected
-from cranktopo.tasks.density.error_bound import model_error_percent
-from cranktopo.tasks.density.problem import DensityProblem
-from cranktopo.tasks.density.stage import Prepared
-from cranktopo.tasks.density.state import State
-from cranktopo.tasks.extraction.checked_surface import CheckedSurface
-from cranktopo.tasks.extraction.surface_checks import surface_json
-from cranktopo.tasks.extraction.walls import measures_walls
-
-SCHEMA_VERSION = 1
-_PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
+from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.goal.outcome import GoalOutcome
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.runs.directories import RunStore
+from cranktopo.runs.kind import read_result
+from cranktopo.tasks.bound.result import BoundStatements, NoBound
+from cranktopo.tasks.density.state import CoarseStart
+from cranktopo.tasks.extraction.result import NoSurface, RunSurface, ThrowMasses, WallMeasures
+from cranktopo.tasks.fea.quantities import MASS, STIFFNESS, Quantity
+from cranktopo.tasks.fea.verdict_sentence import percent_change
 
 
-@dataclass(frozen=True)
-class Timing:
-    """Wall times of a run.
+class VolumeFraction(Result):
+    """Share of the design space that is solid; a run with a goal has no target."""
 
-    Attributes:
-        total_s: from the start to the last file; the report, written then, is added afterwards.
-        outputs_s: assessment and bound, and surface and files beside them.
+    target: float | None
+    reached: float
+
+
+class CellSize(Result):
+    """Edges of the cells, mm."""
+
+    x: float
+    y: float
+    z_min: float
+    z_max: float
+
+
+class GridSummary(Result):
+    """The cells of a run."""
+
+    cells: list[int]
+    cell_mm: float
+    cell_size_mm: CellSize
+    padding_cells: list[int]
+    design_cells: int
+    symmetry: list[str]
+    extent: str
+
+
+class CaseMetrics(Result):
+    """A web under one load case in the optimiser's model; a body force has no stiffness."""
+
+    stiffness_Nm_per_rad: float | None = UNLESS_NONE
+    stiffness_N_per_mm: float | None = UNLESS_NONE
+    error_estimate_percent: float | None = UNLESS_NONE
+    compliance_N_mm: float
+    support: str
+    load: dict[str, Any]
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness, N m/rad or N/mm; 0 where there is none."""
+        return self.stiffness_Nm_per_rad or self.stiffness_N_per_mm or 0.0
+
+
+class OriginalWeb(Result):
+    """The design's own web in the same model, and what the optimised one gains on it."""
+
+    mass_kg: ThrowMasses
+    load_cases: dict[str, CaseMetrics]
+    stiffness_per_mass: dict[str, float]
+    gain_of_stiffness_per_mass_percent: dict[str, float]
+
+
+class Cycles(Result):
+    """Multigrid cycles of a solve."""
+
+    mean: float
+    max: int
+
+
+class SolverMetrics(Result):
+    """Solver of a run and its accuracy."""
+
+    precision: str
+    tolerance: float
+    cg_iterations: Cycles
+    levels: int
+    final_relative_residual: float
+
+
+class RunSeconds(Result):
+    """Wall times of a run, s; `total` is without the page until that is written."""
+
+    total: float
+    compile: float
+    per_iteration_median: float
+    iterations: float
+    outputs: float
+    evaluation: float | None = UNLESS_NONE
+    bound: float | None = UNLESS_NONE
+    report: float | None = UNLESS_NONE
+
+
+class RunMetrics(Result):
+    """All that an optimise run reached."""
+
+    schema_version: int = 1
+    run: str
+    design: str
+    status: str
+    stop_reason: str
+    iterations: int
+    coarse_start: CoarseStart | None = UNLESS_NONE
+    volume_fraction: VolumeFraction
+    mass_kg: ThrowMasses
+    greyness: float
+    connected: bool
+    grid: GridSummary
+    load_cases: dict[str, CaseMetrics]
+    stiffness_per_mass: dict[str, float]
+    original_web: OriginalWeb
+    goal: GoalOutcome | None = UNLESS_NONE
+    """Goal and limits, by the evaluation where it judged them."""
+    surface: RunSurface | NoSurface
+    solver: SolverMetrics
+    seconds: RunSeconds
+    peak_memory_MiB: float
+    files: dict[str, str]
+    effects: list[dict[str, Any]]
+    notices: list[str] = Field(default_factory=list)
+    assumed: list[dict[str, Any]] = Field(default_factory=list)
+    bound: NoBound | BoundStatements | None = UNLESS_NONE
+    """Proven limit of every web of the envelope, beside the result."""
+
+    @property
+    def refusal(self) -> str:
+        """Reason why the density has no surface; empty where it has one."""
+        return self.surface.refusal if isinstance(self.surface, NoSurface) else ""
+
+    @property
+    def walls(self) -> WallMeasures | None:
+        """Measured walls of the surface; None without a surface, or where nothing limits them."""
+        return self.surface.walls if isinstance(self.surface, RunSurface) else None
+
+    @property
+    def changes_percent(self) -> dict[Quantity, float]:
+        """Changes of mass and stiffnesses against the original web, %."""
+        original = self.original_web
+        found = {MASS: percent_change(self.mass_kg.throw, original.mass_kg.throw)}
+        for quantity in STIFFNESS:
+            if quantity.key in self.load_cases:
+                webs = (self.load_cases[quantity.key], original.load_cases[quantity.key])
+                found[quantity] = percent_change(*(case.stiffness for case in webs))
+        return found
+
+    @property
+    def ended(self) -> str:
+        """End of the run, and the number of its iterations, in words."""
+        text = f"{self.status} after {self.iterations} iterations"
+        first = self.coarse_start
+        return f"{text}, and {first.iterations} before on cells of {first.cell_mm:.3g} mm" if first else text
+
+
+class OptimisedRun(NamedTuple):
+    """A finished optimise run."""
+
+    folder: Path
+    metrics: RunMetrics
+    half_throw: SurfaceMesh | None
+    """Its surface, mm; None where the density has none."""
+
+
+def read_metrics(run: RunStore) -> RunMetrics | None:
+    """Return what an optimise run reached; None before its end.
+
+    Raises:
+        CranktopoError: the file is damaged.
     """
-
-    total_s: float
-    outputs_s: float
-    compile_s: float
-
-
-def optimise_metrics(
-    run_name: str,
-    prepared: Prepared,
-    problem: DensityProblem,
-    state: State,
-    density: NDArray[np.float64],
-    result: Assessment,
-    original: Assessment,
-    surface: Mapping[str, Any],
-    timing: Timing,
-    assumed: Sequence[Mapping[str, Any]],
-) -> dict[str, Any]:
-    """The metrics of a finished optimisation.
-
-    Args:
-        prepared: the scene with its plan and cells.
-        problem, state: the optimisation and its final state.
-        density: physical density of the web's layers.
-        result, original: the design and the scene's own web on the same grid.
-        surface: from `surface_metrics`.
-        assumed: entries of the manifest: what the design does not say.
-    """
-    scene, domain = prepared.scene, prepared.domain
-    goal = wanted(scene)
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "run": run_name,
-        "design": scene.name,
-        "status": state.status,
-        "stop_reason": state.reason,
-        "iterations": len(state.history),
-        **({} if state.coarse_start is None else {"coarse_start": asdict(state.coarse_start)}),
-        "volume_fraction": {"target": problem.target, "reached": state.last.volume_fraction},
-        "mass_kg": {"throw": result.throw_kg, "web": result.web_kg},
-        "greyness": state.last.greyness,
-        "connected": is_connected(domain, density),
-        "grid": _grid(domain),
-        "load_cases": _load_cases(scene, problem, result, domain),
-        "stiffness_per_mass": _per_mass(result),
-        "original_web": _original(scene, problem, result, original, domain),
-        **(
-            {}
-            if goal is None
-            else {"goal": goal_outcome(goal, result.quantities, original.quantities).as_json()}
-        ),
-        "surface": dict(surface),
-        "solver": _solver(problem, state, result),
-        "seconds": _seconds(state, timing),
-        "peak_memory_MiB": peak_memory_MiB(),
-        "files": {"metrics": "metrics.json", "manifest": "manifest.json", "log": "run.log"},
-        "effects": prepared.plan.as_json(),
-        "notices": list(prepared.notices),
-        "assumed": [dict(entry) for entry in assumed],
-    }
-
-
-def _grid(domain: Domain) -> dict[str, Any]:
-    dx, dy, dz = domain.grid.steps_mm
-    mirrors = (["x = 0"] if domain.mirrored_x else []) + (["mid-pin plane"] if domain.mirrored_z else [])
-    return {
-        "cells": list(domain.grid.cells),
-        "cell_mm": domain.grid.largest_edge_mm,
-        "cell_size_mm": {
-            "x": float(dx[0]),
-            "y": float(dy[0]),
-            "z_min": float(dz.min()),
-            "z_max": float(dz.max()),
-        },
-        "padding_cells": list(domain.grid.padding),
-        "design_cells": int(np.count_nonzero(domain.design)),
-        "symmetry": mirrors,
-        "extent": domain.extent,
-    }
-
-
-def _stiffness_key(kind: str) -> str:
-    return "stiffness_Nm_per_rad" if kind == "torsion" else "stiffness_N_per_mm"
-
-
-def _load_cases(scene: Scene, problem: DensityProblem, result: Assessment, domain: Domain) -> dict[str, Any]:
-    supports = scene.supports
-    errors = model_error_percent(scene, domain.grid.largest_edge_mm)
-    return {
-        case.name: {
-            **({} if case.stiffness is None else {_stiffness_key(case.kind): case.stiffness}),
-            **({"error_estimate_percent": errors[case.kind]} if case.kind in errors else {}),
-            "compliance_N_mm": case.compliance_N_mm,
-            "support": supports.torsion if case.kind == "torsion" else supports.bending,
-            "load": load.as_json(),
-        }
-        for case, load in zip(result.cases, problem.model.cases, strict=True)
-    }
-
-
-def _per_mass(result: Assessment) -> dict[str, float]:
-    ratios = result.stiffness_per_mass()
-    return {_PER_MASS_UNIT.get(name, f"{name}_N_per_mm_kg"): value for name, value in ratios.items()}
-
-
-def _original(
-    scene: Scene, problem: DensityProblem, result: Assessment, original: Assessment, domain: Domain
-) -> dict[str, Any]:
-    """The scene's own web in the same model, and what the optimised one gains on it."""
-    gain = {
-        name: 100 * (value / original.stiffness_per_mass()[name] - 1)
-        for name, value in result.stiffness_per_mass().items()
-    }
-    return {
-        "mass_kg": {"throw": original.throw_kg, "web": original.web_kg},
-        "load_cases": _load_cases(scene, problem, original, domain),
-        "stiffness_per_mass": _per_mass(original),
-        "gain_of_stiffness_per_mass_percent": gain,
-    }
-
-
-def surface_metrics(surface: CheckedSurface | str, scene: Scene) -> dict[str, Any]:
-    """What the extracted surface measures, or why the density has none."""
-    if isinstance(surface, str):
-        return {"refusal": surface}
-    known = surface_json(surface.surface, surface.report)
-    found = {**known, "undercuts": surface.undercuts(scene).as_json()}
-    return {**found, "walls": {**surface.walls(scene), **_asked(scene)}} if measures_walls(scene) else found
-
-
-def _asked(scene: Scene) -> dict[str, float]:
-    """Least member and gap that the scene asks for."""
-    lengths = {"member": scene.optimise.min_member_mm, "gap": scene.optimise.min_gap_mm}
-    return {f"asked_{name}_mm": length for name, length in lengths.items() if length is not None}
-
-
-def _solver(problem: DensityProblem, state: State, result: Assessment) -> dict[str, Any]:
-    counts = [row.cg_iterations for row in state.history]
-    return {
-        "precision": "float64 conjugate gradients, float32 multigrid cycle",
-        "tolerance": problem.solving.tolerance,
-        "cg_iterations": {"mean": fmean(counts), "max": max(counts)},
-        "levels": problem.model.levels,
-        "final_relative_residual": max(case.relative_residual for case in result.cases),
-    }
-
-
-def _seconds(state: State, timing: Timing) -> dict[str, float]:
-    times = [row.seconds for row in state.history]
-    return {
-        "total": timing.total_s,
-        "compile": timing.compile_s,
-        "per_iteration_median": median(times),
-        "iterations": sum(times),
-        "outputs": timing.outputs_s,
-    }
+    found = read_result(run)
+    where = f"run '{run.path}': its results are damaged"
+    return None if found is None else RunMetrics.of_json(found, where)

@@ -47,7 +47,7 @@ def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Info) 
 
 
 def read_run_stress(run: RunStore, surface: str) -> CaseStress | None:
-    """The stresses that a run keeps for its surface; None where it has none, or none of this surface.
+    """Return the stresses that a run keeps for its surface; None where it has none, or none of this surface.
 
     Raises:
         CranktopoError: the file is damaged.

@@ -1,4 +1,4 @@
-"""The stages in order: scene -> plan -> load cases -> domain -> density -> surface -> files."""
+"""An optimise run: the stages in order, begun or continued."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from cranktopo.base.progress import KeptWork, Work
 from cranktopo.base.side_by_side import Ahead
@@ -48,10 +48,11 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.level import OPTIMISER
 from cranktopo.tasks.fea.stored_studies import load_study
 from cranktopo.tasks.importing.original import check_original
-from cranktopo.tasks.optimise.goal_by_evaluation import evaluated_goal, met_by_evaluation
+from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, enforce_limits_by_fea, evaluated_goal
+from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.optimise.finishing import Finisher
+    from cranktopo.tasks.bound.bound_for_result import Cells
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
@@ -69,11 +70,22 @@ RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)
 
 
 @dataclass(frozen=True)
-class OptimisedRun:
-    """A finished optimise run."""
+class _Job:
+    """One optimisation of a run, and where it reports to.
 
-    folder: Path
-    metrics: dict[str, Any]
+    Attributes:
+        scene: as the run has it; `prepared` has it as it is simulated.
+        began: reading of `time.perf_counter` from which the total time counts.
+    """
+
+    run: RunStore
+    scene: Scene
+    prepared: Prepared
+    problem: DensityProblem
+    clock: CompileClock
+    info: Info
+    progress: Progress
+    began: float
 
 
 def optimise_design(
@@ -110,7 +122,7 @@ def optimise_design(
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
         check_limits(problem, prepared.scene, prepared.domain)
     run = new_run(scene, assumed, out, design_toml, command, {})
-    return _optimise(run, scene, prepared, problem, clock, info, progress, began)
+    return _optimise(_Job(run, scene, prepared, problem, clock, info, progress, began))
 
 
 def announce(prepared: Prepared, assumed: Sequence[Assumption], info: Info) -> None:
@@ -128,7 +140,7 @@ def announce(prepared: Prepared, assumed: Sequence[Assumption], info: Info) -> N
 def with_cells_for(
     scene: Scene, accuracy_percent: float | None, budget_s: float | None, info: Info = lambda _: None
 ) -> Scene:
-    """The scene with the cell size that an accuracy or a time asks for; `info` is called with the choice."""
+    """Return the scene with the cell size that an accuracy or a time asks for; `info` tells the choice."""
     choice = choose_cells(scene, accuracy_percent, budget_s, load_study(scene.name, OPTIMISER))
     info(str(choice))
     return scene.with_optimise(resolution_mm=choice.cell_mm)
@@ -160,47 +172,52 @@ def resume_optimisation(
     with double_precision():
         clock = CompileClock()
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
-    return _optimise(run, scene, prepared, problem, clock, info, progress, began, resume=True)
+    return _optimise(_Job(run, scene, prepared, problem, clock, info, progress, began), resume=True)
 
 
-def _optimise(
-    run: RunStore,
-    scene: Scene,
-    prepared: Prepared,
-    problem: DensityProblem,
-    clock: CompileClock,
-    info: Info,
-    progress: Progress,
-    began: float,
-    resume: bool = False,
-) -> OptimisedRun:
+def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
+    """Take a run through its stages: first design, iterations, limits by the evaluation, results."""
+    run, problem = job.run, job.problem
     with working_in(run, "what is done is saved") as check, double_precision():
         if resume:
             run.resume()
-        state = _saved_state(run, problem) if resume else None
         Ahead(lambda: _compiled(problem)).begin()
-        ahead = Ahead(lambda: _finisher(run, prepared))
-        shown = _checked(progress, check, ahead)
-        keep = _kept(run, shown)
-        if state is None:
-            state = first_state(problem, prepared.scene, prepared.domain, prepared.cases, shown)
-        state = iterate(problem, state, keep)
-        case = evaluated_goal(scene, prepared, problem, Work(info, KeptWork(run.path / EVALUATIONS), check))
-        failure = ""
-        if case is not None:
-            state, failure = met_by_evaluation(
-                case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, keep)
-            )
-        metrics = ahead.result().finish(problem, state, began, clock, case, failure)
-    run.log(f"{metrics['status']}: {metrics['stop_reason']}")
-    return OptimisedRun(run.path, metrics)
+        end = Ahead(lambda: _ready_for_the_end(job))
+        shown = _checked(job.progress, check, end)
+        kept = _kept(run, shown)
+        state = (_saved_state(job) if resume else None) or _first_state(job, shown)
+        state = iterate(problem, state, kept)
+        case = _evaluated_goal(job, check)
+        state, failure = enforce_limits_by_fea(
+            case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, kept)
+        )
+        return _finalised(job, state, case, failure, end.result())
 
 
-def _saved_state(run: RunStore, problem: DensityProblem) -> State | None:
-    if not run.checkpoint.is_file():
+def _first_state(job: _Job, progress: Progress) -> State:
+    prepared = job.prepared
+    return first_state(job.problem, prepared.scene, prepared.domain, prepared.cases, progress)
+
+
+def _saved_state(job: _Job) -> State | None:
+    if not job.run.checkpoint.is_file():
         return None
-    saved = load_checkpoint(run.checkpoint)
-    return with_limit(problem, from_checkpoint(saved.arrays, saved.state))
+    saved = load_checkpoint(job.run.checkpoint)
+    return with_limit(job.problem, from_checkpoint(saved.arrays, saved.state))
+
+
+def _evaluated_goal(job: _Job, check: Callable[[], None]) -> EvaluatedGoal | None:
+    work = Work(job.info, KeptWork(job.run.path / EVALUATIONS), check)
+    return evaluated_goal(job.scene, job.prepared, job.problem, work)
+
+
+def _finalised(
+    job: _Job, state: State, case: EvaluatedGoal | None, failure: str, cells: Cells | None
+) -> OptimisedRun:
+    from cranktopo.tasks.optimise.finalise import finalise_run
+
+    times = job.began, job.clock
+    return finalise_run(job.run, job.prepared, job.problem, state, *times, case, failure, cells)
 
 
 def _compiled(problem: DensityProblem) -> None:
@@ -210,29 +227,29 @@ def _compiled(problem: DensityProblem) -> None:
             compile_optimality_criteria(problem)
 
 
-def _finisher(run: RunStore, prepared: Prepared) -> Finisher:
-    """What ends a run: the libraries that surfaces, pictures and pages take are loaded here."""
-    from cranktopo.tasks.optimise.finishing import finisher
+def _ready_for_the_end(job: _Job) -> Cells | None:
+    """Begin the cells of the bound, and load the libraries that surfaces, pictures and pages take."""
+    from cranktopo.tasks.optimise.finalise import cells_of_bound
 
-    found = finisher(run, prepared)
+    cells = cells_of_bound(job.run, job.prepared)
     for name in _LIBRARIES:
         import_module(name)
-    return found
+    return cells
 
 
-def _checked(progress: Progress, check: Callable[[], None], ahead: Ahead[Finisher]) -> Progress:
-    """Progress after which a run may be interrupted; after the first design the end is got ready."""
+def _checked(progress: Progress, check: Callable[[], None], end: Ahead[Cells | None]) -> Progress:
+    """Return progress after which a run may be interrupted; after the first design the end is got ready."""
 
     def show(problem: DensityProblem, state: State) -> None:
         progress(problem, state)
-        ahead.begin()
+        end.begin()
         check()
 
     return show
 
 
 def _kept(run: RunStore, progress: Progress) -> Progress:
-    """Progress that first keeps every iteration in the run, so that it can be resumed."""
+    """Return progress that first keeps every iteration in the run, so that it can be resumed."""
 
     def keep(problem: DensityProblem, state: State) -> None:
         save_iteration(run.path, state.last.iteration, state.evaluated, state.last.beta)

@@ -5,20 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from cranktopo.report.goal_table import broken_limits, goal_of, goal_words, unjudged_line
+from cranktopo.report.goal_table import broken_limits, goal_words, unjudged_line
 from cranktopo.report.page import Fact, FactStatus
-from cranktopo.tasks.extraction.length_text import asked_lengths, kept, shown
-from cranktopo.tasks.extraction.undercut_table import obstacles, released_text
+from cranktopo.tasks.extraction.result import NoSurface, WallMeasures
+from cranktopo.tasks.extraction.text import (
+    asked_lengths,
+    kept,
+    length_text,
+    manufacturing_obstacles,
+    released_text,
+)
 from cranktopo.tasks.fea.quantities import MASS, TORSION
 from cranktopo.tasks.fea.verdict_sentence import (
     NOTICEABLE_PERCENT,
     comparison_sentence,
-    ended,
     percent_change,
-    run_changes_percent,
-    stiffness_of,
 )
-from cranktopo.tasks.optimise.record import RunRecord
+from cranktopo.tasks.optimise.result import RunMetrics
+from cranktopo.tasks.optimise.run_record import RunRecord
 
 _NO_FILLETS = (
     "a density result has no fillets: 'cranktopo remodel {run}' gives it some, then "
@@ -26,15 +30,15 @@ _NO_FILLETS = (
 )
 
 
-def headline(metrics: Mapping[str, Any]) -> str:
-    """The verdict against the original web in the same model: limits not judged first, then what is worse."""
-    unjudged = unjudged_line(goal_of(metrics))
-    sentence = comparison_sentence("The optimised throw", run_changes_percent(metrics), "the original")
+def headline(metrics: RunMetrics) -> str:
+    """Return the verdict against the original web: limits not judged first, then what is worse."""
+    unjudged = unjudged_line(metrics.goal)
+    sentence = comparison_sentence("The optimised throw", metrics.changes_percent, "the original")
     return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
 
 
 def facts(record: RunRecord) -> tuple[Fact, ...]:
-    """The answers of the verdict, mass first."""
+    """Return the answers of the verdict, mass first."""
     metrics = record.metrics
     return (
         _mass(metrics),
@@ -48,7 +52,7 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
 
 
 def fatigue_fact(fatigue: Mapping[str, Any] | None, otherwise: str) -> Fact:
-    """Safety against fatigue.
+    """Return the safety against fatigue.
 
     Args:
         fatigue: the object that `cranktopo fatigue --json` prints for the design, and for its `baseline`
@@ -66,44 +70,49 @@ def fatigue_fact(fatigue: Mapping[str, Any] | None, otherwise: str) -> Fact:
     return Fact("Fatigue", f"{assessed['safety']:.2f}", note, "good" if assessed["safety"] >= 1 else "bad")
 
 
-def run_undercuts_fact(metrics: Mapping[str, Any]) -> Fact:
-    """Whether a die or a cutter can make it; `metrics` as metrics.json holds it."""
-    surface = metrics["surface"]
-    label = "Released by a die"
-    if "refusal" in surface:
+def run_undercuts_fact(metrics: RunMetrics) -> Fact:
+    """Tell whether a die or a cutter can make it."""
+    surface, label = metrics.surface, "Released by a die"
+    if isinstance(surface, NoSurface):
         return Fact(label, "no", "the density has no surface", "bad")
-    undercuts = surface.get("undercuts")
-    found = obstacles(surface["cavities"], undercuts)
+    found = manufacturing_obstacles(surface.cavities, surface.undercuts)
     if found:
         return Fact(label, "no", "; ".join(found), "bad")
-    if undercuts is None:  # a run of an earlier version
+    if surface.undercuts is None:  # a run of an earlier version
         return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
-    note = f"{released_text(undercuts.get('by', 'a die that parts in x = 0'))} it"
-    return Fact(label, "yes", f"{note}{_walls_text(surface.get('walls'))}", "good")
+    note = f"{released_text(surface.undercuts.by)} it"
+    return Fact(label, "yes", f"{note}{_walls_text(surface.walls)}", "good")
 
 
-def _walls_text(walls: Mapping[str, float | None] | None) -> str:
-    """Least draft, member and gap of a web from a process; nothing where they were not measured."""
+def _walls_text(walls: WallMeasures | None) -> str:
+    """Return the minimum draft, member and gap of a web; nothing where they were not measured."""
     if walls is None:
         return ""
-    keys = (("draft", "deg"), ("member", "mm"), ("gap", "mm"))
-    shown = {name: (f"least_{name}_{unit}", unit) for name, unit in keys}
-    known = {name: (walls[key], unit) for name, (key, unit) in shown.items()}
-    parts = [f"{name} {value:.1f} {unit}" for name, (value, unit) in known.items() if value is not None]
+    known = (
+        ("draft", walls.least_draft_deg, "deg"),
+        ("member", walls.least_member_mm, "mm"),
+        ("gap", walls.least_gap_mm, "mm"),
+    )
+    parts = [f"{name} {value:.1f} {unit}" for name, value, unit in known if value is not None]
     return f"; least {', '.join(parts)}" if parts else ""
 
 
-def _lengths(metrics: Mapping[str, Any]) -> list[Fact]:
-    """Least member and gap as measured, where they were asked for."""
+def _lengths(metrics: RunMetrics) -> list[Fact]:
+    """Return the minimum member and gap as measured, where they were asked for."""
     return [
-        Fact(name.capitalize(), shown(found), f"{asked:g} mm asked", "good" if kept(found, asked) else "bad")
-        for name, (found, asked) in asked_lengths(metrics["surface"]).items()
+        Fact(
+            name.capitalize(),
+            length_text(found),
+            f"{asked:g} mm asked",
+            "good" if kept(found, asked) else "bad",
+        )
+        for name, (found, asked) in asked_lengths(metrics.walls).items()
     ]
 
 
-def _limits(metrics: Mapping[str, Any]) -> list[Fact]:
-    """Whether the limits of a goal hold in the optimiser's model; nothing without a goal."""
-    goal = goal_of(metrics)
+def _limits(metrics: RunMetrics) -> list[Fact]:
+    """Tell whether the limits of a goal hold in the optimiser's model; nothing without a goal."""
+    goal = metrics.goal
     if goal is None:
         return []
     if goal.not_evaluated is not None:
@@ -114,23 +123,22 @@ def _limits(metrics: Mapping[str, Any]) -> list[Fact]:
     return [Fact("Limits", value, note, "bad" if broken else "good")]
 
 
-def _mass(metrics: Mapping[str, Any]) -> Fact:
-    now, before = (m["mass_kg"]["throw"] for m in (metrics, metrics["original_web"]))
+def _mass(metrics: RunMetrics) -> Fact:
+    now, before = metrics.mass_kg.throw, metrics.original_web.mass_kg.throw
     change = percent_change(now, before)
     note = f"{change:+.1f} % against the original's {before:.3f} kg"
     return Fact("Mass of the throw", f"{now:.3f} kg", note, _status(-change))
 
 
-def _stiffness(metrics: Mapping[str, Any]) -> list[Fact]:
-    """Absolute stiffnesses; per mass only in the note, since a softer web may look good by it."""
+def _stiffness(metrics: RunMetrics) -> list[Fact]:
+    """Return absolute stiffnesses; per mass only in the note, since a softer web may look good by it."""
     found = []
-    gains = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
-    for quantity, change in run_changes_percent(metrics).items():
+    gains = metrics.original_web.gain_of_stiffness_per_mass_percent
+    for quantity, change in metrics.changes_percent.items():
         if quantity is MASS:
             continue
-        now, before = (
-            stiffness_of(web["load_cases"][quantity.key]) / 1000 for web in (metrics, metrics["original_web"])
-        )
+        webs = (metrics, metrics.original_web)
+        now, before = (web.load_cases[quantity.key].stiffness / 1000 for web in webs)
         note = f"{change:+.1f} % against the original's {before:.1f}"
         if quantity.key in gains:
             note += f"; per mass {gains[quantity.key]:+.1f} %"
@@ -139,12 +147,11 @@ def _stiffness(metrics: Mapping[str, Any]) -> list[Fact]:
     return found
 
 
-def _end(metrics: Mapping[str, Any]) -> Fact:
-    done = metrics["status"] == "converged"
-    value = ended(metrics)
-    if not metrics["connected"]:
+def _end(metrics: RunMetrics) -> Fact:
+    done, value = metrics.status == "converged", metrics.ended
+    if not metrics.connected:
         return Fact("Optimisation", value, "journal and crankpin are not connected", "bad")
-    return Fact("Optimisation", value, metrics["stop_reason"], "good" if done else "bad")
+    return Fact("Optimisation", value, metrics.stop_reason, "good" if done else "bad")
 
 
 def _status(gain_percent: float) -> FactStatus:

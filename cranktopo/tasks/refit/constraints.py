@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
@@ -10,8 +11,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.drilling_rules import drilling_rules
 from cranktopo.tasks.refit.family import named_parts
+from cranktopo.throw.drilling import Channel, channels
 from cranktopo.throw.feature import least_shoulder_mm
 from cranktopo.throw.fitted import (
     CLEAR_MM,
@@ -24,6 +25,10 @@ from cranktopo.throw.fitted import (
 )
 from cranktopo.throw.flank import Flank
 
+_AXIS_POINTS = 33
+"""Points along the axis of a drilling."""
+_NamedBox = tuple[str, Array]
+
 _CHECKS, _POINTS = 8, 16
 _LEAST_RISE = 0.01
 """Least rise in y per mm along the outline, which keeps its half-width single-valued."""
@@ -35,7 +40,7 @@ _ENDLESS_MM = 1e4
 
 
 def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:
-    """Rules of the outline alone, each an array: curvature times the least radius less 1, rise, reach.
+    """Return rules of the outline alone, each an array: curvature times the least radius less 1, rise, reach.
 
     Analytic in the flank, so that a complex step differentiates them.
     """
@@ -55,7 +60,7 @@ def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> li
 
 
 def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
-    """What keeps the outline away from each journal: the wall of its bore or the shoulder of its fillet."""
+    """Return what keeps the outline off each journal: the wall of its bore or the shoulder of its fillet."""
     least = least_shoulder_mm(scene.throw)
     return [
         wall_rule(f"between the outline and the bore of the {name}", limits.min_wall_mm)
@@ -66,7 +71,7 @@ def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
 
 
 def _rises(flank: Flank, u: Array) -> Any:
-    """Rise in y per mm along the outline, which must not turn: at u of the inner pieces, at both ends.
+    """Return rise in y per mm along the outline, which must not turn: at u of the inner pieces, at both ends.
 
     At a round end the rise starts from 0 and is quadratic, so its first slope and its value at the piece's
     other end bound it.
@@ -85,7 +90,7 @@ def part_rules(
     scene: Scene,
     limits: ManufacturingLimits,
 ) -> list[Rule]:
-    """Rules of the features: walls, shoulders, access, mm.
+    """Return the rules of the features: walls, shoulders, access, mm.
 
     Args:
         points: (n, 2) points of the outline's right half, mm.
@@ -105,7 +110,7 @@ def part_rules(
 
 
 def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, float]]:
-    """Axes along the throw and the least distance of the outline from each: wall of the bore, fillet."""
+    """Return the axes along the throw and the outline's minimum distance from each: bore wall, fillet."""
     least = least_shoulder_mm(scene.throw)
     return [
         (y, max(j.bore_radius_mm + limits.min_wall_mm, j.radius_mm + j.fillet_mm + least) + CLEAR_MM)
@@ -114,5 +119,56 @@ def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, f
 
 
 def _apart(one: Array, other: Array) -> Any:
-    """Distance of two boxes along the axis that parts them most, mm; negative where they meet."""
+    """Return the distance of two boxes along the axis that parts them most, mm; negative where they meet."""
     return np.maximum(one[0] - other[1], other[0] - one[1]).max()
+
+
+def drilling_rules(around: Surroundings, boxes: Sequence[_NamedBox]) -> Iterator[Rule]:
+    """Yield a rule for each drilling and each of outline, bevels and boxes; none without a drilling.
+
+    Args:
+        boxes: titles of pockets and the corners of the box around each, (2, 3), z from the journal face.
+    """
+    start, end = around.scene.web_z_mm
+    least = around.limits.min_wall_mm
+    for channel in channels(around.scene):
+        axis = _axis(channel, start, end)
+        needed = channel.radius_mm + around.wall_mm
+        own = f"{channel.key} and the"
+        if not len(axis):
+            continue
+        yield wall_rule(f"between {own} outline", least), needed - _in_outline_mm(axis, around.points_mm)
+        for arc in around.arcs:
+            depth = axis[:, 2] if arc.outward > 0 else end - start - axis[:, 2]
+            away = arc.distance_mm(depth, arc.outward * axis[:, 1]).min()
+            yield wall_rule(f"between {own} {arc.title}", least), needed - away
+        both = np.concatenate([axis, axis * [-1.0, 1.0, 1.0]])  # a feature has its mirror image
+        for title, (low, high) in boxes:
+            yield wall_rule(f"between {own} {title}", least), needed - _off_box_mm(both, low, high)
+
+
+def _axis(channel: Channel, start: float, end: float) -> Array:
+    """Return the points of the axis within the web, (n, 3), z from its journal face."""
+    (_, _, foot), (_, _, rise) = channel.mouths[0].point_mm, channel.direction
+    ends = np.sort((np.array([start, end]) - foot) / rise) if rise else np.zeros(0)
+    low, high = channel.extent_mm
+    if not len(ends) or ends[0] > high or ends[1] < low:
+        return np.zeros((0, 3))
+    places = np.linspace(max(ends[0], low), min(ends[1], high), _AXIS_POINTS)[:, None]
+    points = np.array(channel.mouths[0].point_mm) + places * channel.direction
+    return np.asarray(points - [0.0, 0.0, start])
+
+
+def _in_outline_mm(axis: Array, points: Array) -> float:
+    """Return the minimum distance of the axis inside the outline, negative where it is outside."""
+    x, y = np.abs(axis[:, 0]), axis[:, 1]
+    away = np.hypot(x[:, None] - points[:, 0], y[:, None] - points[:, 1]).min(axis=1)
+    half = np.interp(y, points[:, 1], points[:, 0], left=0.0, right=0.0)
+    return float(np.where(x < half, away, -away).min())
+
+
+def _off_box_mm(points: Array, low: Array, high: Array) -> float:
+    """Return the minimum distance of points from a box, negative inside."""
+    off = np.maximum(low - points, points - high)
+    outside = np.sqrt((np.maximum(off, 0.0) ** 2).sum(axis=1))
+    return float(np.where(outside > 0, outside, off.max(axis=1)).min())

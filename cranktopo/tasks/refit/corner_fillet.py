@@ -52,7 +52,7 @@ class MovedFillet:
         return self.scene.web.counterweight.sector(self.scene)
 
     @cached_property
-    def slopes(self) -> Array:
+    def gradients(self) -> Array:
         """Derivatives of its centre by the parameters, (2, parameters), mm per mm or degree.
 
         It stays its radius away from the flank, which turns, and from the outline, which moves at the place
@@ -77,11 +77,11 @@ class MovedFillet:
         return FITS, np.asarray(self.circle.reach_mm + CLEAR_MM - self.sector.radius_mm)
 
     @property
-    def rule_slopes(self) -> Array:
+    def rule_gradients(self) -> Array:
         """Derivatives of the rule's value by the parameters, (parameters,)."""
         # The centre's place along the flank; as the flank turns about the crank axis, that across it counts.
         along, _ = flank_directions(self.sector.half_angle)
-        result = along @ self.slopes
+        result = along @ self.gradients
         for name, change in (
             ("counterweight_angle", self._radius_mm * math.radians(1.0)),
             ("counterweight_radius", -1.0),
@@ -91,20 +91,20 @@ class MovedFillet:
         return result
 
     def inside_mm(self, axes: Axes) -> Array:
-        """Signed distance of cells where the arc bounds the web, (nx, ny, nz), mm; -inf elsewhere."""
+        """Return signed distance of cells where the arc bounds the web, (nx, ny, nz), mm; -inf elsewhere."""
         x, y = axes[0][:, None], axes[1][None, :]
         off = self.circle.off_mm(x, y)
         flat = np.minimum(np.minimum(off, _DEPTH * self._radius_mm - off), self.sector.below_rim_mm(x, y))
         flat = np.where(self.circle.behind(x, y), flat, -np.inf)[:, :, None]
         return np.minimum(flat, between_mm(self.scene, self.sector, axes[2]))
 
-    def pulled_back(self, axes: Axes, weight: Array) -> Array:
-        """Derivative of sum(weight * inside_mm) by the parameters, where the arc is the nearest."""
+    def vjp(self, axes: Axes, weight: Array) -> Array:
+        """Return derivative of sum(weight * inside_mm) by the parameters, where the arc is the nearest."""
         x, y = axes[0][:, None], axes[1][None, :]
         off = self.circle.off_mm(x, y)[:, :, None]
         chosen = np.where(self.inside_mm(axes) == off, weight, 0.0).sum(axis=2)
         out = self.circle.outward(x, y)
-        return np.asarray(-np.array([(chosen * part).sum() for part in out]) @ self.slopes)
+        return np.asarray(-np.array([(chosen * part).sum() for part in out]) @ self.gradients)
 
     @property
     def _radius_mm(self) -> float:
@@ -118,7 +118,7 @@ class MovedFillet:
 
 
 def moved_fillet(scene: Scene, layout: Layout, values: Array) -> MovedFillet | None:
-    """The fillet of a scene's counterweight; None without one.
+    """Return the fillet of a scene's counterweight; None without one.
 
     Args:
         scene: whose dimensions the values change.

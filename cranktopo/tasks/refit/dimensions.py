@@ -30,12 +30,12 @@ journal."""
 
 
 def free_dimensions(scene: Scene) -> tuple[DimensionName, ...]:
-    """Dimensions that `[shape.free]` gives a range."""
+    """Return the dimensions that `[shape.free]` gives a range."""
     return tuple(name for name in DIMENSIONS if free_range_mm(scene, name))
 
 
 def scene_at(scene: Scene, layout: Layout, values: Array) -> Scene:
-    """The scene with the dimensions of a parameter vector, not checked; web and pitch stay.
+    """Return the scene with the dimensions of a parameter vector, not checked; web and pitch stay.
 
     Without free dimensions it is the scene itself.
     """
@@ -49,7 +49,7 @@ def with_free(
     names: tuple[DimensionName, ...],
     begun: Mapping[DimensionName, float] | None = None,
 ) -> tuple[Layout, Array]:
-    """The same web with further free dimensions, which start as they are; a solid journal gets a bore.
+    """Return the same web with further free dimensions, which start as they are; a solid journal gets a bore.
 
     Args:
         begun: other starts, mm.
@@ -61,14 +61,14 @@ def with_free(
 
 
 def with_part(layout: Layout, values: Array, part: FittedFeature, guess: Array) -> tuple[Layout, Array]:
-    """The same web with one feature more."""
+    """Return the same web with one feature more."""
     web = values[: len(values) - len(layout.dimensions)]
     more = replace(layout, parts=(*layout.parts, part))
     return more, np.concatenate([web, guess, layout.sizes(values)])
 
 
-def rounded(scene: Scene, layout: Layout, values: Array) -> Array:
-    """The parameters with the dimensions of the throw rounded to 0.01 mm, within their ranges."""
+def rounded_dimensions(scene: Scene, layout: Layout, values: Array) -> Array:
+    """Return the parameters with the dimensions of the throw rounded to 0.01 mm, within their ranges."""
     result = np.array(values, dtype=np.float64)
     for k, name in enumerate(layout.dimensions, len(values) - len(layout.dimensions)):
         low, high = free_range_mm(scene, name) or (-np.inf, np.inf)
@@ -84,7 +84,7 @@ def all_bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tup
 
 
 def size_rules(layout: Layout, values: Array, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:
-    """Rules on the dimensions of the throw, mm, kept where <= 0: walls of bores, depths of features.
+    """Return rules on the dimensions of the throw, mm, kept where <= 0: walls of bores, depths of features.
 
     Args:
         scene: the design; its dimensions are those of the values.
@@ -104,7 +104,7 @@ def size_rules(layout: Layout, values: Array, scene: Scene, limits: Manufacturin
 
 
 def _bore_rules(scene: Scene, wall_mm: float) -> Iterator[Rule]:
-    """A wall in each journal, between both bores, and from a bore to the fillet of the other journal."""
+    """Yield the walls in each journal, between both bores, and from a bore to the other one's fillet."""
     (main, _), (pin, throw) = journals = scene.throw.journals
     shoulder, wall = least_shoulder_mm(scene.throw) + CLEAR_MM, wall_mm + CLEAR_MM
     for (journal, _), (other, _), name in zip(journals, journals[::-1], JOURNALS, strict=True):
@@ -119,7 +119,7 @@ def _bore_rules(scene: Scene, wall_mm: float) -> Iterator[Rule]:
 
 
 def _ellipse_rules(scene: Scene) -> Iterator[Rule]:
-    """No end of an elliptical fillet is nearly a sharp edge."""
+    """Yield the rules that keep the ends of an elliptical fillet from nearly being a sharp edge."""
     for (journal, _), name in zip(scene.throw.journals, JOURNALS, strict=True):
         fillet, (low, high) = journal.fillet, ASPECT
         if journal.fillet_axial_mm is not None:
@@ -129,13 +129,13 @@ def _ellipse_rules(scene: Scene) -> Iterator[Rule]:
 
 
 def _end_of_thickness(scene: Scene, layout: Layout, end: int) -> Scene:
-    """The scene with its least (0) or greatest (1) thickness; as it is where that is not free."""
+    """Return the scene with its least (0) or greatest (1) thickness; as it is where that is not free."""
     found = free_range_mm(scene, "web_thickness") if "web_thickness" in layout.dimensions else None
     return with_dimensions(scene, {"web_thickness": found[end]} if found else {})
 
 
 def _range(scene: Scene, name: DimensionName) -> tuple[float, float]:
-    """Bounds of a dimension, mm."""
+    """Return the bounds of a dimension, mm."""
     found = free_range_mm(scene, name)
     assert found is not None
     if not name.endswith("bore"):
@@ -144,7 +144,7 @@ def _range(scene: Scene, name: DimensionName) -> tuple[float, float]:
 
 
 def _start(scene: Scene, name: DimensionName, begun: float | None) -> float:
-    """The dimension as it is; of a solid journal a first bore."""
+    """Return the dimension as it is; of a solid journal a first bore."""
     own = begun or own_dimension_mm(scene, name)
     first = own or _FIRST_BORE * journal_of(scene, name).outer_diameter_mm
     return float(np.clip(first, *_range(scene, name)))

@@ -22,7 +22,7 @@ DECIMALS = 2
 
 @dataclass(frozen=True)
 class Layout:
-    """Which parameters a web of the family has.
+    """Parameters that a web of the family has.
 
     Attributes:
         stations: points of the profile, both round ends included.
@@ -42,24 +42,24 @@ class Layout:
         return (*outline, *features, *self.dimensions)
 
     def sizes(self, values: Array) -> Array:
-        """The values of the free dimensions out of a parameter vector, mm."""
+        """Return the values of the free dimensions out of a parameter vector, mm."""
         return values[len(values) - len(self.dimensions) :]
 
     def _labelled(self) -> Iterator[tuple[str, FittedFeature]]:
-        """Each feature with a label of its own: the second box pocket of a face is `box-pin-2`."""
+        """Return each feature with a label of its own: the second box pocket of a face is `box-pin-2`."""
         seen = Counter[str]()
         for part in self.parts:
             seen[part.label] += 1
             yield part.label if seen[part.label] == 1 else f"{part.label}-{seen[part.label]}", part
 
 
-def unit_of(parameter: str) -> str:
-    """Unit of a parameter by its name: degrees for a draft and an angle, else mm."""
+def parameter_unit(parameter: str) -> str:
+    """Return the unit of a parameter by its name: degrees for a draft and an angle, else mm."""
     return "deg" if parameter.endswith(("draft", "angle")) else "mm"
 
 
 def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Array]]:
-    """Each feature with its values out of those of all features, mm or degrees."""
+    """Return each feature with its values out of those of all features, mm or degrees."""
     first = 0
     for part in parts:
         count = len(part.names)
@@ -68,18 +68,18 @@ def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tupl
 
 
 def named_parts(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Named]]:
-    """Each feature with its values by name."""
+    """Return each feature with its values by name."""
     for part, own in own_values(parts, values):
         yield part, dict(zip(part.names, own, strict=True))
 
 
 def station_shares(stations: int) -> Array:
-    """Places of the stations between both ends, 0 to 1: denser toward the ends, as Chebyshev's points."""
+    """Return the places of the stations, 0 to 1: denser toward the ends, as Chebyshev's points."""
     return np.asarray((1 - np.cos(np.pi * np.arange(stations) / (stations - 1))) / 2)
 
 
 def flank_of(layout: Layout, values: Any) -> Flank:
-    """The outline of a parameter vector, mm or degrees; those of the features may be missing.
+    """Return the outline of a parameter vector, mm or degrees; those of the features may be missing.
 
     Analytic in the values, so that a complex step differentiates it.
     """
@@ -100,15 +100,15 @@ def bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[A
 
 
 def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
-    """The `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
+    """Return the `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
     web = _rounded(exact_web_of(layout, values, scene))
     return {**web, "thickness_mm": scene.web.thickness_mm, **_counterweight(scene)}
 
 
 def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
-    """The `[web]` table of a parameter vector to the last digit, as plain data."""
+    """Return the `[web]` table of a parameter vector to the last digit, as plain data."""
     flank = flank_of(layout, np.asarray(values, dtype=np.float64))
-    frame = frame_of(flank)
+    frame = surroundings_of(flank)
     features: dict[str, list[dict[str, Any]]] = {key: [] for key in scene.web.feature_keys}
     for part, named in named_parts(layout.parts, values[layout.stations :]):
         features[part.table] += part.tables(named, frame)
@@ -123,18 +123,18 @@ def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
 
 
 def _counterweight(scene: Scene) -> dict[str, Any]:
-    """The scene's counterweight, which no fit to a body changes."""
+    """Return the scene's counterweight, which no fit to a body changes."""
     weight = scene.web.counterweight
     return {} if weight is None else {"counterweight": weight.model_dump(exclude_none=True)}
 
 
-def frame_of(flank: Flank) -> Frame:
-    """What the features of an outline refer to."""
+def surroundings_of(flank: Flank) -> Frame:
+    """Return what the features of an outline refer to."""
     return float(flank.points_mm[0, 1]), float(flank.points_mm[-1, 1]), largest_half_width_mm(flank)
 
 
 def _rounded(table: Any) -> Any:
-    """Plain data with every number rounded to 0.01."""
+    """Return the plain data with every number rounded to 0.01."""
     if isinstance(table, dict):
         return {key: _rounded(value) for key, value in table.items()}
     if isinstance(table, list):

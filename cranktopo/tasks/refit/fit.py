@@ -18,7 +18,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import bounds, web_of
 from cranktopo.tasks.refit.residual_regions import ResidualRegion, residual_regions
 from cranktopo.tasks.refit.search import FitProblem
-from cranktopo.tasks.refit.select import Candidate, Trial, fit_from, model_fill, select
+from cranktopo.tasks.refit.select import Candidate, FitTrial, fit_from, model_fill, select
 from cranktopo.tasks.refit.usual_size import (
     scaled_lengths,
     scaled_limits,
@@ -58,7 +58,7 @@ class FittedWeb:
     scene: Scene
     names: tuple[str, ...]
     values: tuple[float, ...]
-    trials: tuple[Trial, ...]
+    trials: tuple[FitTrial, ...]
     overlaps: tuple[float, ...]
     residual_regions: tuple[ResidualRegion, ...]
 
@@ -98,7 +98,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
 
 
 def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
-    """The scene with another web, checked as if it were read from a file.
+    """Return the scene with another web, checked as if it were read from a file.
 
     Args:
         scene: the throw; what was published about it is left out.
@@ -116,13 +116,13 @@ _SUFFIX = "-remodel"
 
 
 def fit_problem(body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_mm: float) -> FitProblem:
-    """What a fit to a body has to match, on cells of at most the given edge."""
+    """Return what a fit to a body has to match, on cells of at most the given edge."""
     cells = voxel_fill(body, scene, cell_mm)
     return FitProblem(cells, _free_of_bores(scene, cells), scene, limits)
 
 
 def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
-    """Fits from the chosen web and from scattered copies of it, best first.
+    """Return the fits from the chosen web and from scattered copies of it, best first.
 
     All usually end at the same web: then the one from the chosen web itself comes first.
     """

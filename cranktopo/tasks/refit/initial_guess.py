@@ -17,7 +17,7 @@ _TYPICAL = 0.75
 
 
 def outline_guess(problem: FitProblem, stations: int) -> Array:
-    """Ends and half-widths at the stations, from the lateral extent of each row; clear of the journals.
+    """Return ends and half-widths at the stations, from each row's lateral extent; clear of the journals.
 
     Args:
         stations: points of the profile, both round ends included.
@@ -38,7 +38,7 @@ def outline_guess(problem: FitProblem, stations: int) -> Array:
 
 
 def with_stations(layout: Layout, values: Array, stations: int) -> Array:
-    """The same web with another number of stations, its outline taken over.
+    """Return the same web with another number of stations, its outline taken over.
 
     Args:
         values: (n,) parameters of the web, mm or degrees.
@@ -52,14 +52,14 @@ def with_stations(layout: Layout, values: Array, stations: int) -> Array:
 
 
 def _extents(problem: FitProblem) -> Array:
-    """Lateral extent of each row in each layer, (ny, nz), mm."""
+    """Return the lateral extent of each row in each layer, (ny, nz), mm."""
     cells = problem.target
     outer = cells.x_mm + cells.cell_mm[0] / 2
     return np.asarray((_solid(problem) * outer[:, None, None]).max(axis=0))
 
 
 def _solid(problem: FitProblem) -> NDArray[np.bool_]:
-    """Cells that the body fills clear of the counterweight, whose rim cuts cells, (nx, ny, nz)."""
+    """Return the cells that the body fills clear of the counterweight, whose rim cuts cells, (nx, ny, nz)."""
     cells = problem.target
     added = added_mm(problem.scene, (cells.x_mm, cells.y_mm, cells.z_mm))
     return cells.solid if added is None else cells.solid & (added < -cells.cell_mm.max())

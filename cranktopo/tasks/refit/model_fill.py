@@ -33,14 +33,14 @@ class Fill:
     def inside_mm(
         self, points: Array, values: Array, added: Mapping[int, Array]
     ) -> tuple[Array, NDArray[np.int8]]:
-        """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of: 0 the outline.
+        """Return signed distance of every cell, (nx, ny, nz), mm, and which field it is of: 0 the outline.
 
         Args:
             points: (n, 2) points of the outline's right half, from end to end, mm.
             added: signed distances from what is added to the outline, (nx, ny, nz), by number of the field.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
-        inside[:] = outline_distance(points, *self.axes[:2])[:, :, None]
+        inside[:] = _outline_distance(points, *self.axes[:2])[:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
         for number, field in added.items():
             which[field > inside] = number
@@ -52,10 +52,10 @@ class Fill:
             which[lower] = k + 1
         return inside, which
 
-    def pulled_back(
+    def vjp(
         self, points: Array, values: Array, which: NDArray[np.int8], weight: Array
     ) -> tuple[Array, Array]:
-        """Derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts.
+        """Return derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts.
 
         Args:
             points: (n, 2) points of the outline's right half, from end to end, mm.
@@ -63,18 +63,18 @@ class Fill:
             weight: (nx, ny, nz) weight of each cell's distance.
         """
         chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
-        by_points = _outline_pulled_back(points, *self.axes[:2], chosen)
+        by_points = _outline_vjp(points, *self.axes[:2], chosen)
         by_values = []
         for k, (part, own) in enumerate(own_values(self.parts, values)):
             chosen = np.where(which == k + 1, weight, 0.0)
-            by_own, by_ends = part.pulled_back(own, _ends(points), self.axes, self.web_z_mm, chosen)
+            by_own, by_ends = part.vjp(own, _ends(points), self.axes, self.web_z_mm, chosen)
             by_values.append(by_own)
             by_points[[0, -1], 1] += by_ends
         return by_points, np.concatenate([np.zeros(0), *by_values])
 
 
 def added_mm(scene: Scene, axes: Axes) -> Array | None:
-    """Signed distance of cells from a counterweight that is one piece with the web, (nx, ny, nz), mm."""
+    """Return the signed distance of cells from a counterweight in one piece with the web, mm."""
     weight = scene.web.counterweight
     if weight is None or weight.bolted:
         return None
@@ -84,7 +84,7 @@ def added_mm(scene: Scene, axes: Axes) -> Array | None:
 
 
 def between_mm(scene: Scene, sector: Sector, z_mm: Array) -> Array:
-    """Distance of heights from the nearer face of a counterweight, positive between both."""
+    """Return the distance of heights from the nearer face of a counterweight, positive between both."""
     (start, end), (low, high) = scene.web_z_mm, sector.z_mm
     # The web's own faces bound the cells already.
     below, above = z_mm - low if low > start else np.inf, high - z_mm if high < end else np.inf
@@ -92,7 +92,7 @@ def between_mm(scene: Scene, sector: Sector, z_mm: Array) -> Array:
 
 
 def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
-    """Fill from signed distance, and its derivative by the distance, 1/mm.
+    """Return the fill from signed distance, and its derivative by the distance, 1/mm.
 
     Args:
         inside_mm: signed distance, positive inside.
@@ -106,8 +106,8 @@ def _ends(points: Array) -> Array:
     return points[[0, -1], 1]
 
 
-def outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
-    """Signed distance from the outline, (nx, ny), mm; positive inside.
+def _outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
+    """Return the signed distance from the outline, (nx, ny), mm; positive inside.
 
     Args:
         points: (n, 2) points of the outline's right half, from end to end, mm.
@@ -116,8 +116,8 @@ def outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
     return _nearest(points, x_mm, y_mm)[0]
 
 
-def _outline_pulled_back(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
-    """Derivative of sum(weight * distance) by the points: a chord's ends move with the foot on it."""
+def _outline_vjp(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
+    """Return derivative of sum(weight * distance) by the points: a chord's ends move with the foot on it."""
     _, chord, along, normal = _nearest(points, x_mm, y_mm)
     result = np.zeros(points.shape)
     for end, share in ((chord, 1 - along), (chord + 1, along)):
@@ -128,7 +128,7 @@ def _outline_pulled_back(points: Array, x_mm: Array, y_mm: Array, weight: Array)
 
 
 def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np.intp], Array, Array]:
-    """Signed distance, nearest chord, place on it (0 to 1) and unit vector of growing distance."""
+    """Return the signed distance, nearest chord, place on it (0 to 1) and unit vector of growing distance."""
     start, step = points[:-1], np.diff(points, axis=0)
     px, py = x_mm[:, None, None] - start[:, 0], y_mm[None, :, None] - start[:, 1]
     along = np.clip((px * step[:, 0] + py * step[:, 1]) / (step**2).sum(axis=1), 0.0, 1.0)

@@ -30,8 +30,8 @@ class _Shape:
 
     points: Array
     constraints: Array
-    point_slopes: Array
-    constraint_slopes: Array
+    point_gradients: Array
+    constraint_gradients: Array
 
 
 class _Outline:
@@ -51,13 +51,13 @@ class _Outline:
         scene = scene_at(self._scene, self._layout, values)
         points, constraints = self._raw(own, scene)
         both = complex_step(lambda v: np.concatenate([part.ravel() for part in self._raw(v, scene)]), own)
-        point_slopes, constraint_slopes = np.split(both, [points.size])
-        point_slopes = point_slopes.reshape(*points.shape, len(own))
+        point_gradients, constraint_gradients = np.split(both, [points.size])
+        point_gradients = point_gradients.reshape(*points.shape, len(own))
         by_sizes = self._by_sizes(own, values)
-        return _Shape(points, constraints, point_slopes, np.hstack([constraint_slopes, by_sizes]))
+        return _Shape(points, constraints, point_gradients, np.hstack([constraint_gradients, by_sizes]))
 
     def _by_sizes(self, own: Array, values: Array) -> Array:
-        """Derivatives of the constraints by the parameters after the outline's, (constraints, rest)."""
+        """Return derivatives of the constraints by the parameters after those of the outline."""
         places = range(len(values) - len(self._layout.dimensions), len(values))
 
         def constraints(moved: Array) -> Array:
@@ -72,7 +72,7 @@ class _Outline:
         return flank.along(CHORDS), np.concatenate([values for _, values in rules])
 
     def rule_names(self, values: Array) -> list[str]:
-        """Name of each constraint."""
+        """Return the name of each constraint."""
         scene = scene_at(self._scene, self._layout, values)
         rules = outline_rules(flank_of(self._layout, values), scene, self._limits)
         return [name for name, values in rules for _ in values]
@@ -95,39 +95,39 @@ class ParametricWeb:
         self._last: tuple[bytes, MovedFillet | None] = b"", None
 
     def points(self, values: Array) -> tuple[Array, Array]:
-        """Points of the outline's right half, (n, 2), mm, and their derivatives by its values, (n, 2, m)."""
+        """Return points of the outline's right half, (n, 2), mm, and derivatives by its values, (n, 2, m)."""
         shape = self._outline.at(values)
-        return shape.points, shape.point_slopes
+        return shape.points, shape.point_gradients
 
     def inside_mm(self, values: Array) -> tuple[Array, NDArray[np.int8]]:
-        """Signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
+        """Return the signed distance of every cell, (nx, ny, nz), mm, and which field it is of."""
         return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added(values))
 
-    def pulled_back(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
-        """Derivative of sum(weight * inside_mm) by the parameters.
+    def vjp(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
+        """Return the derivative of sum(weight * inside_mm) by the parameters.
 
         Args:
             which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
             weight: (nx, ny, nz) weight of each cell's distance.
         """
         shape = self._outline.at(values)
-        by_points, by_parts = self._grid.pulled_back(shape.points, self._parts(values), which, weight)
+        by_points, by_parts = self._grid.vjp(shape.points, self._parts(values), which, weight)
         by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))
-        result = np.concatenate([np.tensordot(by_points, shape.point_slopes, 2), by_parts, by_sizes])
+        result = np.concatenate([np.tensordot(by_points, shape.point_gradients, 2), by_parts, by_sizes])
         fillet = self.fillet(values)
         if fillet is not None:
-            result += fillet.pulled_back(self._grid.axes, np.where(which == FILLET, weight, 0.0))
+            result += fillet.vjp(self._grid.axes, np.where(which == FILLET, weight, 0.0))
         return result
 
     def _added(self, values: Array) -> dict[int, Array]:
-        """Signed distances of the cells from the counterweight and its fillets, by number of the field."""
+        """Return signed distances from the counterweight and its fillets, by number of the field."""
         sector = self._moved_added(values) if self._weight else self._own_added
         fillet = self.fillet(values)
         fields = {} if sector is None else {ADDED: sector}
         return fields if fillet is None else {**fields, FILLET: fillet.inside_mm(self._grid.axes)}
 
     def fillet(self, values: Array) -> MovedFillet | None:
-        """The counterweight's fillet, the last one kept."""
+        """Return the counterweight's fillet, the last one kept."""
         if self._last[0] != values.tobytes():
             self._last = values.tobytes(), moved_fillet(self._scene, self.layout, values)
         return self._last[1]
@@ -138,7 +138,7 @@ class ParametricWeb:
         return found
 
     def _by_sizes(self, values: Array, weight: Array) -> Array:
-        """Derivative of sum(weight * distance from the counterweight) by the dimensions of the throw."""
+        """Return the derivative of sum(weight * counterweight distance) by the dimensions of the throw."""
         result = np.zeros(len(self.layout.dimensions))
         for name in self._weight:
             step = _DIFFERENCE * np.eye(len(values))[self.layout.names.index(name)]
@@ -147,31 +147,31 @@ class ParametricWeb:
         return result
 
     def constraints(self, values: Array) -> Array:
-        """Manufacturing constraints, kept where <= 0."""
+        """Return the manufacturing constraints, kept where <= 0."""
         shape = self._outline.at(values)
         fillet = self.fillet(values)
         own = [] if fillet is None else [fillet.rule[1]]
         return np.concatenate([shape.constraints, self._part_constraints(shape.points, values), own])
 
     def rule_names(self, values: Array) -> tuple[str, ...]:
-        """Name of each constraint in plain English, several parts of one rule alike."""
+        """Return the name of each constraint in plain English, several parts of one rule alike."""
         points = self._outline.at(values).points
         names = [name for name, _ in self._part_rules(points, values)]
         fillet = self.fillet(values)
         return (*self._outline.rule_names(values), *names, *([] if fillet is None else [fillet.rule[0]]))
 
-    def slopes(self, values: Array) -> Array:
-        """Gradients of the constraints (constraints, parameters)."""
+    def gradients(self, values: Array) -> Array:
+        """Return the gradients of the constraints (constraints, parameters)."""
         shape, n = self._outline.at(values), self.layout.stations
 
         def parts(step: Array) -> Array:
-            return self._part_constraints(shape.points + shape.point_slopes @ step[:n], values + step)
+            return self._part_constraints(shape.points + shape.point_gradients @ step[:n], values + step)
 
         steps = _DIFFERENCE * np.eye(len(values))
         below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
         fillet = self.fillet(values)
-        own = [] if fillet is None else [fillet.rule_slopes]
-        return np.vstack([shape.constraint_slopes, below, *own])
+        own = [] if fillet is None else [fillet.rule_gradients]
+        return np.vstack([shape.constraint_gradients, below, *own])
 
     def _parts(self, values: Array) -> Array:
         return values[self.layout.stations :]
@@ -180,7 +180,7 @@ class ParametricWeb:
         return np.array([value for _, value in self._part_rules(points, values)], dtype=np.float64)
 
     def _part_rules(self, points: Array, values: Array) -> list[Rule]:
-        """Rules of the features and of the dimensions of the throw."""
+        """Return the rules of the features and of the dimensions of the throw."""
         scene = scene_at(self._scene, self.layout, values)
         parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
         return [*parts, *size_rules(self.layout, values, self._scene, self._limits)]

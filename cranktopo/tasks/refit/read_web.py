@@ -11,7 +11,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import DECIMALS, Layout, flank_of, frame_of, station_shares
+from cranktopo.tasks.refit.family import DECIMALS, Layout, flank_of, station_shares, surroundings_of
 from cranktopo.throw.feature import Feature
 from cranktopo.throw.fitted import FittedFeature, Frame
 from cranktopo.throw.profile import ProfileWeb
@@ -38,18 +38,18 @@ class WebRead:
 
 
 def read_web(scene: Scene, sampled: Array) -> WebRead:
-    """The scene's web in the family.
+    """Return the scene's web in the family.
 
     Args:
         sampled: outline to take where the web's own is none of the family's.
     """
-    outline, web = family_outline(scene), scene.web
+    outline, web = _family_outline(scene), scene.web
     own, left_out = sampled if outline is None else outline, list[str]()
     if outline is None:
         frame = (*web.y_range_mm(scene.throw.radius_mm), web.largest_half_width_mm)
         left_out.append(f"web.outline = '{web.outline}', sampled at {len(own)} stations")
     else:
-        frame = frame_of(flank_of(Layout(len(own)), own))
+        frame = surroundings_of(flank_of(Layout(len(own)), own))
     found = list(_features(scene, frame))
     left_out += [key for key, part in found if part is None]
     parts = [part for _, part in found if part is not None]
@@ -57,8 +57,8 @@ def read_web(scene: Scene, sampled: Array) -> WebRead:
     return WebRead(layout, np.concatenate([own, *(values for _, values in parts)]), tuple(left_out))
 
 
-def family_outline(scene: Scene) -> Array | None:
-    """Ends and half-widths of an outline whose stations lie as the family's do; None for any other.
+def _family_outline(scene: Scene) -> Array | None:
+    """Return ends and half-widths of an outline whose stations lie as the family's do; None for any other.
 
     The stations are rounded in a scene: the ends are those that come nearest to all of them.
     """
@@ -72,7 +72,7 @@ def family_outline(scene: Scene) -> Array | None:
 
 
 def _line_through(shares: Array, places: Array) -> tuple[float, float, float]:
-    """Both ends of a line whose points at the shares come nearest to the places, and the largest distance."""
+    """Return the ends of the line that comes nearest to places at shares of it, and the largest distance."""
     from scipy.optimize import linprog
 
     sides, one = np.stack([1 - shares, shares], axis=1), np.ones((len(shares), 1))
@@ -85,7 +85,7 @@ def _line_through(shares: Array, places: Array) -> tuple[float, float, float]:
 
 
 def _features(scene: Scene, frame: Frame) -> Iterator[tuple[str, tuple[FittedFeature, Array] | None]]:
-    """Every feature of the web with its key, as one of the family or None; a pair counts as one."""
+    """Return every feature of the web with its key, as one of the family or None; a pair counts as one."""
     waiting = [
         (key, feature) for key, feature in scene.web.features() if feature is not scene.web.counterweight
     ]

@@ -45,7 +45,7 @@ class ResidualRegion:
 
 
 def residual_regions(problem: FitProblem, model: Array) -> list[ResidualRegion]:
-    """Regions in which a model differs from the body, largest first.
+    """Return the regions in which a model differs from the body, largest first.
 
     Args:
         model: (nx, ny, nz) fill of the cells by the model.
@@ -61,7 +61,7 @@ def residual_regions(problem: FitProblem, model: Array) -> list[ResidualRegion]:
 
 
 def _regions(mask: Mask) -> list[Mask]:
-    """Connected parts of a mask that remain without its outer layer, each with that layer put back."""
+    """Return connected parts of a mask that remain without its outer layer, each with that layer put back."""
     from scipy import ndimage
 
     # The mirror plane and the web faces are no surfaces of a region.
@@ -97,7 +97,7 @@ def _describe(problem: FitProblem, region: Mask, volume: float, lacking: bool) -
 
 
 def _open_sideways(problem: FitProblem, region: Mask) -> bool:
-    """Whether the void reaches the outside of the body in its own plane, other than through a bore."""
+    """Tell whether the void reaches the outside of the body in its own plane, other than through a bore."""
     from scipy import ndimage
 
     void = ~problem.target.solid & (problem.free > 0.5)[:, :, None]

@@ -41,7 +41,7 @@ class FitProblem:
 
 
 class Fit:
-    """How well a web fits, as functions of its parameters."""
+    """Misfit of a web, as functions of its parameters."""
 
     def __init__(self, problem: FitProblem, layout: Layout) -> None:
         cells = problem.target
@@ -50,19 +50,19 @@ class Fit:
         self._target, self._free = cells.filled, problem.free[:, :, None]
 
     def misfit(self, values: Array, width_mm: float) -> tuple[float, Array]:
-        """Squared difference of the fills over the filled volume, and its gradient.
+        """Return the squared difference of the fills over the filled volume, and its gradient.
 
         Args:
             width_mm: half-width of the smooth step.
         """
         inside, which = self.web.inside_mm(values)
-        model, slope = smooth_step(inside, width_mm)
+        model, steepness = smooth_step(inside, width_mm)
         off = model * self._free - self._target
-        weight = 2 * off * self._free * slope / self._target.sum()
-        return float((off**2).sum() / self._target.sum()), self.web.pulled_back(values, which, weight)
+        weight = 2 * off * self._free * steepness / self._target.sum()
+        return float((off**2).sum() / self._target.sum()), self.web.vjp(values, which, weight)
 
     def fill(self, values: Array, width_mm: float) -> Array:
-        """Fill of the cells (nx, ny, nz), bores cut out.
+        """Return the fill of the cells (nx, ny, nz), bores cut out.
 
         Args:
             width_mm: half-width of the smooth step.
@@ -70,7 +70,7 @@ class Fit:
         return smooth_step(self.web.inside_mm(values)[0], width_mm)[0] * self._free
 
     def overlap(self, values: Array, width_mm: float) -> float:
-        """Intersection over union of the fills.
+        """Return the intersection over union of the fills.
 
         Args:
             width_mm: half-width of the smooth step.
@@ -79,7 +79,7 @@ class Fit:
         return float(np.minimum(model, self._target).sum() / np.maximum(model, self._target).sum())
 
 
-def search(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
+def minimise_misfit(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
     """Fit the parameters from one initial guess, with ever sharper steps.
 
     Args:
@@ -103,13 +103,13 @@ def _minimise(fit: Fit, guess: Array, width_mm: float) -> tuple[Array, float]:
 
     def value(values: Array) -> tuple[float, Array]:
         nonlocal best, least
-        result, slope = fit.misfit(values, width_mm)
+        result, gradient = fit.misfit(values, width_mm)
         if result < least and np.max(fit.web.constraints(values)) < _KEPT:
             best, least = values.copy(), float(result)
-        return float(result), slope
+        return float(result), gradient
 
     def constrain(values: Array) -> tuple[Array, Array]:
-        return fit.web.constraints(values), fit.web.slopes(values)
+        return fit.web.constraints(values), fit.web.gradients(values)
 
     minimise(value, constrain, bounds, guess, _TOLERANCE, _EVALUATIONS, _FLAT)
     return best, least

@@ -1,4 +1,4 @@
-"""Which features and how many stations: each is kept only for the overlap that it gains."""
+"""Choice of features and stations: each is kept only for the overlap that it gains."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.initial_guess import outline_guess, with_stations
 from cranktopo.tasks.refit.residual_regions import residual_regions
-from cranktopo.tasks.refit.search import Fit, FitProblem, search
+from cranktopo.tasks.refit.search import Fit, FitProblem, minimise_misfit
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.web import FITTED_TO_REGIONS, FITTED_TO_SECTIONS
 
@@ -42,7 +42,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Trial:
+class FitTrial:
     """One row of the table of what was tried.
 
     Attributes:
@@ -60,8 +60,8 @@ class Trial:
     kept: bool
 
 
-def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
-    """The web in which every parameter gains enough overlap, and all trials in their order.
+def select(problem: FitProblem) -> tuple[Candidate, tuple[FitTrial, ...]]:
+    """Return the web in which every parameter gains enough overlap, and all trials in their order.
 
     Args:
         problem: on cells coarse enough for many searches.
@@ -84,7 +84,7 @@ def select(problem: FitProblem) -> tuple[Candidate, tuple[Trial, ...]]:
 
 
 def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Candidate | None:
-    """One search from one initial guess; None when it finds nothing that keeps the limits.
+    """Return one search from one initial guess; None when it finds nothing that keeps the limits.
 
     Args:
         guess: (n,) initial values, mm or degrees.
@@ -92,13 +92,13 @@ def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Ca
     """
     cell = float(problem.target.cell_mm[0])
     fit = Fit(problem, layout)
-    values, error = search(fit, guess, (2 * cell, cell, cell / 2))
+    values, error = minimise_misfit(fit, guess, (2 * cell, cell, cell / 2))
     if not np.isfinite(error):
         return None
     return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)
 
 
-def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
+def _features(problem: FitProblem, best: Candidate, trials: list[FitTrial]) -> Candidate:
     for group in FITTED_TO_SECTIONS:
         possible = (part for part in group if part.possible(problem.scene))
         guesses = ((part, part.guess(problem.target, problem.scene, problem.limits)) for part in possible)
@@ -115,9 +115,12 @@ def _features(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Cand
 
 
 def _try(
-    problem: FitProblem, best: Candidate, choices: Sequence[tuple[FittedFeature, Array]], trials: list[Trial]
+    problem: FitProblem,
+    best: Candidate,
+    choices: Sequence[tuple[FittedFeature, Array]],
+    trials: list[FitTrial],
 ) -> Candidate:
-    """The web with the best one of several features, if it gains enough overlap."""
+    """Return the web with the best one of several features, if it gains enough overlap."""
     found = []
     for part, guess in choices:
         layout = replace(best.layout, parts=(*best.layout.parts, part))
@@ -131,7 +134,7 @@ def _try(
 
 
 def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeature, Array]]:
-    """Features that could take out what the body lacks, largest region first."""
+    """Return the features that could take out what the body lacks, largest region first."""
     for region in residual_regions(problem, model_fill(problem, best)):
         for kind in FITTED_TO_REGIONS if region.kind != "material" else ():
             part = kind.in_region(region)
@@ -139,8 +142,8 @@ def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeatu
                 yield part, part.guess(region, problem.scene.web_z_mm)
 
 
-def _stations(problem: FitProblem, best: Candidate, trials: list[Trial]) -> Candidate:
-    """The fewest stations that come within the least gain of the most that any number tried reaches.
+def _stations(problem: FitProblem, best: Candidate, trials: list[FitTrial]) -> Candidate:
+    """Return the fewest stations that come within the least gain of the most that any number tried reaches.
 
     Numbers are tried upwards until another two bring less than the least gain.
     """
@@ -171,10 +174,10 @@ def _least(problem: FitProblem) -> float:
 
 
 def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
-    """Fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1]."""
+    """Return the fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1]."""
     sharp = _SHARP * float(problem.target.cell_mm[0])
     return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 
 
-def _trial(found: Candidate, gain: float, kept: bool) -> Trial:
-    return Trial(found.step, len(found.values), 100 * found.overlap, 100 * gain, kept)
+def _trial(found: Candidate, gain: float, kept: bool) -> FitTrial:
+    return FitTrial(found.step, len(found.values), 100 * found.overlap, 100 * gain, kept)

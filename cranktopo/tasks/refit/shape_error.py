@@ -64,7 +64,7 @@ def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
 
 
 def overlap(one: Manifold, other: Manifold) -> float:
-    """Intersection over union of two solids, 0 to 1."""
+    """Return the intersection over union of two solids, 0 to 1."""
     both = (one ^ other).volume()
     return float(both / (one.volume() + other.volume() - both))
 
@@ -72,7 +72,7 @@ def overlap(one: Manifold, other: Manifold) -> float:
 def surface_distance_mm(
     one: SurfaceMesh, other: SurfaceMesh
 ) -> tuple[float, float, tuple[float, float, float]]:
-    """Mean and largest distance of two surfaces, both ways from even samples, and the farthest point, mm."""
+    """Return mean and largest distance of two surfaces from even samples, and the farthest point, mm."""
     random = np.random.default_rng(SEED)
     points, others = (_samples(mesh, random) for mesh in (one, other))
     places = np.vstack([points, others])
@@ -87,7 +87,7 @@ def _solid(scene: Scene, part: str) -> Manifold:
 
 
 def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> Array:
-    """Points spread evenly over a surface, (n, 3)."""
+    """Return the points spread evenly over a surface, (n, 3)."""
     a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     face = np.searchsorted(np.cumsum(area) / area.sum(), (np.arange(_SAMPLES) + 0.5) / _SAMPLES)

@@ -19,31 +19,31 @@ _DIGITS = 6
 
 
 def usual_limits(scene: Scene, **given: float | int | None) -> ManufacturingLimits:
-    """Manufacturing limits of a throw: what is given, and the usual ones in proportion to the throw."""
+    """Return manufacturing limits of a throw: those given, and the usual ones in proportion to it."""
     usual = scaled_limits(ManufacturingLimits(), 1 / usual_scale(scene))
     kept: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     return replace(usual, **kept)
 
 
 def scaled_limits(limits: ManufacturingLimits, factor: float) -> ManufacturingLimits:
-    """Limits with their lengths multiplied."""
+    """Return the limits with their lengths multiplied."""
     return ManufacturingLimits(**scaled_lengths(vars(limits), factor))
 
 
 def scaled_throw(scene: Scene, factor: float) -> Scene:
-    """Throw, web and material of a scene, all lengths multiplied; the rest is left out."""
+    """Return the throw, web and material of a scene, all lengths multiplied; the rest is left out."""
     data = scene.model_dump(mode="json", include={"name", "throw", "web", "material"}, exclude_none=True)
     return scene_from_dict(scaled_lengths(data, factor), f"{scene.name}, scaled")
 
 
 def scaled_region(region: ResidualRegion, factor: float) -> ResidualRegion:
-    """A region with its place and volume multiplied accordingly."""
+    """Return a region with its place and volume multiplied accordingly."""
     lengths = scaled_lengths(vars(region), factor)
     return ResidualRegion(**{**lengths, "volume_mm3": region.volume_mm3 * factor**3})
 
 
 def scaled_lengths(data: Any, factor: float, key: str = "") -> Any:
-    """Plain data with every value under a key that ends with `_mm` multiplied, kept to six digits."""
+    """Return plain data with every value under a key that ends with `_mm` multiplied, kept to six digits."""
     if isinstance(data, dict):
         return {name: scaled_lengths(value, factor, name) for name, value in data.items()}
     if isinstance(data, (list, tuple)):

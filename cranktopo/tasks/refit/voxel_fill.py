@@ -53,7 +53,7 @@ class VoxelFill:
 
 
 def voxel_fill(body: Manifold, scene: Scene, cell_mm: float) -> VoxelFill:
-    """Fill of the cells between the web faces.
+    """Return the fill of the cells between the web faces.
 
     Exact in x (lengths of chords), by the mean of 3 x 3 lines per cell in y and z.
 
@@ -96,7 +96,7 @@ def _layer(body: Manifold, x: Array, y: Array, z: tuple[float, float]) -> Array:
 
 
 def _signed_lengths(contour: Array, x: Array, rows: Array) -> Array:
-    """Length of each x cell, on both sides, that a contour encloses on each row; holes count negative."""
+    """Return the length of each x cell that a contour encloses on each row; holes count negative."""
     a, b = contour, np.roll(contour, -1, axis=0)
     crosses = (a[:, None, 1] <= rows) != (b[:, None, 1] <= rows)
     edge, row = np.nonzero(crosses)

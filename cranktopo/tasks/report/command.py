@@ -38,7 +38,7 @@ def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None
     """
     from cranktopo.report.report_file import check_report_path
     from cranktopo.runs.directories import open_run
-    from cranktopo.tasks.optimise.run_report import report_run
+    from cranktopo.tasks.report.stage import report_run
 
     if as_markdown and out is not None and out.suffix.lower() != ".md":
         raise click.UsageError(f"--markdown writes .md, but --out is '{out}'")

@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cranktopo.cli.completion import runs as complete_runs
 from cranktopo.cli.group import SuggestingGroup
 from cranktopo.cli.parameters import Choice
+
+if TYPE_CHECKING:
+    from cranktopo.runs.kind import RunKind
 
 _STATES = ("done", "interrupted", "failed", "running")
 _ROOT = click.option(
@@ -58,34 +61,34 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     Example: cranktopo runs show 20250101-120000_mikron-iiic_0123abcd
     """
     from cranktopo.runs.directories import open_run
-    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
-    from cranktopo.tasks.iterate.text import loop_summary
-    from cranktopo.tasks.optimise.text import run_summary
-    from cranktopo.tasks.shape.result import ShapeResult
-    from cranktopo.tasks.shape.text import shape_summary
-    from cranktopo.tasks.sweep.result import SweepResult
-    from cranktopo.tasks.sweep.text import sweep_summary
+    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command
+    from cranktopo.tasks.run_list.stage import result_of
 
     found = open_run(run, root)
-    manifest, kind, result = found.manifest(), kind_of(found), read_result(found)
+    manifest, kind = found.manifest(), kind_of(found)
     if as_json:
         key = {LOOP: "loop", SHAPE: "shape", SWEEP: "sweep"}.get(kind, "metrics")
-        click.echo(json.dumps({"schema_version": 1, "manifest": manifest, key: result}, indent=2))
+        whole = {"schema_version": 1, "manifest": manifest, key: read_result(found)}
+        click.echo(json.dumps(whole, indent=2))
         return
     click.echo(f"{found.path}: {manifest['status']}, started {manifest['started']}")
     click.echo(f"{' '.join(manifest['command'])}\n")
+    result = result_of(found)
     if result is None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:
-        with shown_results(found):
-            where = f"run '{run}'"
-            if kind == SWEEP:
-                text = sweep_summary(SweepResult.of_json(result, where), found.path)
-            elif kind == SHAPE:
-                text = shape_summary(ShapeResult.of_json(result, where), found.path)
-            else:
-                text = {LOOP: loop_summary}.get(kind, run_summary)(result, found.path)
-        click.echo(text)
+        click.echo(_summary(kind, result, found.path))
+
+
+def _summary(kind: RunKind, result: Any, folder: Path) -> str:
+    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP
+    from cranktopo.tasks.iterate.text import loop_summary
+    from cranktopo.tasks.optimise.text import run_summary
+    from cranktopo.tasks.shape.text import shape_summary
+    from cranktopo.tasks.sweep.text import sweep_summary
+
+    summaries: dict[RunKind, Any] = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
+    return str(summaries.get(kind, run_summary)(result, folder))
 
 
 @command.command("clean")

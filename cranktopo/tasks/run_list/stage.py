@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.result import Result
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
-from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, shown_results
-from cranktopo.tasks.designs.run_webs import best_row, row_words
+from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
+from cranktopo.tasks.iterate.result import LoopResult
+from cranktopo.tasks.optimise.result import RunMetrics
+from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.sweep.result import SweepResult
 
 
@@ -47,54 +50,67 @@ def _entry(run: RunStore) -> dict[str, Any]:
     kind, manifest = kind_of(run), run.manifest()
     entry |= {"command": kind, "design": manifest["design"], "started": manifest["started"]}
     try:
-        result = read_result(run)
-        if result is None:
-            return entry
-        with shown_results(run):
-            return entry | _RESULTS[kind](result)
+        result = result_of(run)
+        return entry if result is None else entry | _ENTRIES[kind](result)
     except CranktopoError:  # one damaged run does not hide the others
         return entry | {"result": "unreadable"}
 
 
-def _run_result(metrics: Mapping[str, Any]) -> dict[str, Any]:
+def _run_result(metrics: RunMetrics) -> dict[str, Any]:
     return {
-        "result": metrics["status"],
-        "mass_of_throw_kg": metrics["mass_kg"]["throw"],
-        "gain_of_stiffness_per_mass_percent": metrics["original_web"]["gain_of_stiffness_per_mass_percent"],
+        "result": metrics.status,
+        "mass_of_throw_kg": metrics.mass_kg.throw,
+        "gain_of_stiffness_per_mass_percent": metrics.original_web.gain_of_stiffness_per_mass_percent,
     }
 
 
-def _loop_result(loop: Mapping[str, Any]) -> dict[str, Any]:
-    """The best web of a loop, if it has one."""
-    best = best_row(loop)
-    if best is None:
+def _loop_result(loop: LoopResult) -> dict[str, Any]:
+    """Return the best web of a loop, if it has one."""
+    if loop.best is None:
         return {"result": "no better web"}
-    share = best["percent_of_original"]
+    gains = {key: share - 100 for key, share in loop.best.percent_of_original.items()}
+    return _web(f"best: {loop.best.words}", loop.best.throw_kg, gains)
+
+
+def _shape_result(shape: ShapeResult) -> dict[str, Any]:
+    return _web(shape.status, shape.values.result["mass"], shape.change_percent)
+
+
+def _web(result: str, mass_kg: float, change_percent: Mapping[str, float]) -> dict[str, Any]:
+    pairs = zip(STIFFNESS, PER_MASS, strict=True)
     return {
-        "result": f"best: {row_words(best)}",
-        "mass_of_throw_kg": best["throw_kg"],
-        "gain_of_stiffness_per_mass_percent": {
-            stiffness.key: share[ratio.key] - 100
-            for stiffness, ratio in zip(STIFFNESS, PER_MASS, strict=True)
-        },
+        "result": result,
+        "mass_of_throw_kg": mass_kg,
+        "gain_of_stiffness_per_mass_percent": {s.key: change_percent[ratio.key] for s, ratio in pairs},
     }
 
 
-def _shape_result(shape: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        "result": shape["status"],
-        "mass_of_throw_kg": shape["values"]["result"]["mass"],
-        "gain_of_stiffness_per_mass_percent": {
-            stiffness.key: shape["change_percent"][ratio.key]
-            for stiffness, ratio in zip(STIFFNESS, PER_MASS, strict=True)
-        },
-    }
+def _sweep_result(sweep: SweepResult) -> dict[str, Any]:
+    ends = ", ".join(f"{count} {end}" for end, count in sweep.ends.items())
+    return {"result": f"{ends}; {len(sweep.front)} on the front"}
 
 
-def _sweep_result(sweep: Mapping[str, Any]) -> dict[str, Any]:
-    found = SweepResult.of_json(sweep, "sweep.json")
-    ends = ", ".join(f"{count} {end}" for end, count in found.ends.items())
-    return {"result": f"{ends}; {len(found.front)} on the front"}
+RESULTS: dict[RunKind, type[Result]] = {
+    "optimise": RunMetrics,
+    LOOP: LoopResult,
+    SHAPE: ShapeResult,
+    SWEEP: SweepResult,
+}
+"""What a finished run of each kind left."""
+_ENTRIES: dict[RunKind, Callable[[Any], dict[str, Any]]] = {
+    "optimise": _run_result,
+    LOOP: _loop_result,
+    SHAPE: _shape_result,
+    SWEEP: _sweep_result,
+}
 
 
-_RESULTS = {"optimise": _run_result, LOOP: _loop_result, SHAPE: _shape_result, SWEEP: _sweep_result}
+def result_of(run: RunStore) -> Result | None:
+    """Return what a run left; None where it is not finished.
+
+    Raises:
+        CranktopoError: its results are damaged.
+    """
+    found = read_result(run)
+    where = f"run '{run.path}': its results are damaged"
+    return None if found is None else RESULTS[kind_of(run)].of_json(found, where)

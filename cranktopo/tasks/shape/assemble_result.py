@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.design.goal.outcome import GoalWords, goal_outcome
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import unit_of
+from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -75,7 +75,7 @@ def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> tuple[RulePrice, ...]:
     web, paid, found = optimum.web, optimum.multipliers, dict[tuple[str, str], float]()
     names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
     bounds = [
-        (f"{'least' if price > 0 else 'greatest'} {name}", unit_of(name))
+        (f"{'least' if price > 0 else 'greatest'} {name}", parameter_unit(name))
         for name, price in zip(web.layout.names, paid.bounds, strict=True)
     ]
     for key, price in zip([*names, *bounds], [*paid.rules, *abs(paid.bounds)], strict=True):

@@ -48,7 +48,7 @@ class EnvelopeClearance:
         fillet = web.fillet(values)
         if fillet is not None:
             arc = np.stack(fillet.circle.arc_mm(_RIM), axis=1)
-            bodies.append((arc, np.broadcast_to(fillet.slopes, (_RIM, *fillet.slopes.shape))))
+            bodies.append((arc, np.broadcast_to(fillet.gradients, (_RIM, *fillet.gradients.shape))))
         found = [self._of_points(self._envelope, *body, len(values)) for body in bodies]
         outside, gradients = zip(*found, strict=True)
         return np.concatenate(outside), np.vstack(gradients)
@@ -181,4 +181,4 @@ def rules_at(scene: Scene, web: ParametricWeb, values: Array) -> Rules:
 def rules_of(web: ParametricWeb, clearance: EnvelopeClearance, values: Array) -> tuple[Array, Array]:
     """Return manufacturing constraints and envelope, mm, kept where <= 0, and their gradients."""
     inside, gradients = clearance.constraints(web, values)
-    return np.concatenate([web.constraints(values), inside]), np.vstack([web.slopes(values), gradients])
+    return np.concatenate([web.constraints(values), inside]), np.vstack([web.gradients(values), gradients])

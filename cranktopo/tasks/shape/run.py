@@ -141,7 +141,7 @@ def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene
     """Return the parametric web fitted to a density optimisation that has none yet."""
     info(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
     made = remodel_run(str(run.path), given=vars(limits), evaluated=False, info=info)
-    return load_scene(str(Path(made["folder"]) / made["files"]["design"]))
+    return load_scene(str(Path(made.folder or ".") / made.files["design"]))
 
 
 def _goal(scene: Scene) -> Goal:

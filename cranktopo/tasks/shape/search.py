@@ -14,7 +14,7 @@ from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import Multipliers, multipliers
 from cranktopo.numerics.optimisers.slsqp import minimise, restore_feasibility
-from cranktopo.tasks.refit.dimensions import rounded, scene_at
+from cranktopo.tasks.refit.dimensions import rounded_dimensions, scene_at
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -245,7 +245,7 @@ def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
     Raises:
         CranktopoError: the web does not fit the throw.
     """
-    sized = scene_at(scene, layout, rounded(scene, layout, values))
+    sized = scene_at(scene, layout, rounded_dimensions(scene, layout, values))
     web = scene_with_web(sized, web_of(layout, values, sized)).web
     changes = {"web": web, "name": f"{scene.name}-shape", "published": None, "original": None}
     return sized.model_copy(update=changes)

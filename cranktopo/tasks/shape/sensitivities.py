@@ -10,7 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import unit_of
+from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
@@ -41,7 +41,7 @@ def dimension_sensitivities(
     return tuple(
         DimensionSensitivity(
             name=name,
-            unit=unit_of(name),
+            unit=parameter_unit(name),
             value=float(value),
             low=float(low),
             high=float(high),
@@ -115,7 +115,7 @@ def active_constraints(
 def _bounds(web: ParametricWeb, index: int, value: float, better: float, near_mm: float) -> Iterator[str]:
     layout = web.layout
     name, low, high = layout.names[index], web.bounds[0][index], web.bounds[1][index]
-    unit = unit_of(name)
+    unit = parameter_unit(name)
     for side, bound, blocked in (("least", low, better <= 0), ("greatest", high, better >= 0)):
         if blocked and abs(value - bound) < near_mm:
             where = "value in [shape.free]" if name in layout.dimensions else "value of its range"

@@ -102,7 +102,7 @@ class _FilletedFlank(WebFace):
         )
         out = np.stack(fillet.circle.outward(*points_mm[:2]), axis=1)
         on_flank = self._on_flank(fillet, points_mm)
-        return np.where(on_flank[:, None], by_flank, -out @ fillet.slopes)
+        return np.where(on_flank[:, None], by_flank, -out @ fillet.gradients)
 
     def _fillet(self, values: Array) -> MovedFillet:
         fillet = moved_fillet(self.scene, self.layout, values)

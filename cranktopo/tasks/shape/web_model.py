@@ -24,7 +24,7 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import compliances, solve
-from cranktopo.tasks.density.responses import Design, Response, quantities, slopes
+from cranktopo.tasks.density.responses import Design, Response, gradients, quantities
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -103,11 +103,11 @@ class WebModel:
         left, by_bores = self.bores.left(web.layout, values)
         stiff = 1 - (1 - CONTRAST) * (1 - left)
         solved = _solved(self.model, moduli * stiff, solid * left, _TOLERANCE, guess)
-        found, by_moduli, by_solid = map(np.asarray, slopes(self.model, self._functions, solved, {}))
+        found, by_moduli, by_solid = map(np.asarray, gradients(self.model, self._functions, solved, {}))
         by_fill = ((1 - CONTRAST) * stiff * by_moduli + left * by_solid)[..., layers] * design
         by_cell = dict(zip(self.known, by_fill, strict=True))
         pulled = {
-            name: web.pulled_back(values, which, by_cell[name] * slope)
+            name: web.vjp(values, which, by_cell[name] * slope)
             for name in sorted(set(quantities) & set(by_cell))
         }
         by_left = (1 - CONTRAST) * moduli * by_moduli + solid * by_solid

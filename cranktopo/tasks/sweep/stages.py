@@ -7,16 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import read_json, write_text
+from cranktopo.base.files import write_text
 from cranktopo.base.progress import Json
+from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.report.goal_table import broken_limits, goal_of
+from cranktopo.report.goal_table import broken_limits
 from cranktopo.runs.directories import open_run
-from cranktopo.runs.kind import SHAPE, RunKind, read_result
+from cranktopo.runs.kind import RESULT_FILES, SHAPE
+from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.targets import Target, simulated
+from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.result import IMPOSSIBLE, VIEW
@@ -81,61 +84,65 @@ def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
 
 def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
-    surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics["files"]["stl"], folder / RUN)
+    surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics.files["stl"], folder / RUN)
     judged = _judged(surface, fineness)
-    return {**judged, **_limits(metrics), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
+    told = _told(metrics.status, metrics.iterations)
+    return {**judged, **_limits(metrics.goal), **told, "target": RUN, VIEW: web_view(surface)}
 
 
-def _densities(scene: Scene, folder: Path) -> Json:
+def _densities(scene: Scene, folder: Path) -> RunMetrics:
     """The metrics of the density optimisation of a point, begun, continued or finished."""
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 
     run = folder / RUN
-    metrics = _finished(run, "optimise")
+    metrics = read_metrics(open_run(str(run))) if _is_done(run) else None
     if metrics is None:
         begun = _begun(run)
         done = resume_optimisation(str(run)) if begun else optimise_design(scene, run, command=COMMAND)
         metrics = done.metrics
-    if "refusal" in metrics["surface"]:
-        raise CranktopoError(
-            f"the optimisation has no web: {metrics['surface']['refusal']}", code=ExitCode.NOT_CONVERGED
-        )
+    if metrics.refusal:
+        raise CranktopoError(f"the optimisation has no web: {metrics.refusal}", code=ExitCode.NOT_CONVERGED)
     return metrics
 
 
 def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
+    from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
 
     metrics = _densities(scene, folder)
     done = folder / REMODEL / "remodel.json"
-    if not done.is_file():
-        remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
-    data = read_json(done)
-    file = f"{REMODEL}/{data['files']['design']}"
+    if done.is_file():
+        refit = RefitResult.read(done)
+    else:
+        refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
+    file = f"{REMODEL}/{refit.files['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
-    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
+    told = _told(metrics.status, metrics.iterations)
+    return {**_judged(web, fineness), **told, "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.design.goal.changing import with_goal
+    from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 
     run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
-    data = _finished(run, SHAPE)
-    if data is None:
+    if _is_done(run):
+        data = ShapeResult.read(run / RESULT_FILES[SHAPE])
+    else:
         settings = fineness.shape_settings(shape_settings(wanted), wanted)
         begun = _begun(run)
         done = resume_shape(str(run)) if begun else shape_design(wanted, settings, run, command=COMMAND)
-        data = done.result.as_json()
-    safety = data["values"]["result"].get("fatigue_safety")
-    file = f"{RUN}/{data['files']['design']}"
+        data = done.result
+    safety = data.values.result.get("fatigue_safety")
+    file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
     return {
-        **columns_of(data["result"]),
+        **columns_of(data.result),
         **({} if safety is None else {"fatigue_safety": safety}),
-        **_limits(data),
-        **_bound(data),
-        **_told(data),
+        **_limits(data.goal),
+        **_bound(data.bound),
+        **_told(data.status, data.iterations),
         "target": file,
         VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
@@ -158,22 +165,18 @@ def _begun(run: Path) -> bool:
     return (run / "manifest.json").is_file()
 
 
-def _finished(run: Path, kind: RunKind) -> Json | None:
-    """What a run that is done reached; None where it has still to be begun or continued."""
-    if not _begun(run):
-        return None
-    store = open_run(str(run))
-    return read_result(store) if store.manifest()["status"] == "done" else None
+def _is_done(run: Path) -> bool:
+    """Tell whether a run has neither to be begun nor to be continued."""
+    return _begun(run) and open_run(str(run)).manifest()["status"] == "done"
 
 
-def _told(data: Mapping[str, Any]) -> Json:
+def _told(status: str, iterations: int) -> Json:
     """How an optimisation ended."""
-    return {"optimiser_status": data["status"], "iterations": data["iterations"]}
+    return {"optimiser_status": status, "iterations": iterations}
 
 
-def _limits(data: Mapping[str, Any]) -> Json:
+def _limits(goal: GoalOutcome | None) -> Json:
     """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
-    goal = goal_of(data)
     if not goal:
         return {}
     broken = broken_limits(goal)
@@ -181,9 +184,10 @@ def _limits(data: Mapping[str, Any]) -> Json:
     return {"limits_hold": not broken, **told}
 
 
-def _bound(data: Mapping[str, Any]) -> Json:
+def _bound(bound: BoundStatement | NoBound | None) -> Json:
     """What no web of the point's envelope can beat, named after its quantity."""
-    bound = data.get("bound") or {}
+    if not isinstance(bound, BoundStatement) or bound.value is None:
+        return {}
     names = {
         "mass": "mass_kg",
         "torsion": "torsion_Nm_per_rad",
@@ -191,5 +195,5 @@ def _bound(data: Mapping[str, Any]) -> Json:
         "torsion_per_mass": "torsion_per_mass_Nm_per_rad_kg",
         "bending_per_mass": "bending_per_mass_N_per_mm_kg",
     }
-    name = names.get(bound.get("quantity", ""))
-    return {} if name is None or bound.get("value") is None else {f"bound_{name}": bound["value"]}
+    name = names.get(bound.quantity)
+    return {} if name is None else {f"bound_{name}": bound.value}

@@ -73,9 +73,9 @@ def main() -> None:
 def own_run(cells: Cells, iterations: int, density_file: str) -> Row:
     """Our design iterations; the last physical density [length, width, height] goes to a file."""
     with double_precision():
-        model, chain = cantilever(cells)
-        rows, x = optimise(model, chain, iterations)
-        density = np.asarray(physical(chain, x))
+        model, density_chain = cantilever(cells)
+        rows, x = optimise(model, density_chain, iterations)
+        density = np.asarray(physical(density_chain, x))
     np.save(density_file, density.transpose(2, 0, 1))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     steps = statistics.median(row.cg for row in rows[1:])

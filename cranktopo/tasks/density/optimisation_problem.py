@@ -1,4 +1,4 @@
-"""What an optimisation is asked for: one thing to make small or large, and limits, all scaled alike.
+"""The optimisation problem: one thing to make small or large, and limits, all scaled alike.
 
 Every function that an optimiser sees is of the order of 1: a goal over its reference, a limit as the share by
 which it is broken. A stiffness enters through its reciprocal, which is nearly linear in what is added.
@@ -20,7 +20,7 @@ Sense = Literal["minimise", "maximise"]
 
 
 @dataclass(frozen=True)
-class Goal:
+class Objective:
     """A response to make small or large.
 
     Attributes:
@@ -32,13 +32,13 @@ class Goal:
     reference: float = 1.0
 
     def scaled(self, design: Design) -> jax.Array:
-        """What is minimised: the response over its reference, or its reciprocal."""
+        """Return what is minimised: the response over its reference, or its reciprocal."""
         value = self.response.value(design) / self.reference
         return value if self.sense == "minimise" else 1 / value
 
 
 @dataclass(frozen=True)
-class Requirement:
+class ResponseConstraint:
     """A response that must be at most (<=) or at least (>=) a bound.
 
     Attributes:
@@ -58,13 +58,13 @@ class Requirement:
         return f"{self.response.name} {self.sense} {self.shown(self.bound)}"
 
     def shown(self, value: float) -> str:
-        """A value of the response with its unit, as in messages."""
+        """Return a value of the response with its unit, as in messages."""
         if self.percent:
             return f"{100 * value / self.original:.4g} %"
         return self.in_unit(value)
 
     def in_unit(self, value: float) -> str:
-        """A value of the response in its own unit."""
+        """Return a value of the response in its own unit."""
         return f"{value:.6g} {self.response.unit}".rstrip()
 
     def scaled(self, design: Design) -> jax.Array:
@@ -92,15 +92,15 @@ class Requirement:
 
 
 @dataclass(frozen=True)
-class Statement:
+class OptimisationProblem:
     """Goals and limits of an optimisation; of several goals the one that is worst counts.
 
     Attributes:
         goals: at least one.
     """
 
-    goals: tuple[Goal, ...]
-    limits: tuple[Requirement, ...] = ()
+    goals: tuple[Objective, ...]
+    limits: tuple[ResponseConstraint, ...] = ()
 
     @property
     def responses(self) -> tuple[Response, ...]:
@@ -114,5 +114,5 @@ class Statement:
 
     @property
     def worst_of_several(self) -> bool:
-        """Whether the largest of several goals is minimised."""
+        """True where the largest of several goals is minimised."""
         return len(self.goals) > 1

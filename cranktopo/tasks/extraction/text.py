@@ -1,0 +1,115 @@
+"""A surface in words and as a table: what keeps it from being made, and the lengths that were asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cranktopo.bodies.undercuts import LATERAL_DIE, Undercuts
+from cranktopo.report.result_table import Column, ResultTable, tabulate
+from cranktopo.tasks.extraction.result import UndercutMeasures, WallMeasures
+
+_KEPT = 0.9
+"""Share of an asked length that counts as kept: cells and smoothing round the surface by about as much."""
+
+
+@dataclass(frozen=True)
+class DesignUndercuts:
+    """Obstacles that keep a design from being made.
+
+    Attributes:
+        hollows: closed ones inside the half throw.
+        undercuts: what a die that parts in x = 0 could not release.
+    """
+
+    name: str
+    hollows: int
+    undercuts: Undercuts
+
+    @property
+    def free(self) -> bool:
+        """True where a die releases the web, and a cutter reaches all of it."""
+        return not manufacturing_obstacles(self.hollows, UndercutMeasures.of(self.undercuts))
+
+
+_COLUMNS: tuple[Column[DesignUndercuts], ...] = (
+    Column("design", 0, lambda found: found.name),
+    Column("die_releases_it", 0, lambda found: "yes" if found.free else "no"),
+    Column("closed_hollows", 0, lambda found: float(found.hollows)),
+    Column("undercut_volume_mm3", 1, lambda found: found.undercuts.volume_mm3),
+    Column("deepest_undercut_mm", 1, lambda found: found.undercuts.deepest_mm),
+)
+
+
+def undercut_table(found: Sequence[DesignUndercuts]) -> ResultTable:
+    """Return the hollows and undercuts of each design."""
+    return tabulate(_COLUMNS, found)
+
+
+def undercut_text(found: UndercutMeasures) -> str:
+    """Tell whether a die, mould or mill leaves the web as it is, and what it would have to leave behind."""
+    if not found.caught_rays:
+        return f"none: {released_text(found.by)} the web"
+    lateral = found.by == LATERAL_DIE.text
+    missed = "no such die releases the web" if lateral else f"{found.by} misses some of it"
+    verdict = f"{released_text(found.by)} the web" if found.released else missed
+    return (
+        f"{found.volume_mm3:.1f} mm3{' along x' * lateral}, behind {found.caught_rays} of {found.rays} rays, "
+        f"{found.deepest_mm:.1f} mm deep at most: {verdict}"
+    )
+
+
+def released_text(way: str) -> str:
+    """Return what a die, mould or mill does to a web that it can make, without the object."""
+    return f"{way} {'reaches all of' if way.startswith('a mill') else 'releases'}"
+
+
+def manufacturing_obstacles(cavities: int, undercuts: UndercutMeasures | None) -> list[str]:
+    """Return what keeps a web from being made; nothing where a die releases it and a cutter reaches it.
+
+    Args:
+        cavities: closed hollows inside.
+        undercuts: None where they were not looked for.
+    """
+    found = []
+    if cavities:
+        hollows = f"{cavities} closed hollow{'s' * (cavities > 1)} inside"
+        found.append(f"{hollows}: no forging die or cutter reaches there")
+    if undercuts is not None and not undercuts.released:
+        lateral = undercuts.by == LATERAL_DIE.text
+        missed = "no die that parts in x = 0 releases it" if lateral else f"{undercuts.by} misses it"
+        along = " along x" if lateral else ""
+        found.append(f"{undercuts.volume_mm3:.0f} mm3 of undercuts{along}: {missed}")
+    return found
+
+
+def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, float]]:
+    """Return the measured and asked length of everything that was asked for, mm, by its name in words.
+
+    The measured length is None where no such wall faces another.
+    """
+    if walls is None:
+        return {}
+    known = {
+        "thinnest member": (walls.least_member_mm, walls.asked_member_mm),
+        "narrowest gap": (walls.least_gap_mm, walls.asked_gap_mm),
+    }
+    return {words: (measured, asked) for words, (measured, asked) in known.items() if asked is not None}
+
+
+def kept(measured_mm: float | None, asked_mm: float) -> bool:
+    """Tell whether a measured length is the asked one, as nearly as a surface is known."""
+    return measured_mm is None or measured_mm >= _KEPT * asked_mm
+
+
+def length_lines(walls: WallMeasures | None) -> list[str]:
+    """Return one line for every length that was asked for."""
+    return [
+        f"{words} {length_text(measured)}, {asked:g} mm asked{'' if kept(measured, asked) else ': NOT KEPT'}"
+        for words, (measured, asked) in asked_lengths(walls).items()
+    ]
+
+
+def length_text(measured_mm: float | None) -> str:
+    """Return a measured length; none where there is nothing to measure."""
+    return "none" if measured_mm is None else f"{measured_mm:.1f} mm"

@@ -1,0 +1,163 @@
+"""The work of one step of the loop: remove a little, extract, re-model, evaluate."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import read_json, write_json, write_text
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.simulated import Feature
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.viewer.scene3d import ShownBody
+from cranktopo.runs.directories import RunStore, open_run
+from cranktopo.tasks.density import stage
+from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.importing.imported_body import half_throw_of, read_half_throw
+from cranktopo.tasks.importing.original import original_file
+from cranktopo.tasks.iterate.settings import Settings
+from cranktopo.tasks.iterate.step import LoopStep, step_of
+from cranktopo.tasks.iterate.step_solids import (
+    Solids,
+    read_solids,
+    transition_mm,
+    write_envelope,
+    write_original,
+    write_solids,
+)
+from cranktopo.tasks.optimise.result import RunMetrics
+from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
+from cranktopo.tasks.refit.fit import fit_web
+from cranktopo.tasks.refit.shape_error import shape_error
+from cranktopo.throw.geometry import StlEnvelope
+
+_STEP_FILE = "step.json"
+_MOST_KEPT = 0.98
+"""Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
+
+
+class StepWeb(NamedTuple):
+    """A finished step, with its design and solids."""
+
+    step: LoopStep
+    scene: Scene
+    solids: Solids
+
+    def body(self) -> ShownBody:
+        """Return the half throw as the page shows it."""
+        name = f"step {self.step.number}" if self.step.number else "original web"
+        return ShownBody(name, self.solids.half, self.scene.web_z_mm, self.scene.pitch_mm / 2)
+
+
+def finished_step(folder: Path) -> StepWeb | None:
+    """Return a step that an earlier go of the loop finished."""
+    path = folder / _STEP_FILE
+    if not path.is_file():
+        return None
+    data = read_json(path)
+    scene = scene_from_dict(data["scene"], str(path))
+    return StepWeb(LoopStep.of_json(data["step"], f"'{path}'"), scene, read_solids(folder))
+
+
+def _kept(web: StepWeb, folder: Path) -> StepWeb:
+    """Write the file that says that a step is finished."""
+    data = {"step": web.step.as_json(), "scene": web.scene.model_dump(mode="json")}
+    write_json(folder / _STEP_FILE, data)
+    return web
+
+
+def original_web(run: RunStore, scene: Scene, settings: Settings, info: Info) -> StepWeb:
+    """Write and evaluate the original web, which is step 0."""
+    info("evaluating the original web")
+    folder = run.path / "original"
+    folder.mkdir(exist_ok=True)
+    file = original_file(scene)
+    solids = write_original(file, scene, folder) if file else write_solids(scene, folder, run.started())
+    step = step_of(0, _evaluated(scene, settings, file), transition_mm(solids.web, scene))
+    return _kept(StepWeb(step, scene, solids), folder)
+
+
+def make_step(
+    run: RunStore, folder: Path, number: int, webs: Sequence[StepWeb], settings: Settings, info: Info
+) -> StepWeb:
+    """Optimise in the last solid, extract, re-model, evaluate; step.json is written last."""
+    began, design = time.monotonic(), webs[0].scene
+    folder.mkdir(exist_ok=True)
+    bounded, fraction = _bounded(folder, number, webs, settings)
+    info(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
+    surface = optimised_surface(folder / "optimise", bounded, info)
+    info("  re-modelling")
+    fitted = fit_web(surface, bounded, settings.limits)
+    near = shape_error(fitted.scene, surface)
+    own = {"web": fitted.scene.web, "name": f"{design.name}-step-{number}"}
+    scene = design.model_copy(update={**own, "published": None, "original": None})
+    write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {design.name}"))
+    solids = write_solids(scene, folder, run.started())
+    info("  evaluating")
+    found = _evaluated(scene, settings)
+    thickness, removed = transition_mm(solids.web, scene), 100 * (1 - fraction)
+    step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began)
+    return _kept(StepWeb(step, scene, solids), folder)
+
+
+def _bounded(folder: Path, number: int, webs: Sequence[StepWeb], settings: Settings) -> tuple[Scene, float]:
+    """Return the design inside the last re-modelled solid, and the share of it that stays."""
+    scene = webs[0].scene
+    volume = _envelope_mm3(scene)
+    share = scene.optimise.volume_fraction
+    target = volume * share ** (number / settings.steps)
+    if number > 1:
+        volume = web_volume_mm3(webs[-1].scene)
+        path = write_envelope(webs[-1].solids.web, folder.parent / f"step-{number - 1:02d}")
+        envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
+        scene = scene.model_copy(update={"envelope": envelope})
+    fraction = min(target / volume, _MOST_KEPT)
+    return scene.with_effect("bound", "off").with_optimise(volume_fraction=fraction), fraction
+
+
+def _envelope_mm3(scene: Scene) -> float:
+    """Return the designable volume of one web."""
+    domain = stage.prepare(scene).domain
+    return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
+
+
+def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
+    """Return the surface of the half throw of an optimisation, continued or read where it was begun or done.
+
+    It is as its file holds it: a loop that is continued gives the same webs as one in a single go.
+    """
+    path = folder / "web.stl"
+    if (folder / "manifest.json").is_file() and open_run(str(folder)).manifest()["status"] == "done":
+        refusal = RunMetrics.read(folder / "metrics.json").refusal
+        if refusal:
+            raise _no_surface(folder, refusal)
+        return read_half_throw(path, scene)
+    if (folder / "manifest.json").is_file():
+        done = resume_optimisation(str(folder), info=info)
+    else:
+        text = toml_text(scene, "One step of a loop")
+        done = optimise_design(scene, folder, text, ["cranktopo", "iterate"])
+    if done.half_throw is None:
+        raise _no_surface(folder, done.metrics.refusal)
+    return half_throw_of(done.half_throw, path, scene)
+
+
+def _no_surface(folder: Path, refusal: str) -> CranktopoError:
+    return CranktopoError(
+        f"{folder}: the optimised web has no sound surface. {refusal}",
+        hint="Run the loop on other cells: --resolution-mm.",
+        code=ExitCode.CRITERION_NOT_MET,
+    )
+
+
+def _evaluated(scene: Scene, settings: Settings, file: Path | None = None) -> Evaluation:
+    kept: tuple[Feature, ...] = ("bores", "fillets") if file else ()
+    return evaluate(Target(scene.name, planned_scene(scene, kept), file), settings.element_size_mm)

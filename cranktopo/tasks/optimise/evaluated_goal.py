@@ -1,0 +1,227 @@
+"""A goal whose limits hold by the body-fitted evaluation of the extracted surface, not only in the cells.
+
+The converged design is extracted and evaluated, each limit in the cells is moved by the error that shows, and
+the optimisation goes on from there, until every limit that decides the design is met.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Json, Work
+from cranktopo.design.goal.constraint import ACTIVE, TOLERANCE, bound_in_model
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.outcome import GoalOutcome, LimitOutcome, MovedBounds, goal_outcome
+from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.simulated import without
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.report.goal_table import broken_limits, percent_line
+from cranktopo.tasks.density import loop
+from cranktopo.tasks.density.continuation import with_bounds
+from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
+from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.stage import Prepared
+from cranktopo.tasks.density.state import State
+from cranktopo.tasks.extraction.checked_surface import checked_surface
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.goal_values import goal_values
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.importing.original import original_file, without_its_fillets
+
+_ROUNDS = 3
+"""Most times that the limits are moved."""
+_MOVED = "limits in the cells as the evaluation moved them"
+_ORIGINAL = "original"
+Values = Mapping[str, float]
+Step = Callable[[State], State]
+
+
+@dataclass(frozen=True)
+class CheckedLimit:
+    """One limit of the optimisation.
+
+    Attributes:
+        in_cells: the limit as the optimiser has it now.
+        value: what the design reaches of it in the cells.
+        outcome: the limit as it is wanted, by the evaluation.
+    """
+
+    in_cells: ResponseConstraint
+    value: float
+    outcome: LimitOutcome
+
+    @property
+    def met(self) -> bool:
+        """True where the limit holds by the evaluation, and with no reserve if it decides the design."""
+        missed = self.outcome.violation
+        if missed is None:
+            return True
+        decides = self.in_cells.broken(self.value) >= -ACTIVE
+        return abs(missed) <= TOLERANCE if decides else missed <= TOLERANCE
+
+    @property
+    def moved(self) -> float:
+        """Bound in the cells at which the evaluation reaches what is wanted."""
+        required, reached = self.outcome.required, self.outcome.reached
+        if required is None or reached is None:
+            return self.in_cells.bound
+        return bound_in_model(self.outcome.quantity, required, self.value, reached)
+
+
+@dataclass(frozen=True)
+class EvaluatedGoal:
+    """A goal, and what the evaluation says of the designs of one optimisation.
+
+    The surface of a density has no fillets, so the original is evaluated without its own, also where it is
+    a body from CAD.
+
+    Attributes:
+        scene: as the run has it.
+        work: keeps the evaluations.
+    """
+
+    goal: Goal
+    scene: Scene
+    prepared: Prepared
+    problem: DensityProblem
+    work: Work
+
+    def original(self) -> Values:
+        """Return the quantities of the original web.
+
+        Raises:
+            CranktopoError: its file is no half throw, or a failed solve.
+        """
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "original.stl"
+            return self._values(_ORIGINAL, lambda: self._original(path))
+
+    def reached(self, state: State) -> Values:
+        """Return the quantities of the last design of a state.
+
+        Raises:
+            CranktopoError: its density has no surface, or a failed solve.
+        """
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "web.stl"
+            return self._values(_iteration_name(state.last.iteration), lambda: self._surface(state, path))
+
+    def limits(self, state: State) -> tuple[CheckedLimit, ...]:
+        """Return the limits of the last design of a state; raises as `reached`."""
+        limits = self.problem.with_bounds(state.bounds).optimisation.limits
+        names = {limit.response.name for limit in limits}
+        found = goal_outcome(self.goal, self.reached(state), self.original()).limits
+        known = (outcome for outcome in found if outcome.quantity in names)
+        return tuple(CheckedLimit(*row) for row in zip(limits, state.last.limits, known, strict=True))
+
+    def _original(self, path: Path) -> Target:
+        file, name = original_file(self.scene), "original web"
+        if file is None:
+            return Target(name, without(planned_scene(self.scene), "fillets"))
+        body = planned_scene(self.scene, ("bores", "fillets"))
+        write_stl(path, without_its_fillets(file, body))
+        return Target(name, without(body, "fillets"), path)
+
+    def _surface(self, state: State, path: Path) -> Target:
+        design = loop.final_design(self.problem, state)
+        found = checked_surface(self.prepared.scene, self.prepared.domain, design)
+        write_stl(path, found.surface.half_throw)
+        name = f"surface of iteration {state.last.iteration}"
+        return Target(name, planned_scene(self.scene), path)
+
+    def _values(self, name: str, target: Callable[[], Target]) -> Values:
+        def make() -> Json:
+            return evaluate(target(), progress=self.work.info).as_json()
+
+        return goal_values(self.scene, self.work.once(name, make))
+
+
+def _iteration_name(iteration: int) -> str:
+    """Return the name under which the evaluation of a design is kept."""
+    return f"iteration-{iteration}"
+
+
+def evaluated_goal(
+    scene: Scene, prepared: Prepared, problem: DensityProblem, work: Work
+) -> EvaluatedGoal | None:
+    """Return the goal of a scene whose limits are to hold by the evaluation; None where none are."""
+    goal = wanted(scene)
+    if goal is None or not judged_by_evaluation(scene):
+        return None
+    return EvaluatedGoal(goal, scene, prepared, problem, work)
+
+
+def enforce_limits_by_fea(
+    case: EvaluatedGoal | None, state: State, save: Callable[[State], None], go_on: Step
+) -> tuple[State, str]:
+    """Have the limits met by the evaluation, if rounds and iterations suffice.
+
+    Args:
+        case: None where no limit is to be evaluated.
+        state: where the optimisation in the cells has ended.
+        save: keeps a state, so that the run can be resumed.
+        go_on: takes a running state to the end of the optimisation in the cells.
+
+    Returns:
+        The state at the end, and why its design could not be evaluated: that ends the rounds. Empty where it
+        was, or was not to be since the optimisation has not converged.
+    """
+    while case is not None and state.status == "converged":
+        try:
+            limits = case.limits(state)
+        except CranktopoError as error:
+            if error.code == ExitCode.INTERRUPTED:
+                raise
+            case.work.info(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
+            return replace(state, reason=f"{state.reason}; its limits are not judged"), error.message
+        told = goal_outcome(case.goal, case.reached(state), case.original())
+        done = len(state.rounds) == _ROUNDS or all(limit.met for limit in limits)
+        more = "" if done else "; the limits in the cells are moved by their error"
+        case.work.info(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
+        if done:
+            return replace(state, reason=f"{state.reason}; {_verdict(told, len(state.rounds))}"), ""
+        state = with_bounds(state, [limit.moved for limit in limits])
+        save(state)
+        state = go_on(state)
+    return (replace(state, reason=f"{state.reason} ({_MOVED})") if state.rounds else state), ""
+
+
+def _verdict(told: GoalOutcome, rounds: int) -> str:
+    after = f"after the limits in the cells were moved {'once' if rounds == 1 else f'{rounds} times'}"
+    after = f" {after}" if rounds else ""
+    broken = broken_limits(told)
+    if broken:
+        return f"not met by the evaluation{after}: {'; '.join(broken)}"
+    return f"every limit holds by the evaluation{after}"
+
+
+def goal_by_evaluation(goal: GoalOutcome, case: EvaluatedGoal, state: State, failure: str) -> GoalOutcome:
+    """Return entry `goal` of the metrics with what the evaluation says of the last design; as it is without.
+
+    Args:
+        failure: why the last design could not be evaluated; empty where it was, or was not to be.
+    """
+    if failure:
+        return goal.without_evaluation(failure)
+    name, kept = _iteration_name(state.last.iteration), case.work.kept
+    if name not in kept:
+        return goal
+    told = goal_outcome(case.goal, case.reached(state), case.original())
+    return goal.with_evaluation(
+        told,
+        fillets=False,
+        element_size_mm=kept[name]["mesh"]["element_size_mm"],
+        error_estimate_percent=kept[name]["error_estimate_percent"],
+        rounds=tuple(MovedBounds(iteration=r.iteration, bounds=tuple(r.bounds)) for r in state.rounds),
+    )
+
+
+def evaluation_seconds(case: EvaluatedGoal) -> float:
+    """Return the wall time of the evaluations."""
+    return float(sum(entry["seconds"]["total"] for entry in case.work.kept.values()))

@@ -1,0 +1,190 @@
+"""From the results of the stages to the metrics of a run."""
+
+from __future__ import annotations
+
+from statistics import fmean, median
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.machine import peak_memory_MiB
+from cranktopo.bodies.cells.domain import Domain
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.density.assessment import Assessment, model_error_percent
+from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.stage import Prepared
+from cranktopo.tasks.density.state import State
+from cranktopo.tasks.extraction.checked_surface import CheckedSurface
+from cranktopo.tasks.extraction.result import (
+    NoSurface,
+    RunSurface,
+    ThrowMasses,
+    UndercutMeasures,
+    WallMeasures,
+    quality,
+)
+from cranktopo.tasks.extraction.walls import measures_walls
+from cranktopo.tasks.optimise.result import (
+    CaseMetrics,
+    CellSize,
+    Cycles,
+    GridSummary,
+    OriginalWeb,
+    RunMetrics,
+    RunSeconds,
+    SolverMetrics,
+    VolumeFraction,
+)
+
+SOLID = 0.5
+
+_PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
+
+
+def run_metrics(
+    run_name: str,
+    prepared: Prepared,
+    problem: DensityProblem,
+    state: State,
+    density: Array,
+    result: Assessment,
+    original: Assessment,
+    surface: RunSurface | NoSurface,
+    **others: Any,
+) -> RunMetrics:
+    """Return the metrics of a finished optimisation.
+
+    Args:
+        prepared: the scene with its plan and cells.
+        density: physical density of the web's layers.
+        result, original: the design and the scene's own web on the same grid.
+        others: further fields of the metrics.
+    """
+    scene, domain = prepared.scene, prepared.domain
+    return RunMetrics(
+        run=run_name,
+        design=scene.name,
+        status=state.status,
+        stop_reason=state.reason,
+        iterations=len(state.history),
+        coarse_start=state.coarse_start,
+        volume_fraction=VolumeFraction(target=problem.target, reached=state.last.volume_fraction),
+        mass_kg=ThrowMasses(throw=result.throw_kg, web=result.web_kg),
+        greyness=state.last.greyness,
+        connected=is_connected(domain, density),
+        grid=_grid(domain),
+        load_cases=_load_cases(scene, problem, result, domain),
+        stiffness_per_mass=_per_mass(result),
+        original_web=_original(scene, problem, result, original, domain),
+        surface=surface,
+        solver=_solver(problem, state, result),
+        peak_memory_MiB=peak_memory_MiB(),
+        effects=prepared.plan.as_json(),
+        notices=list(prepared.notices),
+        **others,
+    )
+
+
+def run_seconds(state: State, total: float, outputs: float, compile_s: float, **others: float) -> RunSeconds:
+    """Return the wall times of a run.
+
+    Args:
+        total: from the start to the last file but the page.
+        outputs: assessment and bound, and surface and files beside them.
+    """
+    times = [row.seconds for row in state.history]
+    return RunSeconds(
+        total=total,
+        compile=compile_s,
+        per_iteration_median=median(times),
+        iterations=sum(times),
+        outputs=outputs,
+        **others,
+    )
+
+
+def _grid(domain: Domain) -> GridSummary:
+    dx, dy, dz = domain.grid.steps_mm
+    return GridSummary(
+        cells=list(domain.grid.cells),
+        cell_mm=domain.grid.largest_edge_mm,
+        cell_size_mm=CellSize(x=float(dx[0]), y=float(dy[0]), z_min=float(dz.min()), z_max=float(dz.max())),
+        padding_cells=list(domain.grid.padding),
+        design_cells=int(np.count_nonzero(domain.design)),
+        symmetry=["x = 0"] * domain.mirrored_x + ["mid-pin plane"] * domain.mirrored_z,
+        extent=domain.extent,
+    )
+
+
+def _load_cases(
+    scene: Scene, problem: DensityProblem, result: Assessment, domain: Domain
+) -> dict[str, CaseMetrics]:
+    errors = model_error_percent(scene, domain.grid.largest_edge_mm)
+    supports = {"torsion": scene.supports.torsion}
+    return {
+        case.name: CaseMetrics(
+            stiffness_Nm_per_rad=case.stiffness if case.kind == "torsion" else None,
+            stiffness_N_per_mm=None if case.kind == "torsion" else case.stiffness,
+            error_estimate_percent=errors.get(case.kind),
+            compliance_N_mm=case.compliance_N_mm,
+            support=supports.get(case.kind, scene.supports.bending),
+            load=load.as_json(),
+        )
+        for case, load in zip(result.cases, problem.model.cases, strict=True)
+    }
+
+
+def _per_mass(result: Assessment) -> dict[str, float]:
+    ratios = result.stiffness_per_mass()
+    return {_PER_MASS_UNIT.get(name, f"{name}_N_per_mm_kg"): value for name, value in ratios.items()}
+
+
+def _original(
+    scene: Scene, problem: DensityProblem, result: Assessment, original: Assessment, domain: Domain
+) -> OriginalWeb:
+    before = original.stiffness_per_mass()
+    return OriginalWeb(
+        mass_kg=ThrowMasses(throw=original.throw_kg, web=original.web_kg),
+        load_cases=_load_cases(scene, problem, original, domain),
+        stiffness_per_mass=_per_mass(original),
+        gain_of_stiffness_per_mass_percent={
+            name: 100 * (value / before[name] - 1) for name, value in result.stiffness_per_mass().items()
+        },
+    )
+
+
+def run_surface(surface: CheckedSurface | str, scene: Scene) -> RunSurface | NoSurface:
+    """Return what the extracted surface measures, or why the density has none."""
+    if isinstance(surface, str):
+        return NoSurface(refusal=surface)
+    asked = {"asked_member_mm": scene.optimise.min_member_mm, "asked_gap_mm": scene.optimise.min_gap_mm}
+    return RunSurface(
+        **vars(quality(surface.surface, surface.report)),
+        undercuts=UndercutMeasures.of(surface.undercuts(scene)),
+        walls=WallMeasures(**surface.walls(scene), **asked) if measures_walls(scene) else None,
+    )
+
+
+def _solver(problem: DensityProblem, state: State, result: Assessment) -> SolverMetrics:
+    counts = [row.cg_iterations for row in state.history]
+    return SolverMetrics(
+        precision="float64 conjugate gradients, float32 multigrid cycle",
+        tolerance=problem.solving.tolerance,
+        cg_iterations=Cycles(mean=fmean(counts), max=max(counts)),
+        levels=problem.model.levels,
+        final_relative_residual=max(case.relative_residual for case in result.cases),
+    )
+
+
+def is_connected(domain: Domain, density: NDArray[np.float64]) -> bool:
+    """Tell whether one face-connected body of solid cells holds both journals."""
+    from scipy.ndimage import label
+
+    first, last = domain.web_layers
+    solid = domain.fixed >= SOLID
+    solid[:, :, first:last] |= (density >= SOLID) & (domain.design > 0)[:, :, first:last]
+    labels, _ = label(solid)
+    start, end = labels[:, :, 0][solid[:, :, 0]], labels[:, :, -1][solid[:, :, -1]]
+    return bool(np.intersect1d(start, end).size > 0)

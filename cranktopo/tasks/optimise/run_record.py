@@ -1,0 +1,178 @@
+"""Everything that a finished run says about itself: what its page is a function of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import read_json
+from cranktopo.bodies.cells.domain import Domain, build_domain
+from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import LoadAnalysis, analyse
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.numerics.precision import double_precision
+from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.viewer.scene3d import DesignSnapshot
+from cranktopo.runs.directories import RunStore
+from cranktopo.runs.iterations import load_iteration, saved_iterations
+from cranktopo.runs.kind import require_kind, resume_command
+from cranktopo.tasks.density.build import build_chain
+from cranktopo.tasks.density.loop import design_of
+from cranktopo.tasks.density.material import MaterialInterpolation
+from cranktopo.tasks.extraction.checked_surface import web_fields
+from cranktopo.tasks.fea.case_stress import CaseStress
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
+from cranktopo.tasks.optimise.run_stress import read_run_stress, solve_run_stress
+from cranktopo.tasks.refit.result import RefitResult
+
+# What other commands print with --json, where the run holds it.
+_FATIGUE, _ACCURACY, _REMODEL = "fatigue.json", "accuracy.json", "remodel/remodel.json"
+_MOST_SNAPSHOTS = 60
+MOST_CELLS = 6_000_000
+"""Of all snapshots together, one byte each before compression; finer grids are averaged over blocks."""
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """A finished optimise run.
+
+    Attributes:
+        folder: the run directory, as it was named.
+        metrics: what it reached.
+        manifest: content of manifest.json.
+        history: rows of history.csv.
+        scene: the scene as it was simulated.
+        loads: loads of its engine; None without an engine.
+        mesh: surface of the half throw, mm; None where the density has none.
+        snapshots: its intermediate designs, as far as they were kept.
+        fatigue, accuracy: what those commands print with --json, where the run holds it.
+        refit: its re-modelled web, where the run holds one.
+        stress: of its load cases by the body-fitted evaluation, where it was solved.
+    """
+
+    folder: str
+    metrics: RunMetrics
+    manifest: Mapping[str, Any]
+    history: Sequence[Mapping[str, Any]]
+    scene: Scene
+    loads: LoadAnalysis | None
+    mesh: SurfaceMesh | None
+    snapshots: tuple[DesignSnapshot, ...]
+    fatigue: Mapping[str, Any] | None
+    accuracy: Mapping[str, Any] | None
+    stress: CaseStress | None
+    refit: RefitResult | None = None
+
+
+def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord:
+    """Return the record of a finished run from its directory.
+
+    Raises:
+        CranktopoError: a loop, a run without metrics, or a damaged file.
+    """
+    require_kind(run, "optimise")
+    metrics = read_metrics(run)
+    if metrics is None:
+        raise CranktopoError(
+            f"run '{run.path}': not finished, metrics.json is missing.",
+            hint=f"Continue it with: {resume_command(run)}",
+        )
+    scene = planned_scene(scene_of_run(run))
+    surface = metrics.files.get("stl")
+    mesh = read_stl(run.path / surface) if surface else None
+    stress = _stress(run, scene, surface, stress_progress) if surface else None
+    return record_of(run, metrics, run.read_history(), scene, mesh, _snapshots(run, scene), stress)
+
+
+def record_of(
+    run: RunStore,
+    metrics: RunMetrics,
+    history: Sequence[Mapping[str, Any]],
+    scene: Scene,
+    mesh: SurfaceMesh | None,
+    designs: tuple[DesignSnapshot, ...],
+    stress: CaseStress | None = None,
+) -> RunRecord:
+    """Return the record of a run whose results are in memory; what other commands added is read from it."""
+    return RunRecord(
+        folder=str(run.path),
+        metrics=metrics,
+        manifest=run.manifest(),
+        history=history,
+        scene=scene,
+        loads=analyse(scene) if scene.engine else None,
+        mesh=mesh,
+        snapshots=designs,
+        fatigue=_optional(run.path / _FATIGUE),
+        accuracy=_optional(run.path / _ACCURACY),
+        stress=stress,
+        refit=RefitResult.read(run.path / _REMODEL) if (run.path / _REMODEL).is_file() else None,
+    )
+
+
+def _snapshots(run: RunStore, scene: Scene) -> tuple[DesignSnapshot, ...]:
+    if scene.envelope is None:
+        return ()
+    with double_precision():
+        domain = build_domain(scene, scene.optimise.resolution_mm)
+        return snapshots(run, domain, build_chain(scene, domain))
+
+
+def _stress(run: RunStore, scene: Scene, surface: str, progress: Info | None) -> CaseStress | None:
+    found = read_run_stress(run, surface)
+    return solve_run_stress(run, scene, surface, progress) if found is None and progress else found
+
+
+def _optional(path: Path) -> dict[str, Any] | None:
+    return read_json(path) if path.is_file() else None
+
+
+def snapshots(
+    run: RunStore, domain: Domain, density_chain: MaterialInterpolation
+) -> tuple[DesignSnapshot, ...]:
+    """Return at most 60 designs of a run in order, the first and the last included; none where it keeps none.
+
+    Call inside `double_precision()`; `density_chain` is the filter chain of the run's own cells.
+
+    Raises:
+        CranktopoError: a file of the run is damaged.
+    """
+    numbers = evenly_spread(saved_iterations(run.path), _MOST_SNAPSHOTS)
+    found = []
+    for number in numbers:
+        x, beta = load_iteration(run.path, number)
+        grid = web_fields(domain, design_of(density_chain, x, beta))[0]
+        found.append(DesignSnapshot(number, coarsened(grid, len(numbers))))
+    return tuple(found)
+
+
+def evenly_spread(numbers: Sequence[int], most: int) -> list[int]:
+    """Return at most so many of the numbers, evenly spread, with both ends."""
+    if len(numbers) <= most:
+        return list(numbers)
+    return [numbers[round(i * (len(numbers) - 1) / (most - 1))] for i in range(most)]
+
+
+def coarsened(grid: DensityGrid, count: int) -> DensityGrid:
+    """Return one of `count` grids, averaged over the smallest blocks that keep all within `MOST_CELLS`."""
+    size = next(n for n in range(1, 100) if count * grid.density.size <= MOST_CELLS * n**3)
+    if size == 1:
+        return grid
+    return DensityGrid(grid.origin_mm, grid.cell_mm * size, _block_means(grid.density, size))
+
+
+def _block_means(field: Array, size: int) -> Array:
+    """Return means over blocks; the last blocks of an axis are filled up with void."""
+    padded = np.pad(field, [(0, -n % size) for n in field.shape])
+    blocks = padded.reshape([part for n in padded.shape for part in (n // size, size)])
+    return blocks.mean(axis=(1, 3, 5))

@@ -1,0 +1,91 @@
+"""remodel.json: the parametric web fitted to a run, and how true it is to the body."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.tasks.refit.residual_regions import ResidualRegion
+from cranktopo.tasks.refit.select import FitTrial
+
+_Point = tuple[float, float, float]
+
+
+class FittedParameter(Result):
+    """A parameter of the fitted web before rounding."""
+
+    name: str
+    value: float
+    unit: str
+
+
+class Overlaps(Result):
+    """Intersection over union of fitted web and body."""
+
+    web: float
+    half_throw: float
+
+
+class SurfaceDistance(Result):
+    """Distances between the surfaces of fitted web and body, both ways."""
+
+    mean: float
+    max: float
+    max_at: list[float]
+
+
+class WebMasses(Result):
+    """Masses of fitted web and body, kg."""
+
+    fitted: float
+    body: float
+    difference_percent: float
+
+
+class RefitStiffness(Result):
+    """Evaluations, and differences of the fitted web without fillets from the body, which has none."""
+
+    body: dict[str, Any]
+    fitted_without_fillets: dict[str, Any]
+    fitted: dict[str, Any]
+    difference_percent: dict[str, float]
+
+
+class UnrepresentedRegion(Result):
+    """A region that the parametric web cannot follow; its share is of the body's web."""
+
+    kind: str
+    volume_mm3: float
+    centre_mm: _Point
+    low_mm: _Point
+    high_mm: _Point
+    pair: bool
+    face: str | None
+    share_percent: float
+
+    @classmethod
+    def of(cls, region: ResidualRegion, web_mm3: float) -> UnrepresentedRegion:
+        """Return what is told of a region of a body whose web has that volume."""
+        return cls(**vars(region), share_percent=100 * region.volume_mm3 / web_mm3)
+
+
+class RefitResult(Result):
+    """A fitted web; `remodel --json` prints it with the folder that it is in."""
+
+    schema_version: int = 1
+    run: str
+    design: str
+    web: dict[str, Any]
+    parameters: list[FittedParameter]
+    iou: Overlaps
+    distance_mm: SurfaceDistance
+    web_mass_kg: WebMasses
+    stiffness: RefitStiffness | None
+    trials: list[FitTrial]
+    overlap_by_start: list[float]
+    not_represented: list[UnrepresentedRegion]
+    rules: ManufacturingLimits
+    files: dict[str, str]
+    seconds: dict[str, float]
+    folder: str | None = UNLESS_NONE

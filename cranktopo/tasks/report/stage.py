@@ -1,0 +1,31 @@
+"""The page of a finished run, written again with what was added to the run since."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cranktopo.report.report_file import REPORT, write_report
+from cranktopo.runs.directories import RunStore, open_run
+from cranktopo.runs.kind import shown_results
+from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.optimise.page import run_page
+from cranktopo.tasks.optimise.run_record import read_record
+
+
+def report_run(run: RunStore | str, path: Path | None = None, stress_progress: Info | None = None) -> Path:
+    """Write the report of a finished run and return its file.
+
+    Args:
+        run: the run directory, or how the user names it.
+        path: .html or .md; report.html in the run by default.
+        stress_progress: where given, stresses that the run does not keep yet are solved.
+
+    Raises:
+        CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
+    """
+    store = open_run(run) if isinstance(run, str) else run
+    target = path or store.path / REPORT
+    with shown_results(store):
+        page = run_page(read_record(store, stress_progress))
+    write_report(page, target)
+    return target
