@@ -151,7 +151,14 @@ def test_a_web_thinner_than_a_step_may_be_is_said_to_be_so() -> None:
     shape = {
         "found": True,
         "reason": "",
-        "goal": {"minimise": "mass", "reached_percent": 88.0},
+        "goal": {
+            "minimise": "mass",
+            "reached": 1.4,
+            "original": 1.59,
+            "unit": "kg",
+            "reached_percent": 88.0,
+            "limits": [],
+        },
         "better_than_best_step": True,
         "best_step_percent": 95.0,
         "not_judged_of_steps": [],
