@@ -18,7 +18,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.web_moments import Moments, integrate
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Channel, Mouth, channels
+from cranktopo.throw.drilling import DrillBore, DrillOutlet, drill_bores
 from cranktopo.throw.drilling_outlet import ring_points
 from cranktopo.throw.throw_view import ThrowView
 
@@ -42,7 +42,7 @@ def drilled(scene: Scene, part: Part | None = None, before_z_mm: float | None = 
         before_z_mm: a height; volume and first moments are then weighted by the distance before it, mm.
     """
     total = Moments(0.0, 0.0, 0.0, 0.0)
-    for channel in channels(scene):
+    for channel in drill_bores(scene):
         for name in PARTS if part is None else (part,):
             total = total + _bored(scene, channel, name, before_z_mm)
             total = total + _rounded(scene, channel, name, before_z_mm)
@@ -50,7 +50,7 @@ def drilled(scene: Scene, part: Part | None = None, before_z_mm: float | None = 
 
 
 @lru_cache(maxsize=64)
-def _bored(scene: Scene, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
+def _bored(scene: Scene, channel: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
     """What the cylinder of a drilling takes out of a part."""
     slice_at = _Slices(scene, channel, part, before_z_mm)
     kinks = np.clip(np.array(slice_at.kinks_mm) / channel.radius_mm, -1, 1)
@@ -68,7 +68,7 @@ def _bored(scene: Scene, channel: Channel, part: Part, before_z_mm: float | None
 class _Slices:
     """Sections of a part of the half throw and a drilling, in planes beside each other along the crank."""
 
-    def __init__(self, scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> None:
+    def __init__(self, scene: ThrowView, channel: DrillBore, part: Part, before_z_mm: float | None) -> None:
         self._before = before_z_mm
         self._start = np.array(channel.mouths[0].point_mm)
         direction = channel.direction
@@ -161,7 +161,7 @@ def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[A
     return kept
 
 
-def _rounded(scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
+def _rounded(scene: ThrowView, channel: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
     """What the roundings of its outlets take out of a part."""
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for mouth in channel.mouths:
@@ -171,14 +171,14 @@ def _rounded(scene: ThrowView, channel: Channel, part: Part, before_z_mm: float 
     return total
 
 
-def _end(scene: ThrowView, channel: Channel) -> float:
+def _end(scene: ThrowView, channel: DrillBore) -> float:
     """Height at which what a drilling takes out of its half throw ends, mm."""
     return math.inf if channel.alone else scene.pitch_mm / 2
 
 
 @lru_cache(maxsize=64)
 def _ring(
-    radius_mm: float, mouth: Mouth, z_mm: tuple[float, float], before_z_mm: float | None
+    radius_mm: float, mouth: DrillOutlet, z_mm: tuple[float, float], before_z_mm: float | None
 ) -> tuple[float, ...]:
     """Integrals over the ring of a rounding between two heights."""
     share, weight = np.polynomial.legendre.leggauss(_GAUSS)
@@ -206,7 +206,7 @@ def _ring(
 
 
 def _inside(
-    radius_mm: float, mouth: Mouth, turn: Array, arc: Array, z_mm: tuple[float, float]
+    radius_mm: float, mouth: DrillOutlet, turn: Array, arc: Array, z_mm: tuple[float, float]
 ) -> tuple[Array, Array]:
     """From where to where lines from the edge to the rounding lie between two heights, in shares of them."""
     z0, z1 = (ring_points(radius_mm, mouth, turn, arc, np.full(turn.shape, end))[:, 2] for end in (0.0, 1.0))

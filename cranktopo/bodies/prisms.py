@@ -13,7 +13,7 @@ from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.through_holes import envelope_z_mm, through_holes
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Mouth, across, channels
+from cranktopo.throw.drilling import DrillOutlet, across, drill_bores
 from cranktopo.throw.drilling_outlet import ring_points
 from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
 
@@ -64,7 +64,7 @@ def web_bores(scene: Scene) -> Manifold:
 def drillings(scene: Scene) -> Manifold:
     """What the oil drillings take out of the half throw, with the roundings of their outlets."""
     drilled = Manifold()
-    for channel in channels(scene):
+    for channel in drill_bores(scene):
         (low, high), along, radius = channel.extent_mm, channel.direction, channel.radius_mm
         start = np.array(channel.mouths[0].point_mm) + low * along
         hole = Manifold.cylinder(high - low, radius, radius, segments(radius))
@@ -74,7 +74,7 @@ def drillings(scene: Scene) -> Manifold:
     return drilled
 
 
-def _outlet_ring(radius_mm: float, mouth: Mouth) -> Manifold:
+def _outlet_ring(radius_mm: float, mouth: DrillOutlet) -> Manifold:
     """The ring of a rounding; its sharp edge is moved outward, into the drilling and beyond the journal."""
     around = segments(radius_mm + mouth.rounding_mm)
     turns = np.linspace(0, 2 * np.pi, around, endpoint=False)

@@ -57,7 +57,7 @@ class Undercuts:
 
 
 @dataclass(frozen=True)
-class Way:
+class Withdrawal:
     """How a die, a mould or a mill leaves the web.
 
     Attributes:
@@ -76,30 +76,30 @@ class Way:
         return (X, Z) if self.axis is None else (self.axis,)
 
 
-LATERAL_DIE = Way("a die that parts in x = 0", X, 0.0)
+LATERAL_DIE = Withdrawal("a die that parts in x = 0", X, 0.0)
 
 
-def way_of(scene: Scene) -> Way:
+def withdrawal_of(scene: Scene) -> Withdrawal:
     """How the scene's web is made; any that may be free of it is measured by a die that parts in x = 0."""
     settings = scene.optimise
     if settings.process == "milled":
-        return Way("a mill from both faces and both sides", None, None)
+        return Withdrawal("a mill from both faces and both sides", None, None)
     lateral = settings.parting == "lateral"
     if settings.process == "cast":
-        return Way(f"a mould that opens along {'x' if lateral else 'z'}", X if lateral else Z, None)
+        return Withdrawal(f"a mould that opens along {'x' if lateral else 'z'}", X if lateral else Z, None)
     if settings.process == "free" or lateral:
         return LATERAL_DIE
-    return Way("a die that parts in mid-web", Z, sum(scene.web_z_mm) / 2)
+    return Withdrawal("a die that parts in mid-web", Z, sum(scene.web_z_mm) / 2)
 
 
-def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Way | None = None) -> Undercuts:
+def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Withdrawal | None = None) -> Undercuts:
     """What the scene's process would have to leave behind, bores and drilled holes filled.
 
     Args:
         scene: its bores and the holes of its envelope, which are drilled afterwards.
         way: by default that of the scene's process.
     """
-    way = way or way_of(scene)
+    way = way or withdrawal_of(scene)
     body = solid_of(web, "web")
     filled = body + web_bores(scene) + envelope_holes(scene)
     voids = _beyond_mills if way.axis is None else _held_back
@@ -116,7 +116,7 @@ def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) 
 
 
 def _held_back(
-    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Way, step_mm: float
+    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Withdrawal, step_mm: float
 ) -> tuple[int, Array, float]:
     """Rays that met the web, lengths of void (n, 2) that each half is held back by, area of a ray."""
     axis = X if way.axis is None else way.axis
@@ -140,7 +140,7 @@ def _held_back(
 
 
 def _beyond_mills(
-    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Way, step_mm: float
+    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Withdrawal, step_mm: float
 ) -> tuple[int, Array, float]:
     """The same of voxels that no straight line from a face or a side reaches, by lines along x."""
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)

@@ -63,7 +63,7 @@ class Moments:
 @lru_cache(maxsize=16)
 def web_moments(scene: Scene) -> Moments:
     """Moments of one whole web, bores and features taken out."""
-    return moments(web_bodies(scene))
+    return body_moments(web_bodies(scene))
 
 
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
@@ -73,7 +73,7 @@ def bolted_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
     """Mass moments of a counterweight that is bolted to one web, kg and mm; all 0 without one.
 
     Args:
-        before_z_mm: as `moments`.
+        before_z_mm: as `body_moments`.
     """
     weight = scene.web.counterweight
     return counterweight_mass(scene, before_z_mm) if weight is not None and weight.bolted else _NOTHING
@@ -86,19 +86,19 @@ def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moment
     What of it lies within the web is the web's, and what a pocket cuts is neither's.
 
     Args:
-        before_z_mm: as `moments`.
+        before_z_mm: as `body_moments`.
     """
     weight = scene.web.counterweight
     if weight is None:
         return _NOTHING
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
     bodies = web_bodies(bare)
-    added = moments([*bodies, *weight.parts(scene)], before_z_mm)
-    added = added + moments(bodies, before_z_mm).times(-1.0)
+    added = body_moments([*bodies, *weight.parts(scene)], before_z_mm)
+    added = added + body_moments(bodies, before_z_mm).times(-1.0)
     return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
 
 
-def moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
+def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
     """Moments of the material that bodies leave.
 
     Args:

@@ -63,18 +63,18 @@ def clearance_limit(scene: Scene) -> ClearanceLimit | None:
     return ClearanceLimit(_angles(), np.min([limit.radius_mm for limit in found.values()], axis=0))
 
 
-def rooms_mm(scene: Scene) -> dict[str, float]:
+def clearances_mm(scene: Scene) -> dict[str, float]:
     """Least radial room of web and counterweight to the piston skirt and to the crankcase, mm."""
     x, y = np.concatenate([np.stack(points) for _, _, points in _edges(scene)], axis=1)
-    return rooms_of_points_mm(scene, x, y)
+    return clearances_of_points_mm(scene, x, y)
 
 
-def rooms_of_points_mm(scene: Scene, x_mm: Array, y_mm: Array) -> dict[str, float]:
+def clearances_of_points_mm(scene: Scene, x_mm: Array, y_mm: Array) -> dict[str, float]:
     """Least radial room of points of a body that turns in the scene, mm, by what is in the way."""
-    return {name: float(-limit.outside_mm(x_mm, y_mm).max()) for name, limit in obstacles(scene).items()}
+    return {name: float(-limit.outside_mm(x_mm, y_mm).max()) for name, limit in turning_limits(scene).items()}
 
 
-def obstacles(scene: Scene) -> dict[str, ClearanceLimit]:
+def turning_limits(scene: Scene) -> dict[str, ClearanceLimit]:
     """What piston skirt and crankcase leave, without a gap."""
     return _limits(scene, with_gap=False)
 
@@ -84,12 +84,12 @@ def clearance_text(scene: Scene) -> str:
     clearance = scene.envelope.clearance if scene.envelope else None
     if clearance is None:
         return ""
-    return f"{rooms_text(rooms_mm(scene))}; at least {clearance.least_gap_mm:g} mm stay"
+    return f"{clearances_text(clearances_mm(scene))}; at least {clearance.least_gap_mm:g} mm stay"
 
 
-def rooms_text(rooms_mm: Mapping[str, float]) -> str:
+def clearances_text(clearances_mm: Mapping[str, float]) -> str:
     """Rooms by what is in the way in words."""
-    rooms = ", ".join(f"{room:.2f} mm to the {name}" for name, room in rooms_mm.items())
+    rooms = ", ".join(f"{room:.2f} mm to the {name}" for name, room in clearances_mm.items())
     return rooms or "nothing is in the way"
 
 

@@ -78,7 +78,7 @@ class TableReference:
     keys: tuple[KeyReference, ...]
 
 
-def unit_of(key: str) -> str:
+def key_unit(key: str) -> str:
     """Unit in the name of a key; empty where it has none."""
     return next((unit for suffix, unit in _UNITS.items() if key.endswith(suffix)), "")
 
@@ -157,7 +157,7 @@ def _key(name: str, node: dict[str, Any], required: bool) -> KeyReference:
         name=name,
         meaning=" ".join(node.get("description", "").split()),
         kind=_kind(node),
-        unit=unit_of(name),
+        unit=key_unit(name),
         allowed=_allowed(node) or _allowed(node.get("items", {})),
         required=required,
         unless=node.get("unless", ""),

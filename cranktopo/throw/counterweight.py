@@ -16,7 +16,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import Length
 from cranktopo.throw.corner_fillet import CornerFillet
 from cranktopo.throw.feature import Body, Face, Feature, MirroredPrism, least_shoulder_mm
-from cranktopo.throw.primitives import Arc, Extrusion, FeatureDrawing, Line, Point, Solid, number_lines
+from cranktopo.throw.primitives import Arc, Extrusion, FeatureDrawing, LineSegment, Point, Solid, number_lines
 from cranktopo.throw.tangent_circle import OutlineSection, TangentCircle, largest_radius_mm, tangent_circle
 
 if TYPE_CHECKING:
@@ -231,10 +231,10 @@ class Sector(MirroredPrism):
         left: Point = (-x, y, low)
         right: Point = (x, y, low)
         contour = (
-            Line(apex, left),
+            LineSegment(apex, left),
             Arc(left, apex, bottom),
             Arc(bottom, apex, right),
-            Line(right, apex),
+            LineSegment(right, apex),
         )
         return (Extrusion(contour, (0.0, 0.0, high - low)),)
 

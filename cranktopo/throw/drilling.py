@@ -19,7 +19,7 @@ from cranktopo.base.spans import Section, Span
 from cranktopo.base.table import Length, LengthOrZero, SceneTable
 
 if TYPE_CHECKING:
-    from cranktopo.throw.geometry import Journal, Throw
+    from cranktopo.throw.geometry import Journal, ThrowTable
     from cranktopo.throw.throw_view import ThrowView
 
 Surface = Literal["main_journal", "crankpin", "main_journal_bore", "crankpin_bore"]
@@ -96,7 +96,7 @@ class Drilling(SceneTable):
 
 
 @dataclass(frozen=True)
-class Mouth:
+class DrillOutlet:
     """Where a drilling meets the surface of a journal or the wall of a bore.
 
     Attributes:
@@ -131,7 +131,7 @@ class Mouth:
         """Angle between the drilling and the normal of the surface; above 90 it lies outside the material."""
         return math.degrees(math.acos(float(np.clip(self.normal @ np.array(self.outward), -1, 1))))
 
-    def in_far_half(self, pitch_mm: float) -> Mouth:
+    def in_far_half(self, pitch_mm: float) -> DrillOutlet:
         """A mouth of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
         (x, y, z), (dx, dy, dz) = self.point_mm, self.outward
         return replace(self, point_mm=(x, y, pitch_mm - z), outward=(dx, dy, -dz))
@@ -152,7 +152,7 @@ class Mouth:
 
 
 @dataclass(frozen=True)
-class Channel:
+class DrillBore:
     """A drilling as a body: a cylinder that reaches just beyond the surfaces at both its ends.
 
     Attributes:
@@ -162,7 +162,7 @@ class Channel:
 
     key: str
     radius_mm: float
-    mouths: tuple[Mouth, Mouth]
+    mouths: tuple[DrillOutlet, DrillOutlet]
     alone: bool = False
 
     @property
@@ -193,13 +193,13 @@ class Channel:
         before, after = (self._beyond_mm(mouth) for mouth in self.mouths)
         return -before, self.length_mm + after
 
-    def _beyond_mm(self, mouth: Mouth) -> float:
+    def _beyond_mm(self, mouth: DrillOutlet) -> float:
         if not mouth.surface_mm:
             return 0.0
         heights = mouth.height_mm(self.radius_mm * self.around, mouth.surface_mm)
         return float(heights.max()) + _BEYOND * self.radius_mm
 
-    def in_far_half(self, pitch_mm: float) -> Channel:
+    def in_far_half(self, pitch_mm: float) -> DrillBore:
         """A channel of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
         one, other = (mouth.in_far_half(pitch_mm) for mouth in self.mouths)
         return replace(self, mouths=(one, other))
@@ -265,20 +265,20 @@ def across(direction: Array) -> tuple[Array, Array]:
     return one, np.cross(direction, one)
 
 
-def channels(scene: ThrowView) -> tuple[Channel, ...]:
+def drill_bores(scene: ThrowView) -> tuple[DrillBore, ...]:
     """The drillings of the half throw as bodies; none for most throws."""
     return _channels(scene.throw, scene.web_z_mm, scene.pitch_mm) if scene.throw.drilling else ()
 
 
 @lru_cache(maxsize=16)
-def _channels(throw: Throw, web_z_mm: tuple[float, float], pitch_mm: float) -> tuple[Channel, ...]:
+def _channels(throw: ThrowTable, web_z_mm: tuple[float, float], pitch_mm: float) -> tuple[DrillBore, ...]:
     return tuple(
         _channel(throw, pitch_mm, drilling, f"throw.drilling[{index}]")
         for index, drilling in enumerate(throw.drilling)
     )
 
 
-def _channel(throw: Throw, pitch_mm: float, drilling: Drilling, key: str) -> Channel:
+def _channel(throw: ThrowTable, pitch_mm: float, drilling: Drilling, key: str) -> DrillBore:
     ends = drilling.start, drilling.end
     first, second = (np.array(_point(throw, pitch_mm, end)) for end in ends)
     length = float(np.linalg.norm(second - first))
@@ -287,10 +287,10 @@ def _channel(throw: Throw, pitch_mm: float, drilling: Drilling, key: str) -> Cha
         _mouth(throw, end, point, sign * along, drilling.outlet_radius_mm)
         for end, point, sign in zip(ends, (first, second), (-1, 1), strict=True)
     )
-    return Channel(key, drilling.diameter_mm / 2, (mouths[0], mouths[1]), drilling.web != "both")
+    return DrillBore(key, drilling.diameter_mm / 2, (mouths[0], mouths[1]), drilling.web != "both")
 
 
-def _point(throw: Throw, pitch_mm: float, end: DrillingEnd) -> tuple[float, float, float]:
+def _point(throw: ThrowTable, pitch_mm: float, end: DrillingEnd) -> tuple[float, float, float]:
     journal, y = _journal(throw, end)
     radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
     angle = math.radians(end.angle_deg)
@@ -299,27 +299,27 @@ def _point(throw: Throw, pitch_mm: float, end: DrillingEnd) -> tuple[float, floa
     return x, along, z
 
 
-def _mouth(throw: Throw, end: DrillingEnd, point: Array, outward: Array, rounding: float) -> Mouth:
+def _mouth(throw: ThrowTable, end: DrillingEnd, point: Array, outward: Array, rounding: float) -> DrillOutlet:
     journal, y = _journal(throw, end)
     radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
     place, way = (cast(tuple[float, float, float], tuple(v.tolist())) for v in (point, outward))
-    return Mouth(place, way, y, radius, end.in_bore, 0.0 if end.in_bore else rounding, end.journal_key)
+    return DrillOutlet(place, way, y, radius, end.in_bore, 0.0 if end.in_bore else rounding, end.journal_key)
 
 
-def _journal(throw: Throw, end: DrillingEnd) -> tuple[Journal, float]:
+def _journal(throw: ThrowTable, end: DrillingEnd) -> tuple[Journal, float]:
     (main, _), (pin, radius) = throw.journals
     return (main, 0.0) if end.journal_key == "main_journal" else (pin, radius)
 
 
 def drilling_asymmetry(scene: ThrowView) -> str:
     """Key of the first drilling that has no mirror image in x = 0; empty when there is none."""
-    found = channels(scene)
+    found = drill_bores(scene)
     places = {_signature(channel, 1) for channel in found}
     lonely = (channel.key for channel in found if _signature(channel, -1) not in places)
     return next(lonely, "")
 
 
-def _signature(channel: Channel, side: int) -> tuple[object, ...]:
+def _signature(channel: DrillBore, side: int) -> tuple[object, ...]:
     """What tells a drilling from another; `side` -1: of its mirror image."""
     ends = []
     for mouth in channel.mouths:

@@ -11,10 +11,10 @@ from typing import cast
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.throw.drilling import Mouth, across
+from cranktopo.throw.drilling import DrillOutlet, across
 
 
-def ring_points(radius_mm: float, mouth: Mouth, turn: Array, arc: Array, out: Array) -> Array:
+def ring_points(radius_mm: float, mouth: DrillOutlet, turn: Array, arc: Array, out: Array) -> Array:
     """Points (n, 3) of the ring, mm.
 
     Args:
@@ -36,7 +36,7 @@ def ring_points(radius_mm: float, mouth: Mouth, turn: Array, arc: Array, out: Ar
     return (1 - arc)[:, None] * straight + arc[:, None] * _around(mouth.y_mm, edge, rounding, out)
 
 
-def _at(mouth: Mouth, offsets_mm: Array, radius_mm: float) -> Array:
+def _at(mouth: DrillOutlet, offsets_mm: Array, radius_mm: float) -> Array:
     """Points of lines beside the axis on a cylinder about the journal."""
     heights = mouth.height_mm(offsets_mm, radius_mm)
     return cast(Array, np.array(mouth.point_mm) + offsets_mm + heights[:, None] * np.array(mouth.outward))

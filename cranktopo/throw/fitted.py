@@ -48,7 +48,7 @@ class Limits(Protocol):
         """Least slope of the walls of a side pocket."""
 
 
-class Cells(Protocol):
+class BodyCells(Protocol):
     """Which cells the extracted body fills; x > 0 only."""
 
     @property
@@ -221,7 +221,7 @@ class FittedToSections(FittedFeature):
     """A kind whose initial values are read from cross-sections of the body."""
 
     @abstractmethod
-    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
+    def guess(self, cells: BodyCells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values; None where the body shows no such feature."""
 
 

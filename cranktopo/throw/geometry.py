@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.polygons import Coordinates, polygon_section, self_intersection
-from cranktopo.base.spans import Span, disc
+from cranktopo.base.spans import Span, disc_section
 from cranktopo.base.table import Length, LengthOrZero, Place, SceneTable
 from cranktopo.throw.drilling import Drilling
 from cranktopo.throw.fillet import FilletSection
@@ -50,7 +50,7 @@ class Journal(SceneTable):
         return self.bore_diameter_mm / 2
 
 
-class Throw(SceneTable):
+class ThrowTable(SceneTable):
     """Crank throw: radius and its two journals."""
 
     radius_mm: Length = Field(examples=[48.0])
@@ -167,7 +167,7 @@ class CylinderEnvelope(_EnvelopeBase):
 
     @override
     def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
-        return disc(self.radius_mm)(y_mm, z_mm)
+        return disc_section(self.radius_mm)(y_mm, z_mm)
 
 
 class OutlineEnvelope(_EnvelopeBase):

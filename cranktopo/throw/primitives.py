@@ -9,7 +9,7 @@ FlatPoint = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Line:
+class LineSegment:
     """A straight edge."""
 
     start: Point
@@ -33,7 +33,7 @@ class Bezier:
 
 
 @dataclass(frozen=True)
-class Ellipse:
+class EllipseCurve:
     """A whole ellipse in a plane of constant z, its axes along x and y."""
 
     centre: Point
@@ -51,7 +51,7 @@ class Rectangle:
     corner_radius: float
 
 
-Curve = Line | Arc | Bezier | Ellipse | Rectangle
+Curve = LineSegment | Arc | Bezier | EllipseCurve | Rectangle
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Polyline:
 
 
 @dataclass(frozen=True)
-class Dimension:
+class DimensionLine:
     """A dimension between two points of a view, its line moved off them by a shift along one axis."""
 
     start: FlatPoint
@@ -132,8 +132,8 @@ class FeatureDrawing:
     """
 
     front: tuple[Circle | Polyline, ...] = ()
-    lengthwise: tuple[Dimension, ...] = ()
-    across: tuple[Dimension, ...] = ()
+    lengthwise: tuple[DimensionLine, ...] = ()
+    across: tuple[DimensionLine, ...] = ()
     section_y_mm: float | None = None
     lines: tuple[str, ...] = ()
     added: tuple[FlatPoint, ...] = ()

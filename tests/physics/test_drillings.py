@@ -24,7 +24,7 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.tasks.importing.placement import misfits
 from cranktopo.tasks.refit.drilling_rules import drilling_rules
 from cranktopo.throw.bevel_arc import BevelArc
-from cranktopo.throw.drilling import channels, drilling_asymmetry
+from cranktopo.throw.drilling import drill_bores, drilling_asymmetry
 from cranktopo.throw.drilling_outlet import ring_points
 from cranktopo.throw.fitted import CLEAR_MM, Surroundings
 
@@ -51,7 +51,7 @@ def mikron(*drillings, **journals) -> Scene:
 
 def along_rays(scene: Scene, points: int) -> tuple[float, float]:
     """Volume and integral of x2 + y2 of a drilling's cylinder in journals and web, by rays along it."""
-    (channel,) = channels(scene)
+    (channel,) = drill_bores(scene)
     (low, high), along = channel.extent_mm, channel.direction
     radius, turn = np.meshgrid(
         channel.radius_mm * np.sqrt((np.arange(points) + 0.5) / points),
@@ -102,7 +102,7 @@ def test_cylinder_is_exact(bore: float) -> None:
 def test_rounding_is_a_rolled_ball() -> None:
     """It touches the journal and the drilling."""
     scene = mikron(RADIAL)
-    (channel,) = channels(scene)
+    (channel,) = drill_bores(scene)
     mouth = channel.mouths[0]
     turn = np.linspace(0, 2 * np.pi, 37)
     ball = ring_points(channel.radius_mm, mouth, turn, np.zeros(37), np.ones(37))

@@ -9,7 +9,7 @@ from typing import Any
 import jax.numpy as jnp
 
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.cells.grid import Grid
+from cranktopo.bodies.cells.grid import CellGrid
 from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -42,10 +42,10 @@ class Own:
     unknowns: int
     iterations: int
     cell_mm: float
-    grid: Grid
+    grid: CellGrid
 
 
-def own_model(scene: Scene, cell_mm: float, grid: Grid | None = None) -> Own:
+def own_model(scene: Scene, cell_mm: float, grid: CellGrid | None = None) -> Own:
     """The scene's web on cells; call inside `double_precision()`."""
     domain = build_domain(scene, cell_mm, "web", grid=grid)
     model = build_model(scene, domain, (BENDING, TORSION))

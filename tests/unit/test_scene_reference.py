@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cranktopo.design.loading import builtin_designs, designs_folder, parse_scene
-from cranktopo.design.reference import scene_reference, unit_of
+from cranktopo.design.reference import key_unit, scene_reference
 from cranktopo.design.template import template
 
 TEMPLATE = template("mine")
@@ -52,8 +52,8 @@ def test_every_required_key_has_an_example() -> None:
 
 
 def test_a_key_that_ends_in_a_unit_has_it() -> None:
-    assert unit_of("bearing_spring_N_per_mm") == "N/mm"
-    assert unit_of("max_torque_Nm") == "N m"
+    assert key_unit("bearing_spring_N_per_mm") == "N/mm"
+    assert key_unit("max_torque_Nm") == "N m"
     known = {key.name: key.unit for table in scene_reference() for key in table.keys}
     assert known["density_kg_m3"] == "kg/m³"
     assert not known["volume_fraction"]

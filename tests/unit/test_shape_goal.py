@@ -16,7 +16,7 @@ from cranktopo.engine.cases import load_cases
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.envelope_clearance import EnvelopeRoom
+from cranktopo.tasks.shape.envelope_clearance import EnvelopeClearance
 from cranktopo.tasks.shape.goal_in_model import search_goal_of
 from cranktopo.tasks.shape.search_goal import SearchGoal, SearchLimit
 from cranktopo.tasks.shape.start import outline_start
@@ -115,7 +115,7 @@ def test_room_in_an_envelope_has_the_slopes_of_differences(
     axes = tuple((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
     web = ParametricWeb(Layout(7), scene, usual_limits(scene), axes)
     values = outline_start(scene, usual_limits(scene)) + 0.3
-    room = EnvelopeRoom(scene)
+    room = EnvelopeClearance(scene)
     _, slopes = room.constraints(web, values)
     for index in range(len(values)):
         step = 1e-5 * np.eye(len(values))[index]
@@ -134,7 +134,7 @@ def test_a_polygon_measures_as_the_box_it_is(mikron: Scene) -> None:
     axes = tuple((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm, grid.z_mm))
     web = ParametricWeb(Layout(7), box, usual_limits(box), axes)
     values = outline_start(box, usual_limits(box))
-    exact, near = (EnvelopeRoom(scene).constraints(web, values)[0].max() for scene in (box, polygon))
+    exact, near = (EnvelopeClearance(scene).constraints(web, values)[0].max() for scene in (box, polygon))
     assert near == pytest.approx(exact, abs=0.3)
 
 

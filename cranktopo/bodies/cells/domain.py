@@ -18,8 +18,14 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
 from cranktopo.bodies.cells.drilled_cells import drill_cells
 from cranktopo.bodies.cells.envelope_section import envelope_bounds_mm
-from cranktopo.bodies.cells.grid import Extent, Grid, plan_grid
-from cranktopo.bodies.cells.layers import ORIGINAL_KEY, GridContent, Layer, design_envelope, half_throw_layers
+from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
+from cranktopo.bodies.cells.layers import (
+    ORIGINAL_KEY,
+    AxialLayer,
+    GridContent,
+    design_envelope,
+    half_throw_layers,
+)
 from cranktopo.bodies.cells.plane_fractions import plane_fractions, slab_fractions
 from cranktopo.bodies.envelope_file import bounds_mm
 from cranktopo.design.checks.sizes import check_envelope_reach
@@ -42,7 +48,7 @@ class Domain:
         web: fraction of each cell that belongs to the web when full (between the web faces).
     """
 
-    grid: Grid
+    grid: CellGrid
     extent: Extent
     fixed: Array
     design: Array
@@ -94,7 +100,7 @@ def build_domain(
     resolution_mm: float,
     target: GridContent = "envelope",
     extent: Extent | None = None,
-    grid: Grid | None = None,
+    grid: CellGrid | None = None,
 ) -> Domain:
     """Grid and cell fractions of a scene.
 
@@ -143,13 +149,13 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
 
 
-def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> Grid:
+def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> CellGrid:
     x_range, y_range = throw_ranges_mm(scene, target)
     planes = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
     return plan_grid(x_range, y_range, planes, resolution_mm, extent)
 
 
-def _fractions(grid: Grid, layers: Sequence[Layer]) -> dict[str, Array]:
+def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]:
     """Filled fraction of every cell by each kind of section."""
     result = {kind: np.zeros(grid.cells) for kind in ("fixed", "design", "pin", "web")}
     for layer in layers:
@@ -159,7 +165,7 @@ def _fractions(grid: Grid, layers: Sequence[Layer]) -> dict[str, Array]:
     return result
 
 
-def _filled(grid: Grid, layer: Layer, section: Section) -> Array:
+def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
     """Filled fraction of every cell by a section of a layer."""
     low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
     shares = (high - low) / np.diff(grid.z_mm)

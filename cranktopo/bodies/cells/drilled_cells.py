@@ -13,13 +13,13 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.spans import Section, common, holds, together, without
+from cranktopo.base.spans import Section, common, holds, section_difference, together
 from cranktopo.bodies.cells.envelope_section import envelope_section
-from cranktopo.bodies.cells.grid import Grid
-from cranktopo.bodies.cells.layers import Layer
+from cranktopo.bodies.cells.grid import CellGrid
+from cranktopo.bodies.cells.layers import AxialLayer
 from cranktopo.bodies.cells.plane_fractions import slab_fractions
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Channel, channels
+from cranktopo.throw.drilling import DrillBore, drill_bores
 
 WALL = 1.0
 """Thickness of the wall over the drilling's radius."""
@@ -30,7 +30,7 @@ _HEIGHTS = 24
 
 
 def drill_cells(
-    scene: Scene, grid: Grid, layers: Sequence[Layer], fractions: dict[str, Array]
+    scene: Scene, grid: CellGrid, layers: Sequence[AxialLayer], fractions: dict[str, Array]
 ) -> dict[str, Array]:
     """Fractions of the cells after drilling; the same ones where the scene has no drilling.
 
@@ -41,7 +41,7 @@ def drill_cells(
     Raises:
         CranktopoError: a drilling leaves the design envelope.
     """
-    found = channels(scene)
+    found = drill_bores(scene)
     if not found:
         return fractions
     if any(layer.design for layer in layers):
@@ -73,7 +73,7 @@ class _Slab:
     y: slice
     cells: int
 
-    def gains(self, grid: Grid, found: Sequence[Channel], layer: Layer) -> dict[str, Array]:
+    def gains(self, grid: CellGrid, found: Sequence[DrillBore], layer: AxialLayer) -> dict[str, Array]:
         """What is added to each kind of fraction in its cells, negative where it is taken away."""
         hole = together(*(channel.section(channel.radius_mm) for channel in found))
         wall = together(*(channel.section((1 + WALL) * channel.radius_mm) for channel in found))
@@ -81,17 +81,17 @@ class _Slab:
         known = {section: self._fractions(grid, common(section, hole)) for section in {*kinds.values()}}
         gains = {kind: -known[section] for kind, section in kinds.items()}
         if layer.design:
-            kept = self._fractions(grid, common(layer.design, without(wall, hole)))
+            kept = self._fractions(grid, common(layer.design, section_difference(wall, hole)))
             gains["design"] = -self._fractions(grid, common(layer.design, wall))
             gains["fixed"] = gains.get("fixed", 0.0) + kept
         return gains
 
-    def _fractions(self, grid: Grid, section: Section) -> Array:
+    def _fractions(self, grid: CellGrid, section: Section) -> Array:
         x, y = (nodes[s.start : s.stop + 1] for nodes, s in ((grid.x_mm, self.x), (grid.y_mm, self.y)))
         return slab_fractions(x, y, self.z_mm, section) * self.share
 
 
-def _slabs(grid: Grid, found: Sequence[Channel], z_mm: tuple[float, float]) -> Iterator[_Slab]:
+def _slabs(grid: CellGrid, found: Sequence[DrillBore], z_mm: tuple[float, float]) -> Iterator[_Slab]:
     """Slabs between two heights that drillings or their walls reach."""
     tools = [(channel, share * channel.radius_mm) for channel in found for share in (1, 1 + WALL)]
     ends = [float(end[2]) for channel, radius in tools for end in channel.box_mm(radius)]
@@ -114,7 +114,7 @@ def _cells(nodes: Array, low: float, high: float) -> slice:
     return slice(first, min(max(last, first + 1), len(nodes) - 1))
 
 
-def _check_held(scene: Scene, channel: Channel) -> None:
+def _check_held(scene: Scene, channel: DrillBore) -> None:
     """The envelope must hold a drilling and the wall around it between the web's faces."""
     (start, end), envelope = scene.web_z_mm, scene.envelope
     points = channel.surface_mm((1 + WALL) * channel.radius_mm)

@@ -13,7 +13,7 @@ from manifold3d import Manifold
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.polygons import polygon_section
-from cranktopo.base.spans import Section, common, disc, without
+from cranktopo.base.spans import Section, common, disc_section, section_difference
 from cranktopo.bodies.cells.envelope_section import (
     SECTIONS,
     envelope_bounds_mm,
@@ -33,7 +33,7 @@ GridContent = Literal["envelope", "web"]
 
 
 @dataclass(frozen=True)
-class Layer:
+class AxialLayer:
     """What fills the plane between two heights of the half throw; None for nothing.
 
     Attributes:
@@ -59,22 +59,22 @@ class Layer:
         return {name: section for name, section in named.items() if section is not None}
 
 
-def half_throw_layers(scene: Scene, target: GridContent) -> list[Layer]:
+def half_throw_layers(scene: Scene, target: GridContent) -> list[AxialLayer]:
     """The half throw as layers along z: main journal, web (cut where its section changes), crankpin."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
-    layers = [Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
+    layers = [AxialLayer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
     layers += _own_web(scene) if target == "web" else _design_space(scene)
-    layers.append(Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
+    layers.append(AxialLayer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
     return layers
 
 
 def _annulus(journal: Journal, y_mm: float) -> Section:
-    outer, bore = disc(journal.radius_mm, y_mm), disc(journal.bore_radius_mm, y_mm)
-    return without(outer, bore) if journal.bore_radius_mm else outer
+    outer, bore = disc_section(journal.radius_mm, y_mm), disc_section(journal.bore_radius_mm, y_mm)
+    return section_difference(outer, bore) if journal.bore_radius_mm else outer
 
 
-def _own_web(scene: Scene) -> list[Layer]:
+def _own_web(scene: Scene) -> list[AxialLayer]:
     """The web of the scene, or the body named as the original."""
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
@@ -82,17 +82,17 @@ def _own_web(scene: Scene) -> list[Layer]:
     section, changing = _section(bodies), [ends for body in bodies for ends in body.changing_z_mm]
     cuts = [z for ends in (*changing, *(body.z_mm for body in bodies)) for z in ends]
     return [
-        Layer(z, section, None, None, section, any(low < sum(z) / 2 < high for low, high in changing))
+        AxialLayer(z, section, None, None, section, any(low < sum(z) / 2 < high for low, high in changing))
         for z in _ranges_mm(scene, cuts)
     ]
 
 
-def _body_from_file(scene: Scene, body: Manifold) -> list[Layer]:
+def _body_from_file(scene: Scene, body: Manifold) -> list[AxialLayer]:
     """A body of triangles as thin layers with the section in their middle."""
     found = []
     for z in _ranges_mm(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
         shape = polygon_section([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
-        found.append(Layer(z, fixed=shape, design=None, pin=None, web=shape))
+        found.append(AxialLayer(z, fixed=shape, design=None, pin=None, web=shape))
     return found
 
 
@@ -100,11 +100,13 @@ def _section(bodies: Sequence[Body]) -> Section:
     return lambda y_mm, z_mm: list(zip(*web_spans(bodies, y_mm, z_mm), strict=True))
 
 
-def _design_space(scene: Scene) -> list[Layer]:
+def _design_space(scene: Scene) -> list[AxialLayer]:
     """The envelope less the bores as layers, a counterweight solid; in a clearance the journal alone."""
     (start, stop), envelope, throw = scene.web_z_mm, design_envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
-    bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
+    bores = [
+        disc_section(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0
+    ]
     weights, found = kept_bodies(scene), []
     heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
     for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
@@ -112,15 +114,15 @@ def _design_space(scene: Scene) -> list[Layer]:
         if low < middle < high:
             outline = _turning_free(scene, envelope_section(envelope, middle))
             check_counterweight_inside(scene, outline, middle)
-            web = without(outline, *bores)
+            web = section_difference(outline, *bores)
             here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
-            fixed = without(_section(here), *bores) if here else None
-            design = without(web, fixed) if fixed else web
-            found.append(Layer(z, fixed=fixed, design=design, pin=None, web=web))
+            fixed = section_difference(_section(here), *bores) if here else None
+            design = section_difference(web, fixed) if fixed else web
+            found.append(AxialLayer(z, fixed=fixed, design=design, pin=None, web=web))
             continue
         journal, y = throw.journals[0 if middle < low else 1]
-        shape = without(disc(journal.radius_mm, y), *bores)
-        found.append(Layer(z, fixed=shape, design=None, pin=None, web=shape))
+        shape = section_difference(disc_section(journal.radius_mm, y), *bores)
+        found.append(AxialLayer(z, fixed=shape, design=None, pin=None, web=shape))
     return found
 
 

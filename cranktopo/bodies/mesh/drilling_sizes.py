@@ -7,7 +7,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Channel, Mouth, channels
+from cranktopo.throw.drilling import DrillBore, DrillOutlet, drill_bores
 
 _GROWTH = 0.5
 """Growth of the element size per mm of distance."""
@@ -26,7 +26,7 @@ def drilling_size_terms(scene: Scene, size: float, fraction: float | None, full:
     terms = []
     heights = ("z", f"({scene.pitch_mm!r}-z)")[: 1 + full]
     for z, half in zip(heights, halves(scene), strict=False):
-        for channel in channels(half):
+        for channel in drill_bores(half):
             terms.append(_along(channel, size, z))
             terms += [_at(mouth, channel, size, fraction, z) for mouth in channel.mouths]
     return terms
@@ -35,7 +35,7 @@ def drilling_size_terms(scene: Scene, size: float, fraction: float | None, full:
 def drilling_size_mm(scene: Scene, size: float, points_mm: Array) -> Array:
     """Largest element size at points (n, 3) of the half throw, mm, for stiffness."""
     result = np.full(len(points_mm), size)
-    for channel in channels(scene):
+    for channel in drill_bores(scene):
         start, direction = np.array(channel.mouths[0].point_mm), channel.direction
         away = np.linalg.norm(np.cross(points_mm - start, direction), axis=1)
         result = np.minimum(result, _fine(size, _ALONG * channel.radius_mm) + _GROWTH * away)
@@ -51,19 +51,19 @@ def _fine(size: float, wanted: float) -> float:
     return min(size, wanted)
 
 
-def _rim(channel: Channel, mouth: Mouth) -> float:
+def _rim(channel: DrillBore, mouth: DrillOutlet) -> float:
     """Radius around an outlet that is meshed finely."""
     return channel.radius_mm + mouth.rounding_mm
 
 
-def _along(channel: Channel, size: float, height: str) -> str:
+def _along(channel: DrillBore, size: float, height: str) -> str:
     (px, py, pz), (dx, dy, dz) = channel.mouths[0].point_mm, channel.direction.tolist()
     x, y, z = f"(x-({px!r}))", f"(y-({py!r}))", f"({height}-({pz!r}))"
     cross = f"({y}*({dz!r})-{z}*({dy!r}))^2+({z}*({dx!r})-{x}*({dz!r}))^2+({x}*({dy!r})-{y}*({dx!r}))^2"
     return f"{_fine(size, _ALONG * channel.radius_mm)!r}+{_GROWTH!r}*Sqrt({cross})"
 
 
-def _at(mouth: Mouth, channel: Channel, size: float, fraction: float | None, z: str) -> str:
+def _at(mouth: DrillOutlet, channel: DrillBore, size: float, fraction: float | None, z: str) -> str:
     px, py, pz = mouth.point_mm
     notch = mouth.rounding_mm or channel.radius_mm
     finest = _fine(size, _OUTLET * channel.radius_mm if fraction is None else fraction * notch)

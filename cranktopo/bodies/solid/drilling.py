@@ -13,7 +13,7 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.web import DimTags
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Channel, Mouth, channels
+from cranktopo.throw.drilling import DrillBore, DrillOutlet, drill_bores
 
 _ROOM = 2.5
 """Radius of the piece of the journal over that of the outlet with its rounding."""
@@ -27,7 +27,7 @@ def add_drillings(occ: Any, scene: Scene, *, alone: bool = False) -> DimTags:
         alone: only those of drillings that the other half has no mirror image of.
     """
     tools: DimTags = []
-    for channel in (found for found in channels(scene) if found.alone or not alone):
+    for channel in (found for found in drill_bores(scene) if found.alone or not alone):
         tools.append(_cylinder(occ, channel))
         rounded = (mouth for mouth in channel.mouths if mouth.rounding_mm)
         tools += [pair for mouth in rounded for pair in _rounded_outlet(occ, channel, mouth)]
@@ -39,13 +39,13 @@ def drill(occ: Any, body: DimTags, tools: DimTags) -> DimTags:
     return list(occ.cut(body, tools)[0]) if tools else body
 
 
-def _cylinder(occ: Any, channel: Channel) -> tuple[int, int]:
+def _cylinder(occ: Any, channel: DrillBore) -> tuple[int, int]:
     low, high = channel.extent_mm
     start = np.array(channel.mouths[0].point_mm) + low * channel.direction
     return 3, occ.addCylinder(*start, *((high - low) * channel.direction), channel.radius_mm)
 
 
-def _rounded_outlet(occ: Any, channel: Channel, mouth: Mouth) -> DimTags:
+def _rounded_outlet(occ: Any, channel: DrillBore, mouth: DrillOutlet) -> DimTags:
     """The drilling in a piece of its journal around the outlet, with the rounding."""
     piece = _piece(occ, channel, mouth)
     bored, _ = occ.cut(occ.copy(piece), [_cylinder(occ, channel)])
@@ -61,7 +61,7 @@ def _rounded_outlet(occ: Any, channel: Channel, mouth: Mouth) -> DimTags:
     return list(occ.cut(piece, rounded)[0])
 
 
-def _piece(occ: Any, channel: Channel, mouth: Mouth) -> DimTags:
+def _piece(occ: Any, channel: DrillBore, mouth: DrillOutlet) -> DimTags:
     """The journal's cylinder within a wider one around the drilling."""
     wide = _ROOM * (channel.radius_mm + mouth.rounding_mm)
     outward, point = np.array(mouth.outward), np.array(mouth.point_mm)
@@ -72,7 +72,7 @@ def _piece(occ: Any, channel: Channel, mouth: Mouth) -> DimTags:
     return list(occ.intersect([journal], [around])[0])
 
 
-def _edges(occ: Any, body: DimTags, channel: Channel, mouth: Mouth) -> list[int]:
+def _edges(occ: Any, body: DimTags, channel: DrillBore, mouth: DrillOutlet) -> list[int]:
     """The curves of a body that lie on both the journal and the drilling."""
     import gmsh
 

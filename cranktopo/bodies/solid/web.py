@@ -17,10 +17,10 @@ from cranktopo.throw.primitives import (
     Bezier,
     Box,
     Cylinder,
-    Ellipse,
+    EllipseCurve,
     Extrusion,
     Frustum,
-    Line,
+    LineSegment,
     Point,
     Rectangle,
     Solid,
@@ -88,16 +88,16 @@ class _Contour:
         tag = self._occ.addPlaneSurface([loop])
         return tag
 
-    def _curve(self, curve: Line | Arc | Bezier | Ellipse) -> int:
+    def _curve(self, curve: LineSegment | Arc | Bezier | EllipseCurve) -> int:
         tag: int
         match curve:
-            case Line(start, end):
+            case LineSegment(start, end):
                 tag = self._occ.addLine(self._point(start), self._point(end))
             case Arc(start, centre, end):
                 tag = self._occ.addCircleArc(self._point(start), self._point(centre), self._point(end))
             case Bezier(points):
                 tag = self._occ.addBezier([self._point(point) for point in points])
-            case Ellipse(centre, half_x, half_y):
+            case EllipseCurve(centre, half_x, half_y):
                 # gmsh wants the longer axis first; the local x axis follows it.
                 axis = [1.0, 0.0, 0.0] if half_x > half_y else [0.0, 1.0, 0.0]
                 long, short = max(half_x, half_y), min(half_x, half_y)

@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Channel, Drilling, Mouth, channels
+from cranktopo.throw.drilling import DrillBore, Drilling, DrillOutlet, drill_bores
 from cranktopo.throw.drilling_outlet import ring_points
 from cranktopo.throw.feature import Body, least_shoulder_mm
 from cranktopo.throw.geometry import Journal
@@ -44,7 +44,7 @@ def check_drillings(scene: Scene) -> None:
     Raises:
         CranktopoError: first inconsistency found, with the key of the drilling.
     """
-    found = channels(scene)
+    found = drill_bores(scene)
     for drilling, channel in zip(scene.throw.drilling, found, strict=True):
         _check_lean(channel)
         _check_outlets(scene, drilling, channel)
@@ -71,16 +71,16 @@ def check_drillings_across(scene: Scene) -> None:
                 _check_apart(own, channel, one)
 
 
-def _named(scene: Scene, half: Scene, other: str) -> list[Channel]:
+def _named(scene: Scene, half: Scene, other: str) -> list[DrillBore]:
     """The drillings of a half by their keys in the whole scene."""
     own = (index for index, drilling in enumerate(scene.throw.drilling) if drilling.web != other)
     return [
         replace(channel, key=f"throw.drilling[{index}]")
-        for index, channel in zip(own, channels(half), strict=True)
+        for index, channel in zip(own, drill_bores(half), strict=True)
     ]
 
 
-def _check_crossing(own: Scene, other: Scene, channel: Channel) -> None:
+def _check_crossing(own: Scene, other: Scene, channel: DrillBore) -> None:
     """What of an outlet reaches across the middle of the pin stays on its straight part there."""
     pin = other.throw.crankpin
     room = pin.length_mm / 2 - pin.fillet.axial_mm - least_shoulder_mm(own.throw)
@@ -111,7 +111,7 @@ def _check_ends(scene: Scene, key: str, drilling: Drilling) -> None:
         raise invalid(f"{key}.outlet_radius_mm", drilling.outlet_radius_mm, allowed)
 
 
-def _check_lean(channel: Channel) -> None:
+def _check_lean(channel: DrillBore) -> None:
     if not channel.length_mm:
         raise CranktopoError(f"{channel.key}: begins where it ends.", hint="Give 'from' and 'to' two places.")
     for name, mouth in zip(_ENDS, channel.mouths, strict=True):
@@ -129,11 +129,11 @@ def _check_lean(channel: Channel) -> None:
             )
 
 
-def _words(mouth: Mouth) -> str:
+def _words(mouth: DrillOutlet) -> str:
     return mouth.journal.replace("_", " ") + ("'s bore" if mouth.in_bore else "")
 
 
-def _check_outlets(scene: Scene, drilling: Drilling, channel: Channel) -> None:
+def _check_outlets(scene: Scene, drilling: Drilling, channel: DrillBore) -> None:
     """Outlets with their rounding stay on the cylinder of the journal, clear of the fillet."""
     ends = drilling.start, drilling.end
     for name, end, mouth in zip(_ENDS, ends, channel.mouths, strict=True):
@@ -147,7 +147,7 @@ def _check_outlets(scene: Scene, drilling: Drilling, channel: Channel) -> None:
             )
 
 
-def _over_fillet_mm(scene: Scene, channel: Channel, mouth: Mouth) -> float:
+def _over_fillet_mm(scene: Scene, channel: DrillBore, mouth: DrillOutlet) -> float:
     """How far an outlet, and the tool outside the journal, reaches beyond the journal's straight part, mm."""
     journal, toward, face = _end_of(scene, mouth)
     turn = np.linspace(0, 2 * np.pi, 181)
@@ -165,7 +165,7 @@ def _over_fillet_mm(scene: Scene, channel: Channel, mouth: Mouth) -> float:
     return float((toward * z).max() - limit)
 
 
-def _end_of(scene: Scene, mouth: Mouth) -> tuple[Journal, int, float]:
+def _end_of(scene: Scene, mouth: DrillOutlet) -> tuple[Journal, int, float]:
     """A journal, on which side of it the web lies, and the height of that face."""
     start, end = scene.web_z_mm
     if mouth.journal == "main_journal":
@@ -173,7 +173,7 @@ def _end_of(scene: Scene, mouth: Mouth) -> tuple[Journal, int, float]:
     return scene.throw.crankpin, -1, end
 
 
-def _check_in_journals(scene: Scene, channel: Channel) -> None:
+def _check_in_journals(scene: Scene, channel: DrillBore) -> None:
     """Beside the web a drilling is inside the journal, so that no fillet is cut."""
     start, end = scene.web_z_mm
     points = channel.surface_mm(channel.radius_mm)
@@ -193,7 +193,7 @@ def _check_in_journals(scene: Scene, channel: Channel) -> None:
             )
 
 
-def _check_in_web(scene: Scene, channel: Channel) -> None:
+def _check_in_web(scene: Scene, channel: DrillBore) -> None:
     """A drilling is inside the web's outline and clear of its pockets and bevels."""
     least = least_shoulder_mm(scene.throw)
     x, y, z = channel.surface_mm(channel.radius_mm + least).T
@@ -215,7 +215,7 @@ def _check_in_web(scene: Scene, channel: Channel) -> None:
         raise _refusal(channel, "breaks out of the web's outline", least)
 
 
-def _refusal(channel: Channel, what: str, least: float) -> CranktopoError:
+def _refusal(channel: DrillBore, what: str, least: float) -> CranktopoError:
     hint = f"Keep at least {least:.3g} mm of web around the drilling."
     return CranktopoError(f"{channel.key}: {what}.", hint=hint)
 
@@ -227,7 +227,7 @@ def _holds(body: Body, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
     return np.asarray(np.any(parts, axis=0) & (y >= low) & (y <= high))
 
 
-def _check_bores(scene: Scene, channel: Channel) -> None:
+def _check_bores(scene: Scene, channel: DrillBore) -> None:
     """A drilling opens into an axial bore with its whole section, or passes beside it."""
     along = channel.direction[:2] / np.hypot(*channel.direction[:2])
     start, end = scene.web_z_mm
@@ -249,7 +249,7 @@ def _check_bores(scene: Scene, channel: Channel) -> None:
             )
 
 
-def _check_apart(scene: Scene, one: Channel, other: Channel) -> None:
+def _check_apart(scene: Scene, one: DrillBore, other: DrillBore) -> None:
     least = least_shoulder_mm(scene.throw)
     places = np.linspace(*one.extent_mm, 400)[:, None]
     points = np.array(one.mouths[0].point_mm) + places * one.direction

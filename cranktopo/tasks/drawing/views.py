@@ -16,8 +16,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.bodies.prisms import web_region
 from cranktopo.design.schema import Scene
 from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
-from cranktopo.throw.drilling import channels
-from cranktopo.throw.primitives import Circle, Dimension, FeatureDrawing, Polyline
+from cranktopo.throw.drilling import drill_bores
+from cranktopo.throw.primitives import Circle, DimensionLine, FeatureDrawing, Polyline
 from cranktopo.throw.profile import ProfileWeb
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
 def _drilled_edges(scene: Scene) -> list[Polyline]:
     """Hidden edges of the oil drillings along the crank axis, between the surfaces that they join."""
     edges = []
-    for channel in channels(scene):
+    for channel in drill_bores(scene):
         (x0, y0, _), (x1, y1, _) = (mouth.point_mm for mouth in channel.mouths)
         level = math.hypot(x1 - x0, y1 - y0)
         across = channel.radius_mm * (y0 - y1) / level, channel.radius_mm * (x1 - x0) / level
@@ -267,7 +267,7 @@ def _drilled_edges(scene: Scene) -> list[Polyline]:
     return edges
 
 
-def _dimensions(axes: Any, found: tuple[Dimension, ...], span: tuple[float, float], away: float) -> None:
+def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
     """Dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
         shift = one.shift

@@ -23,7 +23,7 @@ from cranktopo.bodies.prisms import (
     snapped_to_mirror_plane,
     web_bores,
 )
-from cranktopo.bodies.undercuts import way_of
+from cranktopo.bodies.undercuts import withdrawal_of
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.extraction.isosurface import FineField, iso_solid, resample, unsmoothed_solid
 from cranktopo.tasks.extraction.release import released
@@ -100,7 +100,7 @@ def fine_field(
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
     made = scene.effects.manufacturing_constraint == "on"
     release = partial(released, scene=scene) if made else None
-    ways = way_of(scene).axes if made else ()
+    ways = withdrawal_of(scene).axes if made else ()
     return resample(grid if smooth is None else replace(grid, density=smooth), usable, release, ways)
 
 

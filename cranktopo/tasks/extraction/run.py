@@ -14,7 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.undercuts import Undercuts
 from cranktopo.bodies.web_moments import bolted_mass
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.precision import double_precision
@@ -125,7 +125,7 @@ def extract_run(run: RunStore, iteration: int | None = None) -> Extraction:
         CranktopoError: a loop, no density of that iteration, or a surface that fails a check.
     """
     require_kind(run, "optimise")
-    scene = planned_scene(scene_of_run(run))
+    scene = planned_scene(design_from_run(run))
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
     checked = checked_surface(scene, domain, design)

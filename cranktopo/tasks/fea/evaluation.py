@@ -15,7 +15,7 @@ from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.bodies.web_moments import Moments, bolted_mass
-from cranktopo.design.assumed import EVALUATED, Assumption, among, assumed_json
+from cranktopo.design.assumed import EVALUATED, Assumption, assumed_json, filter_by_table
 from cranktopo.design.halves import halves, of_halves
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
@@ -309,7 +309,7 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
         torsion_error_percent=torsion,
         bending_error_percent=bending,
         total_seconds=seconds,
-        assumed=among(target.assumed, EVALUATED),
+        assumed=filter_by_table(target.assumed, EVALUATED),
         triangles=target.triangles,
     )
 

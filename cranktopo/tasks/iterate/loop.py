@@ -15,7 +15,7 @@ from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.assumed import assumptions, stored_assumptions
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.new_run import new_run
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import plan, planned_scene
@@ -99,7 +99,7 @@ def continue_loop(reference: str, info: Info = lambda _: None) -> Outcome:
     run = open_run(reference)
     require_kind(run, LOOP)
     run.require_same_inputs()
-    scene, settings = scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP])
+    scene, settings = design_from_run(run), Settings.from_json(run.manifest()["options"][LOOP])
     return _worked(run, scene, settings, info, resume=True)
 
 

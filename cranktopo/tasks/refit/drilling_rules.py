@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.throw.drilling import Channel, channels
+from cranktopo.throw.drilling import DrillBore, drill_bores
 from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
 
 _POINTS = 33
@@ -23,7 +23,7 @@ def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[
     """
     start, end = around.scene.web_z_mm
     least = around.limits.min_wall_mm
-    for channel in channels(around.scene):
+    for channel in drill_bores(around.scene):
         axis = _axis(channel, start, end)
         needed = channel.radius_mm + around.wall_mm
         own = f"{channel.key} and the"
@@ -39,7 +39,7 @@ def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[
             yield wall_rule(f"between {own} {title}", least), needed - _off_box_mm(both, low, high)
 
 
-def _axis(channel: Channel, start: float, end: float) -> Array:
+def _axis(channel: DrillBore, start: float, end: float) -> Array:
     """Points of the axis within the web, (n, 3), z from its journal face."""
     (_, _, foot), (_, _, rise) = channel.mouths[0].point_mm, channel.direction
     ends = np.sort((np.array([start, end]) - foot) / rise) if rise else np.zeros(0)

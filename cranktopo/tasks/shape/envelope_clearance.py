@@ -25,7 +25,7 @@ _SAMPLES = 400
 """Samples of an envelope's section along its longer side, where it has no closed form."""
 
 
-class EnvelopeRoom:
+class EnvelopeClearance:
     """How far points of the outline's right half lie outside the envelope, mm; 0 or less inside."""
 
     def __init__(self, scene: Scene) -> None:

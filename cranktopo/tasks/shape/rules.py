@@ -10,7 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.constraints import NO_LENGTHS
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.envelope_clearance import EnvelopeRoom
+from cranktopo.tasks.shape.envelope_clearance import EnvelopeClearance
 
 ENVELOPE = "room of the envelope"
 _BROKEN_MM = 0.05
@@ -61,12 +61,12 @@ def _amount(name: str, over: float) -> str:
 
 def rules_at(scene: Scene, web: ParametricWeb, values: Array) -> Rules:
     """The rules of a web with these values."""
-    excess, slopes = rules_of(web, EnvelopeRoom(scene), values)
+    excess, slopes = rules_of(web, EnvelopeClearance(scene), values)
     names = web.rule_names(values)
     return Rules((*names, *[ENVELOPE] * (len(excess) - len(names))), excess, slopes)
 
 
-def rules_of(web: ParametricWeb, room: EnvelopeRoom, values: Array) -> tuple[Array, Array]:
+def rules_of(web: ParametricWeb, room: EnvelopeClearance, values: Array) -> tuple[Array, Array]:
     """Manufacturing constraints and envelope, mm, kept where <= 0, and their gradients."""
     inside, slopes = room.constraints(web, values)
     return np.concatenate([web.constraints(values), inside]), np.vstack([web.slopes(values), slopes])

@@ -19,7 +19,7 @@ from cranktopo.tasks.refit.dimensions import rounded, scene_at
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.envelope_clearance import EnvelopeRoom
+from cranktopo.tasks.shape.envelope_clearance import EnvelopeClearance
 from cranktopo.tasks.shape.rules import rules_at, rules_of
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.web_model import Responses, WebModel
@@ -115,7 +115,7 @@ class _Search:
         self.evaluations = 0
         self.best: tuple[float, float, Array] | None = None
         self._webs = webs
-        self._room = EnvelopeRoom(webs.scene)
+        self._room = EnvelopeClearance(webs.scene)
         self._last: tuple[bytes, Quantities] | None = None
         self._ruled: tuple[bytes, tuple[Array, Array]] | None = None
 
@@ -246,7 +246,7 @@ def prices_of(scene: Scene, web: ParametricWeb, at: Array, found: Quantities, go
     return prices(
         goal.objective_slope(found.slopes),
         (goal.excesses(found.values), goal.excess_slopes(found.slopes, len(at))),
-        rules_of(web, EnvelopeRoom(scene), at),
+        rules_of(web, EnvelopeClearance(scene), at),
         (at - low, high - at),
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.throw.counterweight import Sector
-from cranktopo.throw.drilling import channels
+from cranktopo.throw.drilling import drill_bores
 
 DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""
@@ -31,7 +31,7 @@ def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[t
     for k, (journal, _) in enumerate(scene.throw.journals):
         if journal.bore_radius_mm:
             yield "bore", partial(_off_bore, k)
-    for k in range(len(channels(scene))):
+    for k in range(len(drill_bores(scene))):
         yield "drilling", partial(_off_drilling, k)
     yield from _counterweight_faces(scene)
     if with_journals:
@@ -70,7 +70,7 @@ def _off_bore(number: int, scene: Scene, at: Array) -> Array:
 
 
 def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
-    channel = channels(scene)[number]
+    channel = drill_bores(scene)[number]
     return channel.distance_mm(at[0], at[1], at[2]) - channel.radius_mm
 
 
