@@ -143,7 +143,7 @@ def test_cells_and_surface_have_it() -> None:
     for cell in (4.0, 2.0):
         domain = build_domain(sharp, cell, "web")
         whole = build_domain(bare, cell, "web", domain.extent, domain.grid)
-        gone = float(((whole.fixed - domain.fixed) * domain.volume_mm3).sum())
+        gone = float(((whole.passive_fraction - domain.passive_fraction) * domain.volume_mm3).sum())
         assert gone == pytest.approx(drilled(sharp).volume, rel=2e-4)
 
 
@@ -153,12 +153,15 @@ def test_design_space_keeps_hole_and_wall() -> None:
     whole = build_domain(bare, 4.0, extent=domain.extent, grid=domain.grid)
     between = slice(*domain.web_layers)
     hole = ((whole.web - domain.web) * domain.volume_mm3)[:, :, between].sum()
-    wall = (domain.fixed * domain.volume_mm3)[:, :, between].sum()
+    wall = (domain.passive_fraction * domain.volume_mm3)[:, :, between].sum()
     assert hole == pytest.approx(
         drilled(mikron({**LEANING, "outlet_radius_mm": 0.0}), "web").volume, rel=2e-4
     )
     assert wall == pytest.approx(3 * hole, rel=0.25)  # twice the radius: four times the section
-    assert ((domain.fixed + domain.design) <= whole.fixed + whole.design + 1e-5).all()
+    assert (
+        (domain.passive_fraction + domain.design_fraction)
+        <= whole.passive_fraction + whole.design_fraction + 1e-5
+    ).all()
 
 
 def test_mirror() -> None:

@@ -118,8 +118,10 @@ def test_the_design_space_ends_there(clear: Scene) -> None:
     assert limit is not None
     x, y = (0.5 * (edges[1:] + edges[:-1]) for edges in (domain.grid.x_mm, domain.grid.y_mm))
     outside = limit.outside_mm(x[:, None], y[None, :])
-    assert not domain.design[outside > 3.0].any()
-    np.testing.assert_allclose(domain.design[outside < -3.0], whole.design[outside < -3.0], atol=1e-5)
+    assert not domain.design_fraction[outside > 3.0].any()
+    np.testing.assert_allclose(
+        domain.design_fraction[outside < -3.0], whole.design_fraction[outside < -3.0], atol=1e-5
+    )
     grid = DensityGrid(np.array([-76.0, -76.0, 20.0]), np.array([4.0, 4.0, 19.0]), np.ones((38, 40, 1)))
     solid = envelope_solid(clear, grid)
     points = np.asarray(solid.to_mesh().vert_properties)[:, :2]

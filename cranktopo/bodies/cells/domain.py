@@ -42,16 +42,16 @@ class Domain:
     Attributes:
         grid: node coordinates.
         extent: "half" throw, its x >= 0 "quarter", or the "full" throw.
-        fixed: fraction of each cell filled with undesignable solid (journal, pin, fixed web), (nx, ny, nz).
-        design: fraction of each cell that is designable, (nx, ny, nz); fixed + design <= 1.
+        passive_fraction: of each cell filled with undesignable solid (journal, pin, fixed web), (nx, ny, nz).
+        design_fraction: of each cell that is designable, (nx, ny, nz); together they are at most 1.
         pin: fraction of each cell that is crankpin between the web faces (the loaded material).
         web: fraction of each cell that belongs to the web when full (between the web faces).
     """
 
     grid: CellGrid
     extent: Extent
-    fixed: Array
-    design: Array
+    passive_fraction: Array
+    design_fraction: Array
     pin: Array
     web: Array
 
@@ -76,7 +76,7 @@ class Domain:
         return self.grid.cells[2] // (2 if self.extent == "full" else 1)
 
     @property
-    def share(self) -> float:
+    def symmetry_fraction(self) -> float:
         """Share of the full throw that the model holds."""
         return {"quarter": 0.25, "half": 0.5, "full": 1.0}[self.extent]
 
@@ -120,7 +120,7 @@ def build_domain(
     grid = grid or _grid(scene, resolution_mm, target, extent)
     planes = drill_cells(scene, grid, layers, _fractions(grid, layers))
     planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
-    planes["design"] = np.minimum(planes["design"], 1.0 - planes["fixed"])
+    planes["design_fraction"] = np.minimum(planes["design_fraction"], 1.0 - planes["passive_fraction"])
     if extent == "full":
         half = len(grid.z_mm) // 2
         planes = {k: np.concatenate([v[..., :half], v[..., :half][..., ::-1]], -1) for k, v in planes.items()}
@@ -157,7 +157,7 @@ def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Exten
 
 def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]:
     """Filled fraction of every cell by each kind of section."""
-    result = {kind: np.zeros(grid.cells) for kind in ("fixed", "design", "pin", "web")}
+    result = {kind: np.zeros(grid.cells) for kind in ("passive_fraction", "design_fraction", "pin", "web")}
     for layer in layers:
         filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
         for kind, section in layer.sections.items():
@@ -190,9 +190,9 @@ def _check_touches(scene: Scene, domain: Domain) -> None:
         ("throw.crankpin", int(np.argmin(np.abs(z - stop))), -1),
     )
     for key, plane, side in faces:
-        journal = domain.fixed[:, :, plane - 1 if side == 0 else plane]
+        journal = domain.passive_fraction[:, :, plane - 1 if side == 0 else plane]
         layer = plane if side == 0 else plane - 1
-        web = domain.design[:, :, layer] + domain.fixed[:, :, layer]
+        web = domain.design_fraction[:, :, layer] + domain.passive_fraction[:, :, layer]
         contact = np.sum(np.minimum(journal, web)) / np.sum(journal)
         if contact < 0.1:
             raise invalid(

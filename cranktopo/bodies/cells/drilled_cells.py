@@ -36,7 +36,7 @@ def drill_cells(
 
     Args:
         layers: of the half throw.
-        fractions: `fixed`, `design`, `pin` and `web`, each (nx, ny, nz).
+        fractions: those of the domain, each (nx, ny, nz).
 
     Raises:
         CranktopoError: a drilling leaves the design envelope.
@@ -77,13 +77,13 @@ class _Slab:
         """What is added to each kind of fraction in its cells, negative where it is taken away."""
         hole = together(*(channel.section(channel.radius_mm) for channel in found))
         wall = together(*(channel.section((1 + WALL) * channel.radius_mm) for channel in found))
-        kinds = {kind: section for kind, section in layer.sections.items() if kind != "design"}
+        kinds = {kind: section for kind, section in layer.sections.items() if kind != "design_fraction"}
         known = {section: self._fractions(grid, common(section, hole)) for section in {*kinds.values()}}
         gains = {kind: -known[section] for kind, section in kinds.items()}
         if layer.design:
             kept = self._fractions(grid, common(layer.design, section_difference(wall, hole)))
-            gains["design"] = -self._fractions(grid, common(layer.design, wall))
-            gains["fixed"] = gains.get("fixed", 0.0) + kept
+            gains["design_fraction"] = -self._fractions(grid, common(layer.design, wall))
+            gains["passive_fraction"] = gains.get("passive_fraction", 0.0) + kept
         return gains
 
     def _fractions(self, grid: CellGrid, section: Section) -> Array:

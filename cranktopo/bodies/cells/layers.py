@@ -39,14 +39,14 @@ class AxialLayer:
     Attributes:
         z_mm: the heights.
         changes: whether its sections change between them; otherwise it is a prism.
-        fixed: undesignable solid.
+        passive: undesignable solid.
         design: what is designable.
         pin: the crankpin.
         web: the web when full.
     """
 
     z_mm: tuple[float, float]
-    fixed: Section | None
+    passive: Section | None
     design: Section | None
     pin: Section | None
     web: Section | None
@@ -55,7 +55,12 @@ class AxialLayer:
     @property
     def sections(self) -> dict[str, Section]:
         """Those that hold something, by the names of the domain's fractions."""
-        named = {"fixed": self.fixed, "design": self.design, "pin": self.pin, "web": self.web}
+        named = {
+            "passive_fraction": self.passive,
+            "design_fraction": self.design,
+            "pin": self.pin,
+            "web": self.web,
+        }
         return {name: section for name, section in named.items() if section is not None}
 
 
@@ -92,7 +97,7 @@ def _body_from_file(scene: Scene, body: Manifold) -> list[AxialLayer]:
     found = []
     for z in _ranges_mm(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
         shape = polygon_section([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
-        found.append(AxialLayer(z, fixed=shape, design=None, pin=None, web=shape))
+        found.append(AxialLayer(z, passive=shape, design=None, pin=None, web=shape))
     return found
 
 
@@ -116,13 +121,13 @@ def _design_space(scene: Scene) -> list[AxialLayer]:
             check_counterweight_inside(scene, outline, middle)
             web = section_difference(outline, *bores)
             here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
-            fixed = section_difference(_section(here), *bores) if here else None
-            design = section_difference(web, fixed) if fixed else web
-            found.append(AxialLayer(z, fixed=fixed, design=design, pin=None, web=web))
+            passive = section_difference(_section(here), *bores) if here else None
+            design = section_difference(web, passive) if passive else web
+            found.append(AxialLayer(z, passive=passive, design=design, pin=None, web=web))
             continue
         journal, y = throw.journals[0 if middle < low else 1]
         shape = section_difference(disc_section(journal.radius_mm, y), *bores)
-        found.append(AxialLayer(z, fixed=shape, design=None, pin=None, web=shape))
+        found.append(AxialLayer(z, passive=shape, design=None, pin=None, web=shape))
     return found
 
 

@@ -15,8 +15,8 @@ def is_connected(domain: Domain, density: NDArray[np.float64]) -> bool:
     from scipy.ndimage import label
 
     first, last = domain.web_layers
-    solid = domain.fixed >= SOLID
-    solid[:, :, first:last] |= (density >= SOLID) & (domain.design > 0)[:, :, first:last]
+    solid = domain.passive_fraction >= SOLID
+    solid[:, :, first:last] |= (density >= SOLID) & (domain.design_fraction > 0)[:, :, first:last]
     labels, _ = label(solid)
     start, end = labels[:, :, 0][solid[:, :, 0]], labels[:, :, -1][solid[:, :, -1]]
     return bool(np.intersect1d(start, end).size > 0)

@@ -295,7 +295,7 @@ def _bounded(folder: Path, number: int, scenes: Sequence[Scene], settings: Setti
 def _envelope_mm3(scene: Scene) -> float:
     """Designable volume of one web."""
     domain = stage.prepare(scene).domain
-    return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
+    return float((domain.design_fraction * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
 
 
 def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:

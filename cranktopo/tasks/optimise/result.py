@@ -108,7 +108,7 @@ def _grid(domain: Domain) -> dict[str, Any]:
             "z_max": float(dz.max()),
         },
         "padding_cells": list(domain.grid.padding),
-        "design_cells": int(np.count_nonzero(domain.design)),
+        "design_cells": int(np.count_nonzero(domain.design_fraction)),
         "symmetry": mirrors,
         "extent": domain.extent,
     }
