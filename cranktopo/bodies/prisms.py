@@ -13,8 +13,9 @@ from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.through_holes import envelope_z_mm, through_holes
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import DrillOutlet, across, drill_bores
-from cranktopo.throw.drilling_outlet import ring_points
+from cranktopo.throw.drilling.bore import DrillOutlet, across
+from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
 
 CHORD_ERROR_MM = 0.002
@@ -64,23 +65,23 @@ def web_bores(scene: Scene) -> Manifold:
 def drillings(scene: Scene) -> Manifold:
     """What the oil drillings take out of the half throw, with the roundings of their outlets."""
     drilled = Manifold()
-    for channel in drill_bores(scene):
-        (low, high), along, radius = channel.extent_mm, channel.direction, channel.radius_mm
-        start = np.array(channel.mouths[0].point_mm) + low * along
+    for bore in drill_bores(scene):
+        (low, high), along, radius = bore.extent_mm, bore.direction, bore.radius_mm
+        start = np.array(bore.outlets[0].point_mm) + low * along
         hole = Manifold.cylinder(high - low, radius, radius, segments(radius))
         drilled += hole.transform(np.column_stack([*across(along), along, start]))
-        rounded = (mouth for mouth in channel.mouths if mouth.rounding_mm)
-        drilled += sum((_outlet_ring(radius, mouth) for mouth in rounded), Manifold())
+        rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm)
+        drilled += sum((_outlet_ring(radius, outlet) for outlet in rounded), Manifold())
     return drilled
 
 
-def _outlet_ring(radius_mm: float, mouth: DrillOutlet) -> Manifold:
+def _outlet_ring(radius_mm: float, outlet: DrillOutlet) -> Manifold:
     """The ring of a rounding; its sharp edge is moved outward, into the drilling and beyond the journal."""
-    around = segments(radius_mm + mouth.rounding_mm)
+    around = segments(radius_mm + outlet.rounding_mm)
     turns = np.linspace(0, 2 * np.pi, around, endpoint=False)
     turn, arc = (v.ravel() for v in np.meshgrid(turns, np.linspace(0, 1, _ARC_POINTS)))
-    rounding = ring_points(radius_mm, mouth, turn, arc, np.ones(turn.size))
-    edge = ring_points(radius_mm, mouth, turns, np.zeros(around), np.zeros(around))
+    rounding = ring_points(radius_mm, outlet, turn, arc, np.ones(turn.size))
+    edge = ring_points(radius_mm, outlet, turns, np.zeros(around), np.zeros(around))
     edge += _OUTWARD * (edge - rounding.reshape(_ARC_POINTS, around, 3).mean(axis=0))
     here = np.arange((_ARC_POINTS + 1) * around).reshape(-1, around)
     after, up = np.roll(here, -1, axis=1), np.roll(here, -1, axis=0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import drilling_asymmetry
+from cranktopo.throw.drilling.table import drilling_asymmetry
 
 
 def web_asymmetry(scene: Scene) -> str:

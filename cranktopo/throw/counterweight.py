@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,15 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import Length
 from cranktopo.throw.corner_fillet import CornerFillet
-from cranktopo.throw.feature import Body, Face, Feature, MirroredPrism, least_shoulder_mm
+from cranktopo.throw.feature import (
+    SMALLEST,
+    SMALLEST_FILLET,
+    Body,
+    Face,
+    Feature,
+    MirroredPrism,
+    least_shoulder_mm,
+)
 from cranktopo.throw.primitives import Arc, Extrusion, FeatureDrawing, LineSegment, Point, Solid, number_lines
 from cranktopo.throw.tangent_circle import OutlineSection, TangentCircle, largest_radius_mm, tangent_circle
 
@@ -156,6 +165,12 @@ class Counterweight(Feature):
                     f"{path}: runs into {key}, which is wider than the web's outline there.",
                     hint="Move the pocket toward the crankpin, or narrow the counterweight.",
                 )
+
+    @override
+    def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
+        yield f"{key}.outer_radius_mm", self.outer_radius_mm, SMALLEST
+        yield f"{key}.thickness_mm", self.thickness_mm or 0.0, SMALLEST
+        yield f"{key}.fillet_mm", self.fillet_mm or 0.0, SMALLEST_FILLET
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:

@@ -6,7 +6,7 @@ A feature knows neither meshes nor cells nor pages: rooms above loop over featur
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
@@ -27,6 +27,8 @@ Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
 _SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
 """Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
+SMALLEST, SMALLEST_FILLET = 1 / 500, 1 / 5000
+"""Smallest dimension and smallest fillet over the size of the throw."""
 ROUNDING_MM = 1e-9
 """The largest dimension that a message names must itself be accepted."""
 _SAMPLES = 2001
@@ -148,6 +150,10 @@ class Feature(SceneTable, ABC):
         Raises:
             CranktopoError: first inconsistency found.
         """
+
+    def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
+        """Key, value and smallest share of the throw's size of dimensions that are in proportion to it."""
+        yield from ()
 
     @abstractmethod
     def drawing(self, scene: ThrowView) -> FeatureDrawing:

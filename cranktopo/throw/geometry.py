@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -14,7 +14,8 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.polygons import Coordinates, polygon_section, self_intersection
 from cranktopo.base.spans import Span, disc_section
 from cranktopo.base.table import Length, LengthOrZero, Place, SceneTable
-from cranktopo.throw.drilling import Drilling
+from cranktopo.throw.drilling.table import Drilling
+from cranktopo.throw.feature import Feature
 from cranktopo.throw.fillet import FilletSection
 
 
@@ -74,6 +75,11 @@ class ThrowTable(SceneTable):
     def journals(self) -> tuple[tuple[Journal, float], tuple[Journal, float]]:
         """Main journal and crankpin, each with the place of its axis along the throw, mm."""
         return (self.main_journal, 0.0), (self.crankpin, self.radius_mm)
+
+    def features(self) -> Iterator[tuple[str, Feature]]:
+        """Each feature of journals and web together with its key path in the scene."""
+        for index, drilling in enumerate(self.drilling):
+            yield f"throw.drilling[{index}]", drilling
 
 
 class Clearance(SceneTable):

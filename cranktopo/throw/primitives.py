@@ -87,7 +87,30 @@ class Extrusion:
     path: Point
 
 
-Solid = Cylinder | Box | Frustum | Extrusion
+@dataclass(frozen=True)
+class RoundedOutlet:
+    """What rounds the edge at which a hole leaves a cylinder along the crank axis.
+
+    Attributes:
+        key: of the hole in the scene, for messages.
+        on: what the cylinder is called there.
+        at: where the hole's axis meets the cylinder.
+        outward: unit vector of that axis, out of the cylinder.
+        y_mm: place of the cylinder's axis along the throw.
+        surface_mm: radius of the cylinder.
+    """
+
+    key: str
+    on: str
+    hole: Cylinder
+    at: Point
+    outward: Point
+    y_mm: float
+    surface_mm: float
+    rounding_mm: float
+
+
+Solid = Cylinder | Box | Frustum | Extrusion | RoundedOutlet
 
 
 @dataclass(frozen=True)

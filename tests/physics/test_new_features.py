@@ -15,11 +15,11 @@ import pytest
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span, holds
-from cranktopo.bodies.solid.web import add_bodies
-from cranktopo.bodies.web_moments import body_moments
+from cranktopo.bodies.solid.throw import add_bodies
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.throw.feature import Body
+from cranktopo.throw.moments import body_moments
 from cranktopo.throw.primitives import Box, Cylinder, Solid
 from cranktopo.throw.web import web_bodies, web_spans
 

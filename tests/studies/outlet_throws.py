@@ -23,7 +23,8 @@ from cranktopo.numerics.tetrahedra.stress import nodal_stress
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import unit_fields
-from cranktopo.throw.drilling import DrillBore, DrillOutlet, drill_bores
+from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.table import drill_bores
 from tests.studies.example_throws import rule_throws
 
 Array = NDArray[np.float64]
@@ -112,7 +113,7 @@ def without_bore(outlet: Outlet) -> tuple[Array, Array]:
 
 def _first(scene: Scene) -> tuple[DrillBore, DrillOutlet]:
     (channel,) = drill_bores(scene)
-    return channel, channel.mouths[0]
+    return channel, channel.outlets[0]
 
 
 def _nominal_MPa(outlet: Outlet, scene: Scene) -> Array:

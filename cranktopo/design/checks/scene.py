@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.design.checks.drilling import check_drilling_ends, check_drillings_across
 from cranktopo.design.checks.engine import check_engine, check_supports
 from cranktopo.design.checks.free_dimensions import check_free_dimensions
 from cranktopo.design.checks.goal import check_goal
@@ -13,6 +14,9 @@ from cranktopo.design.checks.web import check_counterweight, check_solid
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.halves import halves, of_second
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.checks import check_across_pin
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import ROUNDING_MM
 from cranktopo.throw.fillet import ASPECT
 from cranktopo.throw.geometry import Journal
@@ -24,14 +28,21 @@ def check_scene(scene: Scene) -> None:
     Raises:
         CranktopoError: first inconsistency found.
     """
-    near, far = halves(scene)
-    _check_half(near)
-    if far is not near:
+    first, second = halves(scene)
+    _check_half(first)
+    if second is not first:
         try:
-            _check_half(far)
+            _check_half(second)
         except CranktopoError as error:
             raise of_second(error, scene) from None
-        check_drillings_across(scene)
+        bores = _named_bores(scene, first, "second"), _named_bores(scene, second, "first")
+        check_across_pin((first, second), bores)
+
+
+def _named_bores(scene: Scene, half: Scene, other: str) -> list[DrillBore]:
+    """The drillings of a half by their keys in the whole scene."""
+    own = (f"throw.drilling[{i}]" for i, one in enumerate(scene.throw.drilling) if one.web != other)
+    return [replace(bore, key=key) for key, bore in zip(own, drill_bores(half), strict=True)]
 
 
 def _check_half(scene: Scene) -> None:
@@ -42,7 +53,8 @@ def _check_half(scene: Scene) -> None:
     check_engine(scene)
     check_supports(scene)
     check_shaft(scene)
-    check_drilling_ends(scene)
+    for key, feature in scene.throw.features():
+        feature.check_alone(scene, key)
     check_solid(scene)
     check_web_extent(scene)
     _check_envelope(scene)

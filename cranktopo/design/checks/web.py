@@ -6,8 +6,9 @@ import numpy as np
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section, holds
-from cranktopo.design.checks.drilling import check_drillings
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.checks import check_apart
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import ROUNDING_MM, least_shoulder_mm
 from cranktopo.throw.geometry import Journal
 
@@ -29,7 +30,9 @@ def check_solid(scene: Scene) -> None:
     _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
     for key, feature in features:
         feature.check_in_web(scene, key)
-    check_drillings(scene)
+    for key, drilling in scene.throw.features():
+        drilling.check_in_web(scene, key)
+    check_apart(scene, drill_bores(scene))
 
 
 def check_counterweight(scene: Scene) -> None:

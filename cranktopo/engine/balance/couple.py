@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.drilling_moments import drilled
-from cranktopo.bodies.web_moments import body_moments, bolted_mass
+from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.halves import difference, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import fillet_ring
+from cranktopo.throw.drilling.moments import drilled
+from cranktopo.throw.moments import body_moments
 from cranktopo.throw.web import web_bodies
 
 

@@ -16,7 +16,8 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
-from cranktopo.throw.drilling import DrillBore, DrillOutlet, drill_bores
+from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.table import drill_bores
 
 LARGEST_BORE = 0.2
 """Largest bore over the pin's diameter for which the factors are given."""
@@ -96,7 +97,7 @@ def check_outlets(
     outlets = [
         (channel, mouth)
         for channel in drill_bores(half)
-        for mouth in channel.mouths
+        for mouth in channel.outlets
         if mouth.journal == "crankpin" and not mouth.in_bore
     ]
     if not outlets:

@@ -14,7 +14,7 @@ from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
 from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.bodies.web_moments import Moments, bolted_mass
+from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.assumed import EVALUATED, Assumption, assumed_json, filter_by_table
 from cranktopo.design.halves import halves, of_halves
 from cranktopo.design.scale import default_element_size_mm
@@ -31,6 +31,7 @@ from cranktopo.tasks.fea.support_stiffness import (
     torsional_stiffness_Nm_per_rad,
 )
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.throw.moments import Moments
 
 SCHEMA_VERSION = 1
 RATIO = 1.5

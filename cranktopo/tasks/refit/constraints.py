@@ -10,8 +10,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.drilling_rules import drilling_rules
 from cranktopo.tasks.refit.family import named_parts
+from cranktopo.throw.drilling.walls import drilling_rules
 from cranktopo.throw.feature import least_shoulder_mm
 from cranktopo.throw.fitted import (
     CLEAR_MM,

@@ -10,7 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.throw.counterweight import Sector
-from cranktopo.throw.drilling import drill_bores
+from cranktopo.throw.drilling.table import drill_bores
 
 DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""
@@ -70,8 +70,8 @@ def _off_bore(number: int, scene: Scene, at: Array) -> Array:
 
 
 def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
-    channel = drill_bores(scene)[number]
-    return channel.distance_mm(at[0], at[1], at[2]) - channel.radius_mm
+    bore = drill_bores(scene)[number]
+    return bore.off_axis_mm(at[0], at[1], at[2]) - bore.radius_mm
 
 
 def _off_journal(number: int, scene: Scene, at: Array) -> Array:

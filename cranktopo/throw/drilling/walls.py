@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.throw.drilling import DrillBore, drill_bores
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
 
 _POINTS = 33
@@ -23,10 +24,10 @@ def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[
     """
     start, end = around.scene.web_z_mm
     least = around.limits.min_wall_mm
-    for channel in drill_bores(around.scene):
-        axis = _axis(channel, start, end)
-        needed = channel.radius_mm + around.wall_mm
-        own = f"{channel.key} and the"
+    for bore in drill_bores(around.scene):
+        axis = _axis(bore, start, end)
+        needed = bore.radius_mm + around.wall_mm
+        own = f"{bore.key} and the"
         if not len(axis):
             continue
         yield wall_rule(f"between {own} outline", least), needed - _in_outline_mm(axis, around.points_mm)
@@ -39,15 +40,15 @@ def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[
             yield wall_rule(f"between {own} {title}", least), needed - _off_box_mm(both, low, high)
 
 
-def _axis(channel: DrillBore, start: float, end: float) -> Array:
+def _axis(bore: DrillBore, start: float, end: float) -> Array:
     """Points of the axis within the web, (n, 3), z from its journal face."""
-    (_, _, foot), (_, _, rise) = channel.mouths[0].point_mm, channel.direction
+    (_, _, foot), (_, _, rise) = bore.outlets[0].point_mm, bore.direction
     ends = np.sort((np.array([start, end]) - foot) / rise) if rise else np.zeros(0)
-    low, high = channel.extent_mm
+    low, high = bore.extent_mm
     if not len(ends) or ends[0] > high or ends[1] < low:
         return np.zeros((0, 3))
     places = np.linspace(max(ends[0], low), min(ends[1], high), _POINTS)[:, None]
-    points = np.array(channel.mouths[0].point_mm) + places * channel.direction
+    points = np.array(bore.outlets[0].point_mm) + places * bore.direction
     return np.asarray(points - [0.0, 0.0, start])
 
 
