@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import operator
+from functools import reduce
 
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold, Mesh
@@ -17,6 +19,7 @@ from cranktopo.throw.drilling.bore import DrillOutlet, across
 from cranktopo.throw.drilling.outlet_ring import ring_points
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
+from cranktopo.throw.web import kept_bodies
 
 CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
@@ -118,17 +121,18 @@ def journal_stubs(scene: Scene) -> Manifold:
     return stubs
 
 
-def counterweight_solid(scene: Scene) -> Manifold:
-    """The counterweight that is one piece with the web, within what the envelope's clearances leave."""
+def kept_solid(scene: Scene) -> Manifold:
+    """Return what no optimiser takes away, within what the envelope's clearances leave."""
     low, high = envelope_z_mm(scene)
-    weight = scene.web.counterweight
-    if weight is None or weight.bolted:
-        return Manifold()
-    sector = weight.sector(scene)
-    x, y = sector.rim_mm(max(3, math.ceil(segments(sector.radius_mm) * sector.half_angle / (2 * math.pi))))
-    points = np.column_stack([np.r_[0.0, -x[:0:-1], x], np.r_[0.0, y[:0:-1], y]])
-    section = CrossSection([points], FillRule.NonZero)
-    return _prism(section, max(low, sector.z_mm[0]), min(high, sector.z_mm[1]))
+    solids = [
+        _prism(
+            CrossSection([body.polygon_mm(segments)], FillRule.NonZero),
+            max(low, body.z_mm[0]),
+            min(high, body.z_mm[1]),
+        )
+        for body in kept_bodies(scene)
+    ]
+    return reduce(operator.add, solids) if solids else Manifold()
 
 
 def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:

@@ -17,6 +17,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.design.schema import Scene
+from cranktopo.throw.feature import Reach
 
 PISTON, CRANKCASE = "piston skirt", "crankcase"
 _DIRECTIONS, _CRANK_ANGLES = 721, 1441
@@ -183,14 +184,10 @@ def _half_width_mm(scene: Scene) -> float:
     return math.sqrt(max((scene.engine.bore_mm / 2) ** 2 - beside**2, 0.0))
 
 
-def _edges(scene: Scene) -> list[tuple[str, float | str, tuple[Array, Array]]]:
+def _edges(scene: Scene) -> list[Reach]:
     """Key path, its value, and points at x >= 0 of the outline and of the counterweight."""
     low, high = scene.web.y_range_mm(scene.throw.radius_mm)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, 801))
     outline = scene.web.half_width_mm(scene.throw.radius_mm, y), y
-    found: list[tuple[str, float | str, tuple[Array, Array]]] = [("web.outline", scene.web.outline, outline)]
-    weight = scene.web.counterweight
-    if weight is not None:
-        edge = weight.outer_mm(scene)
-        found.append(("web.counterweight.outer_radius_mm", weight.outer_radius_mm, edge))
-    return found
+    found: list[Reach] = [("web.outline", scene.web.outline, outline)]
+    return found + [reach for key, feature in scene.web.features() for reach in feature.reach_mm(scene, key)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.table import drilling_asymmetry
@@ -28,10 +30,12 @@ def envelope_asymmetry(scene: Scene) -> str:
 
 def mirror_image(scene: Scene) -> Scene:
     """The scene with its web and drillings mirrored in x = 0."""
-    turned = {
+    turned: dict[str, Any] = {
         key: tuple(feature.mirrored() for feature in getattr(scene.web, key))
         for key in scene.web.feature_keys
     }
+    singles = {key: getattr(scene.web, key) for key in scene.web.single_keys}
+    turned |= {key: feature and feature.mirrored() for key, feature in singles.items()}
     drilled = {"drilling": tuple(drilling.mirrored() for drilling in scene.throw.drilling)}
     throw, web = scene.throw.model_copy(update=drilled), scene.web.model_copy(update=turned)
     return scene.model_copy(update={"throw": throw, "web": web})

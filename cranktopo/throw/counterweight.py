@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -23,6 +23,7 @@ from cranktopo.throw.feature import (
     Face,
     Feature,
     MirroredPrism,
+    Reach,
     least_shoulder_mm,
 )
 from cranktopo.throw.primitives import Arc, Extrusion, FeatureDrawing, LineSegment, Point, Solid, number_lines
@@ -100,6 +101,14 @@ class Counterweight(Feature):
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         return () if self.bolted else self.parts(scene, key)
+
+    @override
+    def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        return (self.sector(scene, key),)
+
+    @override
+    def reach_mm(self, scene: ThrowView, key: str) -> Iterator[Reach]:
+        yield f"{key}.outer_radius_mm", self.outer_radius_mm, self.outer_mm(scene)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
@@ -199,12 +208,31 @@ class Sector(MirroredPrism):
 
     radius_mm: float
     half_angle: float
+    kept: ClassVar[bool] = True
+    """Its fillets are not: they follow the scene's outline, which an optimiser replaces."""
 
     @override
     def half_width_mm(self, y_mm: Array) -> Array:
         chord = np.sqrt(np.maximum(self.radius_mm**2 - y_mm**2, 0.0))
         return np.asarray(np.minimum(chord, np.maximum(-y_mm, 0.0) * math.tan(self.half_angle)))
 
+    @property
+    @override
+    def outer_dimension(self) -> tuple[str, object]:
+        return f"{self.key}.outer_radius_mm", self.radius_mm
+
+    @override
+    def ends_mm(self) -> tuple[Array, Array, Array]:
+        """Return those of its arc alone, from the bottom to the flanks."""
+        x, y = self.rim_mm()
+        return -x, x, y
+
+    @override
+    def polygon_mm(self, sides: Callable[[float], int]) -> Array:
+        x, y = self.rim_mm(max(3, math.ceil(sides(self.radius_mm) * self.half_angle / (2 * math.pi))))
+        return np.column_stack([np.r_[0.0, -x[:0:-1], x], np.r_[0.0, y[:0:-1], y]])
+
+    @override
     def inside_mm(self, x_mm: Array, y_mm: Array) -> Array:
         """Signed distance of points of a section from the nearer of flank and arc, positive inside."""
         return np.minimum(self.below_rim_mm(x_mm, y_mm), self.inside_flank_mm(x_mm, y_mm))

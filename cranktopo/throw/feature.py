@@ -6,7 +6,7 @@ A feature knows neither meshes nor cells nor pages: rooms above loop over featur
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
+Reach = tuple[str, object, tuple[Array, Array]]
+"""A key path, its value, and points (|x|, y) that it reaches to, mm."""
 _SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
 """Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
 SMALLEST, SMALLEST_FILLET = 1 / 500, 1 / 5000
@@ -48,11 +50,13 @@ class Body(ABC):
         key: key path of the feature in the scene, for messages.
         z_mm: its extent along the crank axis.
         adds: whether it is material; otherwise it is taken away.
+        kept: no optimiser takes it away; then it is a prism with one interval at each place.
     """
 
     key: str
     z_mm: tuple[float, float]
     adds: ClassVar[bool] = False
+    kept: ClassVar[bool] = False
 
     @abstractmethod
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
@@ -103,6 +107,35 @@ class Body(ABC):
         )
         return float(np.hypot(nearest, y - y_mm).min())
 
+    @property
+    def outer_dimension(self) -> tuple[str, object]:
+        """Key and value that a message names where it reaches too far."""
+        return self.key, [round(y, 3) for y in self.y_range_mm]
+
+    def ends_mm(self) -> tuple[Array, Array, Array]:
+        """Left and right end of a prism with one interval at each place, and the places along the throw."""
+        y = np.linspace(*self.y_range_mm, _SAMPLES)
+        ((left, right),) = self.spans(y, np.asarray(sum(self.z_mm) / 2))
+        return left, right, y
+
+    def polygon_mm(self, sides: Callable[[float], int]) -> Array:
+        """Corners (n, 2) of the section of such a prism, in order.
+
+        Args:
+            sides: of a polygon that stands for a circle of a radius.
+        """
+        left, right, y = self.ends_mm()
+        return np.column_stack([np.r_[right, left[::-1]], np.r_[y, y[::-1]]])
+
+    def inside_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Signed distance of points, broadcastable, from the edge of a prism's section, positive inside."""
+        left, right, y = self.ends_mm()
+        x, at = np.broadcast_arrays(x_mm, y_mm)
+        away = np.full(x.shape, np.inf)
+        for corner in np.column_stack([np.r_[left, right], np.r_[y, y]]):
+            away = np.minimum(away, np.hypot(x - corner[0], at - corner[1]))
+        return np.where(self.contains(x, at, sum(self.z_mm) / 2), away, -away)
+
     def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:
         """A prism of its section at the face it opens at, over an axial range from there; none by default."""
         return ()
@@ -134,6 +167,16 @@ class Feature(SceneTable, ABC):
         Args:
             key: key path of the table.
         """
+
+    def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        """Bodies that the design space must hold; by default those that no optimiser takes away."""
+        return tuple(body for body in self.bodies(scene, key) if body.kept)
+
+    def reach_mm(self, scene: ThrowView, key: str) -> Iterator[Reach]:
+        """Outermost points of what the design space must hold."""
+        for body in self.occupied(scene, key):
+            left, right, y = body.ends_mm()
+            yield (*body.outer_dimension, (np.maximum(-left, right), y))
 
     @abstractmethod
     def check_alone(self, scene: ThrowView, key: str) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.prisms import counterweight_solid
+from cranktopo.bodies.prisms import kept_solid
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.bodies.web_moments import bolted_mass, web_moments
@@ -100,10 +100,10 @@ def test_no_optimiser_empties_it(roomy: Scene) -> None:
 
 
 def test_surface_has_it_exactly(roomy: Scene) -> None:
-    volume = counterweight_solid(weighted(roomy, THIN)).volume()
+    volume = kept_solid(weighted(roomy, THIN)).volume()
     assert volume == pytest.approx(math.radians(75) * 55.0**2 * 12.0, rel=1e-4)
-    assert counterweight_solid(roomy).is_empty()
-    assert counterweight_solid(weighted(roomy, {**PLAIN, "density_kg_m3": 9000.0})).is_empty()
+    assert kept_solid(roomy).is_empty()
+    assert kept_solid(weighted(roomy, {**PLAIN, "density_kg_m3": 9000.0})).is_empty()
 
 
 def test_bolted_part_has_mass_and_nothing_else(roomy: Scene) -> None:

@@ -21,12 +21,11 @@ from cranktopo.bodies.cells.envelope_section import (
     envelope_sections,
 )
 from cranktopo.bodies.envelope_file import envelope_from_file
-from cranktopo.design.checks.web import check_counterweight_inside
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import Body
 from cranktopo.throw.geometry import Envelope, Journal
-from cranktopo.throw.web import kept_bodies, web_bodies, web_spans
+from cranktopo.throw.web import check_inside, kept_bodies, web_bodies, web_spans
 
 ORIGINAL_KEY = "original.file"
 GridContent = Literal["envelope", "web"]
@@ -106,21 +105,21 @@ def _section(bodies: Sequence[Body]) -> Section:
 
 
 def _design_space(scene: Scene) -> list[AxialLayer]:
-    """The envelope less the bores as layers, a counterweight solid; in a clearance the journal alone."""
+    """The envelope less the bores as layers, what is kept solid; in a clearance the journal alone."""
     (start, stop), envelope, throw = scene.web_z_mm, design_envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
     bores = [
         disc_section(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0
     ]
-    weights, found = kept_bodies(scene), []
+    kept, found = kept_bodies(scene), []
     heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
-    for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
+    for z in _ranges_mm(scene, [*heights, *(z for body in kept for z in body.z_mm)]):
         middle = sum(z) / 2
         if low < middle < high:
             outline = _turning_free(scene, envelope_section(envelope, middle))
-            check_counterweight_inside(scene, outline, middle)
+            check_inside(scene, outline, middle)
             web = section_difference(outline, *bores)
-            here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
+            here = [body for body in kept if body.z_mm[0] < middle < body.z_mm[1]]
             passive = section_difference(_section(here), *bores) if here else None
             design = section_difference(web, passive) if passive else web
             found.append(AxialLayer(z, passive=passive, design=design, pin=None, web=web))

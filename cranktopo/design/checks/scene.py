@@ -10,7 +10,7 @@ from cranktopo.design.checks.free_dimensions import check_free_dimensions
 from cranktopo.design.checks.goal import check_goal
 from cranktopo.design.checks.shaft import check_shaft
 from cranktopo.design.checks.sizes import check_envelope_reach, check_proportions, check_web_extent
-from cranktopo.design.checks.web import check_counterweight, check_solid
+from cranktopo.design.checks.web import check_solid
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.halves import halves, of_second
 from cranktopo.design.schema import Scene
@@ -20,6 +20,7 @@ from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import ROUNDING_MM
 from cranktopo.throw.fillet import ASPECT
 from cranktopo.throw.geometry import Journal
+from cranktopo.throw.web import check_inside
 
 
 def check_scene(scene: Scene) -> None:
@@ -116,7 +117,7 @@ def _check_envelope(scene: Scene) -> None:
     envelope.check()
     if envelope.stl_file is None:
         check_envelope_reach(scene, envelope.bounds_mm)
-        check_counterweight(scene)
+        check_inside(scene, envelope.spans)
     check_clearance(scene)
     clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm
     if clearance >= scene.web.thickness_mm:

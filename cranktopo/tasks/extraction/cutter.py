@@ -16,10 +16,10 @@ from cranktopo.base.frames import X, Y, Z
 from cranktopo.bodies.density_grid import DensityGrid, is_x_symmetric
 from cranktopo.bodies.prisms import (
     ON_MIRROR_MM,
-    counterweight_solid,
     envelope_solid,
     is_mirror_image,
     journal_stubs,
+    kept_solid,
     snapped_to_mirror_plane,
     web_bores,
 )
@@ -90,7 +90,7 @@ def build_cutter(
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
     symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)
-    return Cutter(envelope, web_bores(scene), journal_stubs(scene) + counterweight_solid(scene), symmetric)
+    return Cutter(envelope, web_bores(scene), journal_stubs(scene) + kept_solid(scene), symmetric)
 
 
 def fine_field(
