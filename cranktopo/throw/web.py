@@ -20,7 +20,7 @@ from cranktopo.base.spans import Section, Span, holds, material
 from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.bevel import EndBevel, FittedBevel
 from cranktopo.throw.box_pocket import BoxPocket, FittedBox
-from cranktopo.throw.counterweight import Counterweight
+from cranktopo.throw.counterweight.table import Counterweight
 from cranktopo.throw.cylinder_pocket import CylinderPocket, FittedCylinder
 from cranktopo.throw.feature import Body, Feature
 from cranktopo.throw.fitted import FittedFeature, FittedToSections

@@ -16,7 +16,7 @@ from cranktopo.bodies.web_moments import counterweight_mass, web_moments
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.refit.fit import scene_with_web
-from cranktopo.throw.tangent_circle import OutlineSection
+from cranktopo.throw.counterweight.tangent_circle import OutlineSection
 from tests.unit.counterweight_cases import DISC, OUTLINES, PLAIN, THIN, roomy_scene
 
 THICK_MM = 19.0

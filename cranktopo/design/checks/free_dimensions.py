@@ -18,7 +18,7 @@ from cranktopo.design.free_dimensions import (
     with_dimensions,
 )
 from cranktopo.design.schema import Scene
-from cranktopo.throw.counterweight import LEAST_HALF_ANGLE_DEG
+from cranktopo.throw.counterweight.table import LEAST_HALF_ANGLE_DEG
 from cranktopo.throw.feature import ROUNDING_MM
 
 M53_FILLET = (0.03, 0.13)

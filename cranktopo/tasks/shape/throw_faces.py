@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.throw.counterweight import Sector
+from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.drilling.table import drill_bores
 
 DistanceOf = Callable[[Scene, Array], Array]

@@ -21,10 +21,10 @@ from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.shape.throw_faces import DistanceOf, off_fillet, sector_of, throw_faces
+from cranktopo.throw.counterweight.tangent_circle import flank_directions
 from cranktopo.throw.fillet import FilletSection
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.flank import Flank
-from cranktopo.throw.tangent_circle import flank_directions
 
 _STEP = 1e-6
 """Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""

@@ -8,9 +8,9 @@ import numpy as np
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
+from cranktopo.throw.counterweight.tangent_circle import TangentCircle
 from cranktopo.throw.feature import MirroredPrism
 from cranktopo.throw.primitives import Arc, Extrusion, LineSegment, Point, Solid
-from cranktopo.throw.tangent_circle import TangentCircle
 
 
 @dataclass(frozen=True)
