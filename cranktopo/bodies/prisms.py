@@ -18,7 +18,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillOutlet, across
 from cranktopo.throw.drilling.outlet_ring import ring_points
 from cranktopo.throw.drilling.table import drill_bores
-from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
+from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
+from cranktopo.throw.geometry import Journal
 from cranktopo.throw.web import kept_bodies
 
 CHORD_ERROR_MM = 0.002

@@ -29,7 +29,8 @@ from cranktopo.design.messages import explain, register_root
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.design.shape import ShapeTable
 from cranktopo.design.supports import Supports
-from cranktopo.throw.geometry import Envelope, ThrowTable
+from cranktopo.throw.envelope import Envelope
+from cranktopo.throw.geometry import ThrowTable
 from cranktopo.throw.outline import Web
 
 EffectState = Literal["auto", "on", "off"]

@@ -17,7 +17,6 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
 from cranktopo.bodies.cells.drilled_cells import drill_cells
-from cranktopo.bodies.cells.envelope_section import envelope_bounds_mm
 from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
 from cranktopo.bodies.cells.layers import (
     ORIGINAL_KEY,
@@ -27,7 +26,7 @@ from cranktopo.bodies.cells.layers import (
     half_throw_layers,
 )
 from cranktopo.bodies.cells.plane_fractions import plane_fractions, slab_fractions
-from cranktopo.bodies.envelope_file import bounds_mm
+from cranktopo.bodies.envelope_file import bounds_mm, envelope_bounds_mm
 from cranktopo.design.checks.sizes import check_envelope_reach
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene

@@ -14,10 +14,10 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section, common, holds, section_difference, together
-from cranktopo.bodies.cells.envelope_section import envelope_section
 from cranktopo.bodies.cells.grid import CellGrid
 from cranktopo.bodies.cells.layers import AxialLayer
 from cranktopo.bodies.cells.plane_fractions import slab_fractions
+from cranktopo.bodies.envelope_file import envelope_section
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores

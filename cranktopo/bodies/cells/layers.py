@@ -14,17 +14,18 @@ from manifold3d import Manifold
 from cranktopo.base.errors import invalid
 from cranktopo.base.polygons import polygon_section
 from cranktopo.base.spans import Section, common, disc_section, section_difference
-from cranktopo.bodies.cells.envelope_section import (
+from cranktopo.bodies.envelope_file import (
     SECTIONS,
     envelope_bounds_mm,
+    envelope_from_file,
     envelope_section,
     envelope_sections,
 )
-from cranktopo.bodies.envelope_file import envelope_from_file
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
+from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.feature import Body
-from cranktopo.throw.geometry import Envelope, Journal
+from cranktopo.throw.geometry import Journal
 from cranktopo.throw.web import check_inside, kept_bodies, web_bodies, web_spans
 
 ORIGINAL_KEY = "original.file"

@@ -18,9 +18,6 @@ from cranktopo.design.supports import check_supports
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.checks import check_across_pin
 from cranktopo.throw.drilling.table import drill_bores
-from cranktopo.throw.feature import ROUNDING_MM
-from cranktopo.throw.fillet import ASPECT
-from cranktopo.throw.geometry import Journal
 from cranktopo.throw.web import check_inside
 
 
@@ -48,10 +45,10 @@ def _named_bores(scene: Scene, half: Scene, other: str) -> list[DrillBore]:
 
 
 def _check_half(scene: Scene) -> None:
-    _check_journal("throw.main_journal", scene.throw.main_journal)
-    _check_journal("throw.crankpin", scene.throw.crankpin)
+    scene.throw.main_journal.check("throw.main_journal")
+    scene.throw.crankpin.check("throw.crankpin")
     check_proportions(scene)
-    _check_bores_apart(scene)
+    scene.throw.check_bores_apart()
     check_engine(scene)
     check_supports(scene)
     check_shaft(scene)
@@ -64,51 +61,6 @@ def _check_half(scene: Scene) -> None:
     _check_tool(scene)
     check_free_dimensions(scene)
     check_goal(scene)
-
-
-def _check_journal(key: str, journal: Journal) -> None:
-    if journal.bore_diameter_mm >= journal.outer_diameter_mm:
-        raise invalid(
-            f"{key}.bore_diameter_mm",
-            journal.bore_diameter_mm,
-            f"must be smaller than {key}.outer_diameter_mm = {journal.outer_diameter_mm:g} mm",
-            "Use 0 for a solid journal.",
-        )
-    _check_fillet(key, journal)
-
-
-def _check_fillet(key: str, journal: Journal) -> None:
-    fillet, given = journal.fillet, journal.fillet_axial_mm is not None
-    key = f"{key}.fillet_axial_mm" if given else f"{key}.fillet_mm"
-    low, high = (share * fillet.radial_mm for share in ASPECT)
-    if given and not fillet.radial_mm:
-        raise invalid(
-            key, fillet.axial_mm, "an ellipse needs both semi-axes, and fillet_mm = 0", "Give fillet_mm, too."
-        )
-    if given and not low - ROUNDING_MM <= fillet.axial_mm <= high + ROUNDING_MM:
-        raise invalid(
-            key,
-            fillet.axial_mm,
-            f"must be >= {low:.4g} and <= {high:.4g} mm, {ASPECT[0]:g} to {ASPECT[1]:g} times fillet_mm = "
-            f"{fillet.radial_mm:g} mm",
-        )
-    if fillet.axial_mm >= journal.length_mm / 2:
-        raise invalid(
-            key,
-            fillet.axial_mm,
-            f"must be smaller than half the journal's length ({journal.length_mm / 2:g} mm)",
-        )
-
-
-def _check_bores_apart(scene: Scene) -> None:
-    """Main and pin bores both run through the web: they must not meet there."""
-    main, pin, radius = scene.throw.main_journal, scene.throw.crankpin, scene.throw.radius_mm
-    if main.bore_diameter_mm and pin.bore_diameter_mm and main.bore_radius_mm + pin.bore_radius_mm >= radius:
-        raise invalid(
-            "throw.crankpin.bore_diameter_mm",
-            pin.bore_diameter_mm,
-            f"pin and main bores meet in the web; their radii must add up to less than {radius:g} mm",
-        )
 
 
 def _check_envelope(scene: Scene) -> None:

@@ -48,7 +48,7 @@ from cranktopo.tasks.iterate.transition import transition_mm
 from cranktopo.tasks.optimise.stage import RUN_TABLES, announce, optimise_design, resume_optimisation
 from cranktopo.tasks.refit.fit import fit_web
 from cranktopo.tasks.refit.shape_error import shape_error
-from cranktopo.throw.geometry import StlEnvelope
+from cranktopo.throw.envelope import StlEnvelope
 
 STEP_FILE = "step.json"
 MOST_KEPT = 0.98
