@@ -52,7 +52,7 @@ def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[flo
 
 
 def symmetrised(path: Path) -> str:
-    """What was done to make a body its own mirror image in x = 0, in words; empty for nothing.
+    """Return what was done to make a body its own mirror image in x = 0, in words; empty for nothing.
 
     Raises:
         CranktopoError: as `envelope_from_file`.

@@ -59,7 +59,7 @@ def journal_halves(scene: Scene) -> tuple[Manifold, Manifold]:
 
 
 def web_bores(scene: Scene) -> Manifold:
-    """What bores and drillings take out of the web: a bore runs from face to face, and stops there."""
+    """Return what bores and drillings take out of the web: a bore runs from face to face, and stops there."""
     start, end = scene.web_z_mm
     through = (start - _BEYOND_MM, end + _BEYOND_MM)
     bores = [cylinder(j.bore_radius_mm, y, through) for j, y in scene.throw.journals if j.bore_radius_mm > 0]
@@ -67,7 +67,7 @@ def web_bores(scene: Scene) -> Manifold:
 
 
 def drillings(scene: Scene) -> Manifold:
-    """What the oil drillings take out of the half throw, with the roundings of their outlets."""
+    """Return what the oil drillings take out of the half throw, with the roundings of their outlets."""
     drilled = Manifold()
     for bore in drill_bores(scene):
         (low, high), along, radius = bore.extent_mm, bore.direction, bore.radius_mm
@@ -169,7 +169,7 @@ def _whole_envelope(scene: Scene, grid: DensityGrid) -> Manifold:
 
 
 def journal_ends(scene: Scene) -> Manifold:
-    """What stands on the web's faces: a slice of each journal, bores filled."""
+    """Return what stands on the web's faces: a slice of each journal, bores filled."""
     start, end = scene.web_z_mm
     ends = ((start - _BEYOND_MM / 2, start), (end, end + _BEYOND_MM / 2))
     slices = [cylinder(j.radius_mm, y, z) for (j, y), z in zip(scene.throw.journals, ends, strict=True)]
@@ -189,7 +189,7 @@ def snapped_to_mirror_plane(points: np.ndarray, within_mm: float = ON_MIRROR_MM)
 
 
 def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:
-    """Whether a solid is its own mirror image in the plane x = 0."""
+    """Tell whether a solid is its own mirror image in the plane x = 0."""
     return mirror_difference(solid) <= share
 
 

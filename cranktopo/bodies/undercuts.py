@@ -41,7 +41,7 @@ class Undercuts:
 
     @property
     def negligible(self) -> bool:
-        """Whether the process leaves the web as it is."""
+        """True if the process leaves the web as it is."""
         return self.volume_mm3 <= NEGLIGIBLE_SHARE * self.web_mm3
 
     def as_json(self) -> dict[str, Any]:
@@ -80,7 +80,7 @@ LATERAL_DIE = Withdrawal("a die that parts in x = 0", X, 0.0)
 
 
 def withdrawal_of(scene: Scene) -> Withdrawal:
-    """How the scene's web is made; any that may be free of it is measured by a die that parts in x = 0."""
+    """Return how the web is made; one that may be free is measured by a die that parts in x = 0."""
     settings = scene.optimise
     if settings.process == "milled":
         return Withdrawal("a mill from both faces and both sides", None, None)
@@ -93,7 +93,7 @@ def withdrawal_of(scene: Scene) -> Withdrawal:
 
 
 def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Withdrawal | None = None) -> Undercuts:
-    """What the scene's process would have to leave behind, bores and drilled holes filled.
+    """Return what the scene's process would have to leave behind, bores and drilled holes filled.
 
     Args:
         scene: its bores and the holes of its envelope, which are drilled afterwards.
@@ -110,7 +110,7 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Withdrawal | 
 
 
 def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
-    """What a die that parts in x = 0 cannot leave of the web of a half throw, from any source."""
+    """Return what a die that parts in x = 0 cannot leave of the web of a half throw, from any source."""
     body = solid_of(half_throw, "half throw")
     return undercuts(mesh_of(web_region(body, scene)), scene, step_mm, LATERAL_DIE)
 
@@ -160,7 +160,7 @@ def _beyond_mills(
 
 
 def _voxels(body: Manifold, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
-    """Whether the points of a lattice lie inside a body."""
+    """Tell whether the points of a lattice lie inside a body."""
     from skimage.draw import polygon2mask
 
     inside = np.zeros((len(x), len(y), len(z)), dtype=bool)

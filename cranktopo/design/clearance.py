@@ -36,7 +36,7 @@ class ClearanceLimit:
     radius_mm: Array
 
     def outside_mm(self, x_mm: Array, y_mm: Array) -> Array:
-        """How far points lie beyond the largest radius, mm; 0 or less within."""
+        """Return how far points lie beyond the largest radius, mm; 0 or less within."""
         angle = np.arctan2(np.abs(x_mm), y_mm)
         return np.asarray(np.hypot(x_mm, y_mm) - np.interp(angle, self.angle_rad, self.radius_mm))
 
@@ -57,7 +57,7 @@ class ClearanceLimit:
 
 
 def clearance_limit(scene: Scene) -> ClearanceLimit | None:
-    """What `[envelope.clearance]` leaves with its least gap; None without one."""
+    """Return what `[envelope.clearance]` leaves with its least gap; None without one."""
     found = _limits(scene, with_gap=True)
     if not found:
         return None
@@ -76,7 +76,7 @@ def clearances_of_points_mm(scene: Scene, x_mm: Array, y_mm: Array) -> dict[str,
 
 
 def turning_limits(scene: Scene) -> dict[str, ClearanceLimit]:
-    """What piston skirt and crankcase leave, without a gap."""
+    """Return what piston skirt and crankcase leave, without a gap."""
     return _limits(scene, with_gap=False)
 
 

@@ -118,7 +118,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
 
 
 def _toml_reason(error: Exception, text: str) -> str:
-    """What the parser says, with the line that it is about."""
+    """Return what the parser says, with the line that it is about."""
     if isinstance(error, tomllib.TOMLDecodeError):
         reason, place = quoted(str(error))[1:-1], _TOML_PLACE.search(str(error))
         lines = text.splitlines()[int(place[1]) - 1 :] if place else []

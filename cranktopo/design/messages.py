@@ -124,7 +124,7 @@ def _choice(detail: ErrorDetails, path: str) -> tuple[str, str]:
 
 
 def _instead(loc: tuple[int | str, ...]) -> str:
-    """What to write instead of an unknown key: the key it is like, its table, or all keys that there are."""
+    """Return what to write instead of an unknown key: the key it is like, its table, or all keys."""
     key = str(loc[-1])
     near = _nearest(loc)
     if near is not None:

@@ -135,7 +135,7 @@ def speed_range_rpm(scene: Scene) -> tuple[float, float]:
 
 
 def shaft_warnings(scene: Scene) -> tuple[str, ...]:
-    """What the shaft table leaves out and the vibration depends on, one line each."""
+    """Return what the shaft table leaves out and the vibration depends on, one line each."""
     shaft = scene.shaft
     if shaft is None:
         return ("[shaft] is missing: the crankshaft swings with both ends free, without its flywheel.",)
@@ -153,7 +153,7 @@ def shaft_warnings(scene: Scene) -> tuple[str, ...]:
 
 
 def is_damped(shaft: ShaftTable) -> bool:
-    """Whether anything takes energy from a vibration."""
+    """Tell whether anything takes energy from a vibration."""
     own = (shaft.cylinder_damping_Nms_per_rad, shaft.throw_damping_Nms_per_rad, shaft.throw_loss_factor)
     coupling, propeller, damper = shaft.coupling, shaft.propeller, shaft.damper
     joined = (

@@ -11,9 +11,9 @@ from cranktopo.throw.drilling.table import drilling_asymmetry
 
 def web_asymmetry(scene: Scene) -> str:
     """Key of the first feature of a web, or drilling, without a mirrored twin; empty where all have one."""
-    near, far = halves(scene)
-    second = "" if far is near else _asymmetry(far)
-    return _asymmetry(near) or (second and f"the second half's {second}")
+    first, second = halves(scene)
+    other = "" if second is first else _asymmetry(second)
+    return _asymmetry(first) or (other and f"the second half's {other}")
 
 
 def _asymmetry(scene: Scene) -> str:
@@ -42,7 +42,7 @@ def mirror_image(scene: Scene) -> Scene:
 
 
 def may_mirror(scene: Scene, asymmetry: str) -> bool:
-    """Whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it.
+    """Tell whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it.
 
     Args:
         asymmetry: what `web_asymmetry` or `envelope_asymmetry` found; empty for nothing.

@@ -95,7 +95,7 @@ class Body(ABC):
         return ()
 
     def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        """Whether points at a height within its extent lie in the body, its surface included."""
+        """Tell whether points at a height within its extent lie in the body, its surface included."""
         return holds(self.spans(y_mm, np.asarray(z_mm)), x_mm)
 
     def distance_mm(self, y_mm: float, z_mm: float) -> float:
@@ -200,7 +200,7 @@ class Feature(SceneTable, ABC):
 
     @abstractmethod
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
-        """How it appears in the drawing."""
+        """Return how it appears in the drawing."""
 
     def mirrored(self) -> Self:
         """Its mirror image in x = 0; itself for most."""

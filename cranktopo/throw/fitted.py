@@ -65,7 +65,7 @@ class BodyCells(Protocol):
 
     @property
     def solid(self) -> Mask:
-        """Which cells are filled for the most part, (nx, ny, nz)."""
+        """Cells that are filled for the most part, (nx, ny, nz)."""
 
 
 class Region(Protocol):
@@ -139,7 +139,7 @@ class FittedFeature(ABC):
     @property
     @abstractmethod
     def title(self) -> str:
-        """What it is called in a sentence, such as `journal bevel`."""
+        """Its name in a sentence, such as `journal bevel`."""
 
     @property
     @abstractmethod
@@ -151,7 +151,7 @@ class FittedFeature(ABC):
         """Lower and upper bound of each parameter."""
 
     def possible(self, scene: ThrowView) -> bool:
-        """Whether the web of a scene may have one, whatever its values."""
+        """Tell whether the web of a scene may have one, whatever its values."""
         return True
 
     @abstractmethod

@@ -36,7 +36,7 @@ class ProfileWeb(WebTable):
 
     @property
     def round_ends(self) -> tuple[bool, bool]:
-        """Whether the lower and the upper end are round and not cut straight across."""
+        """True if the lower and the upper end are round and not cut straight across."""
         return self.half_widths_mm[0] == 0, self.half_widths_mm[-1] == 0
 
     @property

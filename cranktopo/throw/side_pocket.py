@@ -69,7 +69,7 @@ class SidePocket(Feature):
 
     @property
     def slope(self) -> float:
-        """How much each wall opens per mm toward the side."""
+        """Opening of each wall per mm toward the side."""
         return math.tan(math.radians(self.draft_deg))
 
     @override
@@ -146,7 +146,7 @@ def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
 
 
 def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> Any:
-    """How far a bevel reaches below a groove's floor where the groove cuts, mm; <= 0 where it nowhere does.
+    """Return how far a bevel reaches below a groove's floor where the groove cuts, mm; <= 0 for nowhere.
 
     Args:
         bottom_mm: depth of the floor's far edge below the bevel's face.

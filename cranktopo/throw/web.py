@@ -138,7 +138,7 @@ class OutlineBody(Body):
 
 
 def web_bodies(scene: ThrowView) -> list[Body]:
-    """What the web is made of: its outline, the bores through it, its features."""
+    """Return what the web is made of: its outline, the bores through it, its features."""
     outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
     return [outline, *bore_holes(scene), *feature_bodies(scene)]
 

@@ -56,12 +56,12 @@ class Domain:
 
     @property
     def mirrored_x(self) -> bool:
-        """Whether the plane x = 0 is a mirror of the model."""
+        """True if the plane x = 0 is a mirror of the model."""
         return self.extent == "quarter"
 
     @property
     def mirrored_z(self) -> bool:
-        """Whether the mid-pin plane is a mirror of the model."""
+        """True if the mid-pin plane is a mirror of the model."""
         return self.extent != "full"
 
     @property
@@ -86,7 +86,7 @@ class Domain:
 
 
 def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
-    """Whether the geometry is its own mirror image in x and the scene allows the mirror.
+    """Tell whether the geometry is its own mirror image in x and the scene allows the mirror.
 
     Args:
         target: whose geometry, that of the design envelope or of the scene's own web.

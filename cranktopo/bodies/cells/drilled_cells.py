@@ -73,7 +73,7 @@ class _Slab:
     cells: int
 
     def gains(self, grid: CellGrid, found: Sequence[DrillBore], layer: AxialLayer) -> dict[str, Array]:
-        """What is added to each kind of fraction in its cells, negative where it is taken away."""
+        """Return what is added to each kind of fraction in its cells, negative where it is taken away."""
         hole = together(*(bore.section(bore.radius_mm) for bore in found))
         wall = together(*(bore.section(bore.wall_mm) for bore in found))
         kinds = {kind: section for kind, section in layer.sections.items() if kind != "design_fraction"}

@@ -57,11 +57,11 @@ class MeshedThrow:
 
     @property
     def copies(self) -> int:
-        """How many of the body make the throw."""
+        """Number of such bodies in the throw."""
         return 1 if self.whole else 2
 
     def span(self, parity: Parity) -> Span:
-        """What a motion of a parity is condensed from: a whole throw has no parity."""
+        """Return what a motion of a parity is condensed from: a whole throw has no parity."""
         return "whole" if self.whole else parity
 
 

@@ -104,8 +104,8 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> 
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
     if part in ("web", "second_web"):
-        near, far = halves(scene)
-        body = _web(occ, near if part == "web" else mirror_image(far))
+        first, second = halves(scene)
+        body = _web(occ, first if part == "web" else mirror_image(second))
         if part == "second_web":
             occ.rotate(body, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     else:

@@ -51,7 +51,7 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
 
 
 def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
-    """What a piece of the cylinder around the outlet loses by hole and rounding."""
+    """Return what a piece of the cylinder around the outlet loses by hole and rounding."""
     piece = _piece(occ, outlet)
     bored, _ = occ.cut(occ.copy(piece), add_solid(occ, outlet.hole))
     occ.synchronize()  # curves can be asked for their points only then

@@ -117,7 +117,7 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
 
 
 def _stays_round(scene: Scene, name: DimensionName) -> bool:
-    """Whether the axial semi-axis of a fillet follows its radius."""
+    """Tell whether the axial semi-axis of a fillet follows its radius."""
     return free_range_mm(scene, AXIAL[name]) is None and journal_of(scene, name).fillet_axial_mm is None
 
 

@@ -65,7 +65,7 @@ class Counterweight(Feature):
 
     @property
     def bolted(self) -> bool:
-        """Whether it is a part of its own, which has mass and no stiffness."""
+        """True if it is a part of its own, which has mass and no stiffness."""
         return self.density_kg_m3 is not None
 
     def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
@@ -213,7 +213,7 @@ def _circle(web: Any, throw_radius_mm: float, half_angle: float, radius_mm: floa
 
 
 def _meets(slot: Body, part: Sector | CornerFillet) -> bool:
-    """Whether the tool of a side pocket ends in a part of the counterweight."""
+    """Tell whether the tool of a side pocket ends in a part of the counterweight."""
     low, high = (max(slot.z_mm[0], part.z_mm[0]), min(slot.z_mm[1], part.z_mm[1]))
     if low >= high:
         return False

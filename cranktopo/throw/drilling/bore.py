@@ -67,7 +67,7 @@ class DrillOutlet:
         return replace(self, point_mm=(x, y, pitch_mm - z), outward=(dx, dy, -dz))
 
     def height_mm(self, offsets_mm: Array, radius_mm: float) -> Array:
-        """How far along the axis beyond `point_mm` lines parallel to it pass a cylinder about the journal.
+        """Return how far beyond `point_mm` lines parallel to the axis pass a cylinder about the journal.
 
         Args:
             offsets_mm: (n, 3) of the lines from the axis.
@@ -133,7 +133,7 @@ class DrillBore(Body):
 
     @property
     def extent_mm(self) -> tuple[float, float]:
-        """Where the tool begins and ends along the axis, from the first end on."""
+        """Places along the axis where the tool begins and ends, from the first end on."""
         before, after = (self._beyond_mm(outlet) for outlet in self.outlets)
         return -before, self.length_mm + after
 

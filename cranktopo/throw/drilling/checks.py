@@ -98,7 +98,7 @@ def check_across_pin(
 
 
 def _check_crossing(own: ThrowView, other: ThrowView, bore: DrillBore) -> None:
-    """What of an outlet reaches across the middle of the pin stays on its straight part there."""
+    """Return what of an outlet reaches across the middle of the pin stays on its straight part there."""
     pin = other.throw.crankpin
     room = pin.length_mm / 2 - pin.fillet.axial_mm - least_shoulder_mm(own.throw)
     over = float(bore.surface_mm(bore.reach_mm)[:, 2].max()) - own.pitch_mm / 2
@@ -146,7 +146,7 @@ def _check_outlets(scene: ThrowView, drilling: Drilling, bore: DrillBore) -> Non
 
 
 def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet) -> float:
-    """How far an outlet, and the tool outside the journal, reaches beyond the journal's straight part, mm."""
+    """Return how far an outlet and its tool reach beyond the journal's straight part, mm."""
     journal, toward, face = _end_of(scene, outlet)
     turn = np.linspace(0, 2 * np.pi, 181)
     if outlet.rounding_mm:
@@ -219,7 +219,7 @@ def _refusal(bore: DrillBore, what: str, least: float) -> CranktopoError:
 
 
 def _holds(body: Body, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
-    """Whether a body holds points, each at its own height."""
+    """Tell whether a body holds points, each at its own height."""
     low, high = body.y_range_mm
     parts = [(x >= left) & (x <= right) & (left < right) for left, right in body.spans(y, z)]
     return np.asarray(np.any(parts, axis=0) & (y >= low) & (y <= high))

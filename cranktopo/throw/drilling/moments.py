@@ -51,7 +51,7 @@ def drilled(scene: ThrowView, part: Part | None = None, before_z_mm: float | Non
 
 @lru_cache(maxsize=64)
 def _bored(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
-    """What the cylinder of a drilling takes out of a part."""
+    """Return what the cylinder of a drilling takes out of a part."""
     slice_at = _Slices(scene, bore, part, before_z_mm)
     kinks = np.clip(np.array(slice_at.kinks_mm) / bore.radius_mm, -1, 1)
     turns = np.arcsin(np.unique(np.concatenate([[-1.0, 0.0, 1.0], kinks])))
@@ -162,7 +162,7 @@ def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[A
 
 
 def _rounded(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
-    """What the roundings of its outlets take out of a part."""
+    """Return what the roundings of its outlets take out of a part."""
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for outlet in bore.outlets:
         if outlet.rounding_mm and outlet.journal == part:

@@ -43,7 +43,7 @@ class DrillingEnd(SceneTable):
 
     @property
     def in_bore(self) -> bool:
-        """Whether it lies on the wall of an axial bore."""
+        """True if it lies on the wall of an axial bore."""
         return self.on.endswith(_BORE)
 
     @property
@@ -193,7 +193,7 @@ def drilling_asymmetry(scene: ThrowView) -> str:
 
 
 def _signature(bore: DrillBore, side: int) -> tuple[object, ...]:
-    """What tells a drilling from another; `side` -1: of its mirror image."""
+    """Return what tells a drilling from another; `side` -1: of its mirror image."""
     ends = []
     for outlet in bore.outlets:
         x, y, z = outlet.point_mm
