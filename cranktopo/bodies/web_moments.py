@@ -6,8 +6,7 @@ from functools import lru_cache
 
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.throw import moments as throw_moments
-from cranktopo.throw.moments import Moments, body_moments
+from cranktopo.throw.moments import Moments, body_moments, body_section_moments
 from cranktopo.throw.web import web_bodies
 
 
@@ -51,4 +50,4 @@ def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moment
 
 def section_moments(scene: Scene, z_mm: float) -> Moments:
     """Return the moments of the web's section at a height, per mm of height."""
-    return throw_moments.section_moments(web_bodies(scene), z_mm)
+    return body_section_moments(web_bodies(scene), z_mm)

@@ -75,7 +75,7 @@ def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Mo
     return Moments(*integrate(slices, _breaks(bodies)).tolist())
 
 
-def section_moments(bodies: Sequence[Body], z_mm: float) -> Moments:
+def body_section_moments(bodies: Sequence[Body], z_mm: float) -> Moments:
     """Return the moments of the section that bodies leave at a height, per mm of height."""
     found = integrate(lambda y: _moments_at(bodies, y, np.full_like(y, z_mm)), _breaks(bodies))
     return Moments(*found.tolist())
